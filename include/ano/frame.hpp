@@ -1,0 +1,96 @@
+// One ANO V8 frame: 0xAB S_ADDR D_ADDR ID LEN(u16, little-endian) DATA SC AC   (protocol text, section 1)
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+
+namespace ano {
+
+inline constexpr std::uint8_t head = 0xAB;
+inline constexpr std::size_t header_size = 6;               // HEAD to LEN
+inline constexpr std::size_t overhead = header_size + 2;    // and SC AC: the smallest frame
+inline constexpr std::size_t largest_data = 65535;          // what LEN can say
+inline constexpr std::size_t largest_frame = overhead + largest_data;
+
+/// Both check bytes of a frame.
+struct Checks {
+    std::uint8_t sum;    // SC: the sum of every byte from HEAD to the end of DATA, mod 256
+    std::uint8_t add;    // AC: the sum of the successive values of SC, mod 256
+    friend constexpr bool operator==(Checks, Checks) = default;
+};
+
+/// The checks over `bytes`, which are HEAD to the end of DATA. Linear, never fails.
+constexpr Checks checks_of(std::span<const std::uint8_t> bytes) noexcept {
+    std::uint8_t sum = 0;
+    std::uint8_t add = 0;
+    for (const std::uint8_t byte : bytes) {
+        sum = static_cast<std::uint8_t>(sum + byte);
+        add = static_cast<std::uint8_t>(add + sum);
+    }
+    return {sum, add};
+}
+
+/// One whole, checked frame in someone else's memory. As cheap to copy as a span; valid as long as that memory
+/// (for a frame from FrameParser: until its next prepare()).
+class FrameView {
+public:
+    /// `bytes` must be exactly one frame whose checks hold: use frame_at() or FrameParser to find out.
+    constexpr explicit FrameView(std::span<const std::uint8_t> bytes) noexcept : bytes_{bytes} {}
+
+    constexpr std::uint8_t source() const noexcept { return bytes_[1]; }
+    constexpr std::uint8_t destination() const noexcept { return bytes_[2]; }
+    constexpr std::uint8_t id() const noexcept { return bytes_[3]; }
+    constexpr std::span<const std::uint8_t> data() const noexcept {
+        return bytes_.subspan(header_size, bytes_.size() - overhead);
+    }
+    constexpr Checks checks() const noexcept { return {bytes_[bytes_.size() - 2], bytes_[bytes_.size() - 1]}; }
+    /// HEAD to AC.
+    constexpr std::span<const std::uint8_t> bytes() const noexcept { return bytes_; }
+
+private:
+    std::span<const std::uint8_t> bytes_;
+};
+
+/// What LEN says of a frame that begins at `header`, which has header_size bytes or more: 0 to 65535.
+constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
+    return static_cast<std::size_t>(header[4] | header[5] << 8);
+}
+
+/// The frame that `bytes` begin with, when it is whole, its LEN is at most `max_data` and both checks hold.
+constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes,
+                                            std::size_t max_data = largest_data) noexcept {
+    if (bytes.size() < overhead || bytes[0] != head) return std::nullopt;
+    const std::size_t length = data_length(bytes.data());
+    if (length > max_data || bytes.size() < overhead + length) return std::nullopt;
+    const FrameView frame{bytes.first(overhead + length)};
+    if (checks_of(frame.bytes().first(header_size + length)) != frame.checks()) return std::nullopt;
+    return frame;
+}
+
+/// Writes both checks behind a frame that is complete but for them; `frame` is HEAD to AC, LEN must agree with its size.
+constexpr void seal(std::span<std::uint8_t> frame) noexcept {
+    const Checks checks = checks_of(frame.first(frame.size() - 2));
+    frame[frame.size() - 2] = checks.sum;
+    frame[frame.size() - 1] = checks.add;
+}
+
+/// Writes one frame to the front of `out` and returns its size; 0, and nothing written, when `out` has not
+/// overhead + data.size() bytes or the data exceed what LEN can say. `data` may not overlap `out`.
+constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination,
+                             std::uint8_t id, std::span<const std::uint8_t> data) noexcept {
+    if (data.size() > largest_data || out.size() < overhead + data.size()) return 0;
+    const auto frame = out.first(overhead + data.size());
+    frame[0] = head;
+    frame[1] = source;
+    frame[2] = destination;
+    frame[3] = id;
+    frame[4] = static_cast<std::uint8_t>(data.size());
+    frame[5] = static_cast<std::uint8_t>(data.size() >> 8);
+    for (std::size_t i = 0; i < data.size(); ++i) frame[header_size + i] = data[i];
+    seal(frame);
+    return frame.size();
+}
+
+}  // namespace ano

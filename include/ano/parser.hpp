@@ -1,0 +1,100 @@
+// Finds the frames in a stream of bytes.
+//
+// Flow:    auto room = parser.prepare();              // read into it
+//          parser.commit(n, now);
+//          while (auto frame = parser.next()) …       // each view is valid until the next prepare()
+//          arm a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
+//
+// A datagram goes in by begin_datagram() first, which decides whether what the one before left behind still counts.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace ano {
+
+/// What became of the bytes. bytes_in = the bytes of good frames + skipped_bytes + those still waiting.
+struct ParserCounters {
+    std::uint64_t frames_in{};
+    std::uint64_t bytes_in{};
+    std::uint64_t bad_check{};        // candidates whose checks do not hold
+    std::uint64_t bad_length{};       // candidates whose LEN is above max_data
+    std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
+    std::uint64_t expired{};          // candidates whose end never came
+    std::uint64_t v7_frames{};        // whole frames of the previous protocol version (HEAD 0xAA) among the skipped bytes
+};
+
+/// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
+/// linear time. Neither throws nor allocates after construction.
+class FrameParser {
+public:
+    struct Options {
+        std::size_t max_data = 4096;                       // 0 to 65535: larger LEN is refused from the header alone
+        std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
+        Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, good frames may overtake
+    };
+
+    explicit FrameParser(Options options);
+
+    /// Room for what comes next, one byte at the least if next() was called until it returned nothing. Ends every view.
+    std::span<std::uint8_t> prepare() noexcept;
+    /// `n` bytes of that room were filled, at `now`.
+    void commit(std::size_t n, TimePoint now) noexcept;
+    /// The next good frame, if one is whole.
+    std::optional<FrameView> next() noexcept;
+
+    /// Call before the bytes of a datagram are put in. What is left of the one before is kept only if it is younger than
+    /// 100 ms and `datagram` does not itself start with a whole good frame.
+    void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
+    /// The input ends here: next() no longer waits for the rest of a candidate.
+    void finish() noexcept { barrier_ = end_; }
+    /// Gives up a candidate that holds good frames back, or whose rest is overdue. True: call next() again.
+    bool expire(TimePoint now) noexcept;
+    /// When expire() may next have something to do; nothing while no candidate waits for its rest.
+    std::optional<TimePoint> deadline() const noexcept;
+
+    /// Bytes that wait for the rest of their frame.
+    std::size_t waiting() const noexcept { return end_ - pos_; }
+    const ParserCounters& counters() const noexcept { return counters_; }
+    void set_line_rate(std::uint32_t bytes_per_second) noexcept { options_.line_rate = bytes_per_second; }
+
+private:
+    enum class Verdict { good, bad, too_long, incomplete };
+
+    Verdict judge(std::size_t at, std::size_t limit) noexcept;
+    bool checks_hold(std::size_t at, std::size_t length) noexcept;
+    void extend_sums(std::size_t to) noexcept;
+    std::size_t find_good_frame_behind(std::size_t at) noexcept;
+    void skip(std::size_t n) noexcept;
+    void look_for_v7(std::size_t at) noexcept;
+    void wait_for_rest() noexcept;
+    std::size_t wanted() const noexcept;
+    TimePoint overdue_at() const noexcept;
+
+    Options options_;
+    std::size_t capacity_;
+    std::unique_ptr<std::uint8_t[]> buffer_;    // left uninitialised: pages never used cost nothing
+    std::size_t pos_ = 0;        // first byte not yet judged
+    std::size_t end_ = 0;        // end of the bytes put in
+    std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it
+
+    // Prefix sums up to sums_end_, kept only behind a refused candidate: with them the checks of any further
+    // candidate that begins before sums_until_ cost constant time.
+    std::unique_ptr<Checks[]> sums_;
+    std::size_t sums_end_ = 0;
+    std::size_t sums_until_ = 0;
+
+    bool candidate_waits_ = false;
+    bool searched_behind_ = false;
+    TimePoint candidate_since_{};
+    TimePoint last_arrival_{};
+    int v7_budget_ = 0;
+    ParserCounters counters_;
+};
+
+}  // namespace ano

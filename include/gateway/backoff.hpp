@@ -1,0 +1,35 @@
+// When to try a link again: the one rule of the house.
+#pragma once
+#include <ano/time.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+/// The first retry comes at once, the next after 100 ms, each pause twice the one before, 1 s at the most. A link that
+/// came up but did not hold for a second goes on where it was: one that opens and fails at once can't spin the loop.
+class Backoff {
+public:
+    static constexpr ano::Duration first = std::chrono::milliseconds{100};
+    static constexpr ano::Duration cap = std::chrono::seconds{1};
+
+    constexpr void came_up(ano::TimePoint now) noexcept {
+        up_ = true;
+        up_since_ = now;
+    }
+    /// The link failed at `now`, or a try did: when to try next.
+    constexpr ano::TimePoint retry_at(ano::TimePoint now) noexcept {
+        if (up_ && now - up_since_ >= cap) pause_ = ano::Duration::zero();
+        up_ = false;
+        const ano::Duration pause = pause_;
+        pause_ = pause == ano::Duration::zero() ? first : std::min(2 * pause, cap);
+        return now + pause;
+    }
+
+private:
+    ano::Duration pause_ = ano::Duration::zero();
+    ano::TimePoint up_since_{};
+    bool up_ = false;
+};
+
+}  // namespace anogate

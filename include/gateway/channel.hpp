@@ -1,0 +1,27 @@
+// What is alive on a link: a serial link has one channel, a listening UDP link one for every peer.
+#pragma once
+#include <ano/parser.hpp>
+#include <gateway/counters.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/outbox.hpp>
+
+#include <string>
+
+namespace anogate {
+
+struct Channel {
+    ChannelId id{};
+    LinkId link{};
+    std::string peer;    // for people: the device, or the peer's endpoint
+    ano::FrameParser parser;
+    Outbox outbox;
+    ReceiveCounters routed;    // only what is counted behind the parser: denied_in, inhibited, looped, duplicate, no_route
+    ano::TimePoint opened_at{};
+    ano::TimePoint heard_at{};    // the last good frame; zero: none yet
+    ano::TimePoint bytes_at{};    // the last byte
+
+    /// The parser's counters and ours.
+    ReceiveCounters received() const noexcept;
+};
+
+}  // namespace anogate

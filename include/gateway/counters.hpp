@@ -1,0 +1,89 @@
+// What is counted, under the names that every output uses. A counter is a row here and nowhere else.
+#pragma once
+#include <cstdint>
+#include <string_view>
+
+namespace anogate {
+
+/// What came in by a channel.
+struct ReceiveCounters {
+    std::uint64_t frames_in{};        // good frames
+    std::uint64_t bytes_in{};         // all bytes, good or not
+    std::uint64_t bad_check{};        // candidates whose checks do not hold
+    std::uint64_t bad_length{};       // candidates longer than the link's max_data
+    std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
+    std::uint64_t expired{};          // candidates whose end never came
+    std::uint64_t denied_in{};        // refused by a filter or by `allow`
+    std::uint64_t inhibited{};        // kept off by a switch
+    std::uint64_t looped{};           // our own broadcast, come back
+    std::uint64_t duplicate{};        // came by another member of the group already
+    std::uint64_t no_route{};         // good frames that had no taker
+};
+
+/// What was offered to a channel. frames_out + every cause + those waiting = offered.
+struct SendCounters {
+    std::uint64_t frames_out{};
+    std::uint64_t bytes_out{};
+    std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices choke on them
+    std::uint64_t superseded{};     // replaced by a newer one of its kind
+    std::uint64_t queue_full{};     // gave way to newer frames
+    std::uint64_t stale{};          // waited longer than its age limit
+    std::uint64_t limited{};        // above the rate set for its kind
+    std::uint64_t denied_out{};     // refused by a filter
+    std::uint64_t link_down{};      // the link was down, or went down
+    std::uint64_t too_big{};        // more DATA than the link carries
+    std::uint64_t send_failed{};    // refused by the system
+    std::uint64_t offered{};        // every frame that was to leave by this channel
+};
+
+template <class Counters>
+struct CounterRow {
+    std::string_view name;
+    std::uint64_t Counters::*value;
+    std::string_view help;
+};
+
+inline constexpr CounterRow<ReceiveCounters> receive_counters[] = {
+    {"frames_in", &ReceiveCounters::frames_in, "good frames received"},
+    {"bytes_in", &ReceiveCounters::bytes_in, "bytes received"},
+    {"bad_check", &ReceiveCounters::bad_check, "frames refused because a check byte does not hold"},
+    {"bad_length", &ReceiveCounters::bad_length, "frames refused because LEN is above max_data"},
+    {"skipped_bytes", &ReceiveCounters::skipped_bytes, "received bytes that belong to no good frame"},
+    {"expired", &ReceiveCounters::expired, "frames whose end never came"},
+    {"denied_in", &ReceiveCounters::denied_in, "received, refused by a filter or by allow"},
+    {"inhibited", &ReceiveCounters::inhibited, "received, kept off by an inhibit switch"},
+    {"looped", &ReceiveCounters::looped, "own broadcasts that came back"},
+    {"duplicate", &ReceiveCounters::duplicate, "copies that came by another link of the group already"},
+    {"no_route", &ReceiveCounters::no_route, "good frames that had no taker"},
+};
+
+inline constexpr CounterRow<SendCounters> send_counters[] = {
+    {"frames_out", &SendCounters::frames_out, "frames sent"},
+    {"bytes_out", &SendCounters::bytes_out, "bytes of the frames sent"},
+    {"empty_out", &SendCounters::empty_out, "frames sent that have no DATA"},
+    {"superseded", &SendCounters::superseded, "replaced by a newer frame while waiting"},
+    {"queue_full", &SendCounters::queue_full, "dropped because the queue was full"},
+    {"stale", &SendCounters::stale, "dropped because they had waited too long"},
+    {"limited", &SendCounters::limited, "dropped by a rate limit"},
+    {"denied_out", &SendCounters::denied_out, "not sent, refused by a filter"},
+    {"link_down", &SendCounters::link_down, "not sent, the link was down"},
+    {"too_big", &SendCounters::too_big, "not sent, more DATA than the link carries"},
+    {"send_failed", &SendCounters::send_failed, "not sent, refused by the system"},
+};
+
+/// Adds every counter of `b` to `a`; `offered` too.
+constexpr void add(ReceiveCounters& a, const ReceiveCounters& b) noexcept {
+    for (const auto& row : receive_counters) a.*row.value += b.*row.value;
+}
+constexpr void add(SendCounters& a, const SendCounters& b) noexcept {
+    for (const auto& row : send_counters) a.*row.value += b.*row.value;
+    a.offered += b.offered;
+}
+
+/// Frames that were offered and neither left nor were dropped for a counted cause: those that wait.
+constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept {
+    return c.offered - c.frames_out - c.superseded - c.queue_full - c.stale - c.limited - c.denied_out - c.link_down -
+           c.too_big - c.send_failed;
+}
+
+}  // namespace anogate

@@ -1,0 +1,55 @@
+// IP addresses, networks and endpoints as values. Text in, text out; no names, no sockets.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// IPv4 or IPv6. An IPv4 address mapped into IPv6 (::ffff:a.b.c.d) is kept as the IPv4 address it means.
+struct IpAddress {
+    bool v6 = false;
+    std::array<std::uint8_t, 16> bytes{};    // in reading order; IPv4 uses the first four
+    std::uint32_t scope = 0;                 // interface index of a link-local IPv6 address, 0 for none
+
+    static IpAddress v4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) noexcept {
+        return {false, {a, b, c, d}, 0};
+    }
+    /// Dotted or colon text, with `%interface` behind a link-local one. Nothing for anything else, host names included.
+    static std::optional<IpAddress> parse(std::string_view text);
+    std::string text() const;
+
+    bool is_any() const noexcept;
+    bool is_loopback() const noexcept;
+    bool is_multicast() const noexcept;
+    friend bool operator==(const IpAddress&, const IpAddress&) = default;
+};
+
+struct Endpoint {
+    IpAddress address;
+    std::uint16_t port = 0;
+
+    /// "192.168.1.20:6670" or "[fe80::1%wlan0]:6670".
+    static std::optional<Endpoint> parse(std::string_view text);
+    std::string text() const;
+    friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
+/// An address and how many of its leading bits count.
+struct Network {
+    IpAddress address;
+    std::uint8_t prefix = 0;    // 0 to 32, or 0 to 128
+
+    /// "192.168.0.0/24"; without a prefix, that one address.
+    static std::optional<Network> parse(std::string_view text);
+    std::string text() const;
+    bool contains(const IpAddress& other) const noexcept;
+    friend bool operator==(const Network&, const Network&) = default;
+};
+
+bool contains(const std::vector<Network>& networks, const IpAddress& address) noexcept;
+
+}  // namespace anogate

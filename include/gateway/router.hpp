@@ -1,0 +1,108 @@
+// Who gets a frame. Knows no bytes, no sockets and no clock (protocol text, section 2; README "Where frames go").
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/settings.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// Which rule decided.
+enum class Via : std::uint8_t { nobody, own, broadcast, port, pinned, learned, unknown };
+std::string_view text(Via via) noexcept;
+
+/// Where one frame goes: to every channel of `channels`, and to `absent`, links that were meant but have no channel now.
+struct Route {
+    ChannelSet channels;
+    LinkSet absent;
+    Via via = Via::nobody;
+};
+
+/// Two links heard the same source at the same time: two devices with one id.
+struct Conflict {
+    std::uint8_t address = 0;
+    LinkSet links;
+    TimePoint last{};
+    std::uint64_t count = 0;    // how often it showed
+};
+
+/// Constant time a frame; no allocation after the links are known.
+class Router {
+public:
+    struct LinkRule {
+        std::uint8_t port_id = 0;    // 0: none
+        bool flood = true;
+        bool broadcast = true;
+    };
+
+    /// A device that spoke by another channel this lately has not moved: both get its frames.
+    static constexpr Duration moved_after = std::chrono::seconds{3};
+
+    explicit Router(const GatewaySettings& settings);
+
+    LinkId add_link(const LinkRule& rule);
+    /// Frames to `first`…`last` go to `link`; to every such link when called for several.
+    void pin(std::uint8_t first, std::uint8_t last, LinkId link);
+    /// Where frames to unheard addresses go, for Unknown::link.
+    void set_unknown_link(LinkId link) { unknown_links_ = link; }
+
+    void open(ChannelId channel, LinkId link);
+    /// Forgets everything that was learned from it.
+    void close(ChannelId channel);
+    /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is no conflict.
+    void went_down(ChannelId channel, TimePoint now);
+
+    /// Learns `source` as behind `from` and says who gets the frame; never `from` itself.
+    Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
+
+    struct Learned {
+        LinkSet links;
+        TimePoint last{};
+    };
+    /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
+    Learned learned(std::uint8_t address, TimePoint now) const;
+    LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
+    LinkSet port(std::uint8_t address) const { return address <= 20 ? ports_[address] : LinkSet{}; }
+    /// Those seen within forget_after.
+    std::vector<Conflict> conflicts(TimePoint now) const;
+    /// A conflict that began since the last call; for the log.
+    bool take_new_conflict(Conflict& conflict);
+    std::uint64_t own_frames() const { return own_frames_; }
+
+private:
+    void learn(ChannelId from, std::uint8_t source, TimePoint now);
+    void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
+    ChannelSet heard_from(std::uint8_t address, TimePoint now);
+    ChannelSet channels_of(LinkSet links) const;
+    Route to_links(LinkSet links, Via via) const;
+    TimePoint& heard(std::uint8_t address, ChannelId channel) { return heard_[address][index(channel)]; }
+
+    Duration forget_after_;
+    std::uint8_t own_id_;
+    Unknown unknown_;
+    LinkSet unknown_links_;
+
+    std::vector<LinkRule> links_;
+    std::array<LinkSet, 21> ports_{};
+    std::array<LinkSet, 256> pinned_{};
+
+    std::array<LinkId, most_channels> link_of_{};
+    std::array<TimePoint, most_channels> down_at_{};
+    std::array<ChannelSet, most_links> channels_of_link_{};
+    ChannelSet flooded_;        // channels whose link takes floods
+    ChannelSet broadcast_;      // channels whose link takes broadcasts
+
+    std::array<ChannelSet, 256> known_{};                                     // where an address was heard
+    std::array<std::array<TimePoint, most_channels>, 256> heard_{};    // and when: touched only where known
+
+    std::array<Conflict, 256> conflicts_{};
+    bool new_conflict_ = false;
+    std::uint8_t newest_conflict_ = 0;
+    std::uint64_t own_frames_ = 0;
+};
+
+}  // namespace anogate

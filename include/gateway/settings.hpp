@@ -1,0 +1,116 @@
+// What can be configured, as plain values with their defaults. How they are written is the key table's business
+// (src/daemon/keys.cpp); what each one does stands where it is used.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ip.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+using ano::Clock;
+using ano::Duration;
+using ano::TimePoint;
+
+enum class Parity : std::uint8_t { none, even, odd };
+enum class FlowControl : std::uint8_t { none, hardware };
+
+struct SerialSettings {
+    std::string device;
+    std::uint32_t baud = 500000;    // any integer rate the driver can make
+    Parity parity = Parity::none;
+    std::uint8_t stop_bits = 1;    // 1 or 2
+    FlowControl flow = FlowControl::none;
+    bool low_latency = true;
+    std::optional<bool> dtr;    // nothing: left as the driver sets it
+    std::optional<bool> rts;
+    bool operator==(const SerialSettings&) const = default;
+};
+
+struct UdpListenSettings {
+    Endpoint local;
+    Duration peer_timeout = std::chrono::seconds{60};
+    std::uint16_t max_peers = 16;
+    bool allow_any = false;
+    std::vector<Network> allow;    // empty and not allow_any: the networks of our interfaces
+    bool operator==(const UdpListenSettings&) const = default;
+};
+
+struct UdpSettings {
+    Endpoint peer;
+    std::optional<Endpoint> bind;
+    bool operator==(const UdpSettings&) const = default;
+};
+
+struct PtySettings {
+    std::string path;
+    bool operator==(const PtySettings&) const = default;
+};
+
+struct SimSettings {
+    std::string device = "fc";
+    std::uint16_t rate = 50;    // Hz of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
+    bool operator==(const SimSettings&) const = default;
+};
+
+struct LinkSettings {
+    std::string kind;    // a row of link kinds
+    std::string name;
+    std::uint8_t id = 0;    // port id 1 to 20; 0: none
+    std::uint16_t max_data = 4096;
+    std::uint32_t queue = 32 * 1024;    // bytes; at least one frame of max_data
+    bool flood = true;                  // takes frames for addresses nobody has heard of
+    bool broadcast = true;              // takes frames to 0xFF
+    bool required = false;              // the program ends with 1 when this link is not up within 10 s
+
+    // Only the one of its kind means something.
+    SerialSettings serial;
+    UdpListenSettings udp_listen;
+    UdpSettings udp;
+    PtySettings pty;
+    SimSettings sim;
+    bool operator==(const LinkSettings&) const = default;
+};
+
+enum class Unknown : std::uint8_t { flood, drop, link };
+
+struct RouteSettings {
+    std::uint8_t first = 0, last = 0;    // addresses, both included
+    std::string link;
+    bool operator==(const RouteSettings&) const = default;
+};
+
+struct GatewaySettings {
+    std::uint8_t id = 0;    // our own hardware id; 0: none
+    std::string name = "anogate";
+    Unknown unknown = Unknown::flood;
+    std::string unknown_link;    // where Unknown::link sends them
+    Duration forget_after = std::chrono::seconds{30};
+    bool operator==(const GatewaySettings&) const = default;
+};
+
+struct ControlSettings {
+    std::string socket;    // empty: the default for this user; "none": no control interface
+    bool operator==(const ControlSettings&) const = default;
+};
+
+struct LogSettings {
+    std::string level = "info";
+    std::string file;                                // empty: standard error
+    std::uint64_t rotate = 10 * 1000 * 1000;         // bytes; 0: never
+    bool operator==(const LogSettings&) const = default;
+};
+
+struct Settings {
+    GatewaySettings gateway;
+    std::vector<LinkSettings> links;
+    std::vector<RouteSettings> routes;
+    ControlSettings control;
+    LogSettings log;
+    bool operator==(const Settings&) const = default;
+};
+
+}  // namespace anogate

@@ -1,0 +1,165 @@
+#include <ano/address.hpp>
+#include <gateway/router.hpp>
+
+#include <algorithm>
+#include <cassert>
+
+namespace anogate {
+
+namespace address = ano::address;
+
+std::string_view text(Via via) noexcept {
+    switch (via) {
+    case Via::nobody: return "nobody";
+    case Via::own: return "own";
+    case Via::broadcast: return "broadcast";
+    case Via::port: return "port";
+    case Via::pinned: return "pinned";
+    case Via::learned: return "learned";
+    case Via::unknown: return "unknown";
+    }
+    return "";
+}
+
+Router::Router(const GatewaySettings& settings)
+    : forget_after_{settings.forget_after}, own_id_{settings.id}, unknown_{settings.unknown} {
+    links_.reserve(most_links);
+}
+
+LinkId Router::add_link(const LinkRule& rule) {
+    assert(links_.size() < most_links);
+    const auto id = static_cast<LinkId>(links_.size());
+    links_.push_back(rule);
+    if (address::is_port_id(rule.port_id)) ports_[rule.port_id].insert(id);
+    return id;
+}
+
+void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
+    for (unsigned a = first; a <= last; ++a) pinned_[a].insert(link);
+}
+
+void Router::open(ChannelId channel, LinkId link) {
+    link_of_[index(channel)] = link;
+    down_at_[index(channel)] = {};
+    channels_of_link_[index(link)].insert(channel);
+    if (links_[index(link)].flood) flooded_.insert(channel);
+    if (links_[index(link)].broadcast) broadcast_.insert(channel);
+}
+
+void Router::close(ChannelId channel) {
+    channels_of_link_[index(link_of_[index(channel)])].erase(channel);
+    flooded_.erase(channel);
+    broadcast_.erase(channel);
+    for (ChannelSet& known : known_) known.erase(channel);
+}
+
+void Router::went_down(ChannelId channel, TimePoint now) { down_at_[index(channel)] = now; }
+
+Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
+    learn(from, source, now);
+    Route route;
+    if (destination == address::broadcast) {
+        route = {broadcast_, {}, Via::broadcast};
+    } else if (destination == address::unassigned) {
+        return {};
+    } else if (destination == own_id_) {
+        ++own_frames_;
+        return {{}, {}, Via::own};
+    } else if (const LinkSet links = port(destination); !links.empty()) {
+        route = to_links(links, Via::port);
+    } else if (!pinned_[destination].empty()) {
+        route = to_links(pinned_[destination], Via::pinned);
+    } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
+        route = {heard, {}, Via::learned};
+    } else if (unknown_ == Unknown::flood) {
+        route = {flooded_, {}, Via::unknown};
+    } else if (unknown_ == Unknown::link) {
+        route = to_links(unknown_links_, Via::unknown);
+    }
+    route.channels.erase(from);
+    return route;
+}
+
+Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
+    Learned result;
+    for (const ChannelId channel : known_[a]) {
+        const TimePoint at = heard_[a][index(channel)];
+        if (!address::is_host(a) && now - at >= forget_after_) continue;
+        result.links.insert(link_of_[index(channel)]);
+        result.last = std::max(result.last, at);
+    }
+    return result;
+}
+
+std::vector<Conflict> Router::conflicts(TimePoint now) const {
+    std::vector<Conflict> result;
+    for (const Conflict& c : conflicts_)
+        if (c.count > 0 && now - c.last < forget_after_) result.push_back(c);
+    return result;
+}
+
+bool Router::take_new_conflict(Conflict& conflict) {
+    if (!new_conflict_) return false;
+    new_conflict_ = false;
+    conflict = conflicts_[newest_conflict_];
+    return true;
+}
+
+void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
+    if (source == address::unassigned || source == address::broadcast) return;
+    ChannelSet& known = known_[source];
+    const bool only_here = known == ChannelSet{from};
+    known.insert(from);
+    heard(source, from) = now;
+    if (only_here || address::is_host(source)) return;
+
+    const LinkId link = link_of_[index(from)];
+    LinkSet links = link;
+    for (const ChannelId channel : known) {
+        const TimePoint at = heard(source, channel);
+        if (now - at < moved_after && at >= down_at_[index(channel)]) links.insert(link_of_[index(channel)]);
+    }
+    if (links.size() > 1) note_conflict(source, links, now);
+}
+
+void Router::note_conflict(std::uint8_t source, LinkSet links, TimePoint now) {
+    Conflict& c = conflicts_[source];
+    const bool over = c.count > 0 && now - c.last >= forget_after_;
+    if (c.count == 0 || over) {
+        c.links.clear();
+        new_conflict_ = true;
+        newest_conflict_ = source;
+    }
+    c.address = source;
+    c.links |= links;
+    c.last = now;
+    ++c.count;
+}
+
+// Where frames to `a` go by what was heard: every channel that heard it lately, else every one that has not forgotten.
+ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) {
+    ChannelSet& known = known_[a];
+    if (known.empty() || address::is_host(a)) return known;
+    ChannelSet lately;
+    for (const ChannelId channel : known) {
+        const Duration age = now - heard(a, channel);
+        if (age >= forget_after_) known.erase(channel);
+        else if (age < moved_after) lately.insert(channel);
+    }
+    return lately.empty() ? known : lately;
+}
+
+ChannelSet Router::channels_of(LinkSet links) const {
+    ChannelSet channels;
+    for (const LinkId link : links) channels |= channels_of_link_[index(link)];
+    return channels;
+}
+
+Route Router::to_links(LinkSet links, Via via) const {
+    Route route{channels_of(links), {}, via};
+    for (const LinkId link : links)
+        if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
+    return route;
+}
+
+}  // namespace anogate

@@ -1,0 +1,73 @@
+// What the gateway asks of a link, and what a link tells the gateway. No Asio here.
+#pragma once
+#include <gateway/channel.hpp>
+#include <gateway/settings.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+
+class Link;
+
+/// The gateway as its links see it. A link calls these from the loop only.
+class LinkHost {
+public:
+    /// A channel of `link`, or nothing when all 64 are in use. It lives until close_channel(); its outbox starts closed.
+    virtual Channel* open_channel(Link& link, std::string peer) = 0;
+    virtual void close_channel(Channel& channel) = 0;
+
+    /// A good frame came in by `channel`.
+    virtual void receive(Channel& channel, ano::FrameView frame) = 0;
+    /// The batch ends: every channel that was given frames is flushed, by Link::flush().
+    virtual void flush() = 0;
+
+    /// The wire is there: frames may leave. Opens the outbox of every channel the link has.
+    virtual void link_up(Link& link) = 0;
+    /// The wire is gone, `why` says it in a clause. Closes the outboxes. Repeated calls only change `why`.
+    virtual void link_down(Link& link, std::string why) = 0;
+
+    virtual TimePoint now() const = 0;
+
+protected:
+    ~LinkHost() = default;
+};
+
+/// A fact about a link that only its kind knows, for the status: {"port", "12333"}.
+using LinkFacts = std::vector<std::pair<std::string, std::string>>;
+
+/// One serial port, one UDP socket, one CAN interface. Reads, writes and reports; decides nothing.
+class Link {
+public:
+    Link(LinkId id, LinkSettings settings) : id_{id}, settings_{std::move(settings)} {}
+    virtual ~Link() = default;
+    Link(const Link&) = delete;
+    Link& operator=(const Link&) = delete;
+
+    LinkId id() const noexcept { return id_; }
+    const LinkSettings& settings() const noexcept { return settings_; }
+    const std::string& name() const noexcept { return settings_.name; }
+
+    /// Opens, now and again whenever that fails or the wire goes; says so by link_up() and link_down().
+    virtual void start() = 0;
+    /// Reads no more; what waits may still leave. The first half of stop().
+    virtual void stop_reading() = 0;
+    /// Closes for good, without blocking; no call to the host comes after it.
+    virtual void stop() = 0;
+    /// Frames wait in the outbox of `channel`: sends what the wire takes, and the rest when it takes more.
+    virtual void flush(Channel& channel) = 0;
+    /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
+    virtual std::size_t unsent() const { return 0; }
+    virtual LinkFacts facts() const { return {}; }
+    /// What was refused before it belonged to a channel.
+    virtual ReceiveCounters stray() const { return {}; }
+
+private:
+    LinkId id_;
+    LinkSettings settings_;
+};
+
+}  // namespace anogate
