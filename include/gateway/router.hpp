@@ -20,6 +20,7 @@ struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
+    bool new_conflict = false;    // the source showed up on two links: Router::take_new_conflict() has it
 };
 
 /// Two links heard the same source at the same time: two devices with one id.

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace anogate {
@@ -30,14 +31,15 @@ public:
     /// The wire is gone, `why` says it in a clause. Closes the outboxes. Repeated calls only change `why`.
     virtual void link_down(Link& link, std::string why) = 0;
 
-    virtual TimePoint now() const = 0;
+    /// Reads the clock; once a batch is enough. What is received next carries this time.
+    virtual TimePoint now() = 0;
 
 protected:
     ~LinkHost() = default;
 };
 
-/// A fact about a link that only its kind knows, for the status: {"port", "12333"}.
-using LinkFacts = std::vector<std::pair<std::string, std::string>>;
+/// What only its kind knows of a link, for the status: {"port", 12333}.
+using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::string, std::int64_t>>>;
 
 /// One serial port, one UDP socket, one CAN interface. Reads, writes and reports; decides nothing.
 class Link {
@@ -62,6 +64,8 @@ public:
     /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
     virtual std::size_t unsent() const { return 0; }
     virtual LinkFacts facts() const { return {}; }
+    /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
+    virtual std::string trouble() const { return {}; }
     /// What was refused before it belonged to a channel.
     virtual ReceiveCounters stray() const { return {}; }
 

@@ -1,0 +1,29 @@
+// What a person at night needs to be told about a link, from its counters. README, "What the hints mean".
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/counters.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+/// What is known of a link at a moment.
+struct LinkFigures {
+    std::string_view kind;        // "serial", …
+    bool up = false;
+    bool listens = false;         // has a channel a peer, and waits for them
+    std::size_t channels = 0;
+    ReceiveCounters received;     // all channels, and what belongs to none
+    SendCounters sent;
+    std::uint64_t v7_frames = 0;
+    ano::Duration up_for{};
+    std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
+};
+
+/// One sentence at the most, the most telling; empty when there is nothing to say.
+std::string hint(const LinkFigures& link);
+
+}  // namespace anogate

@@ -1,0 +1,169 @@
+#include <link/asio.hpp>
+
+#include <daemon/control.hpp>
+#include <link/errors.hpp>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <spdlog/spdlog.h>
+
+#include <fcntl.h>
+#include <grp.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace anogate {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace fs = std::filesystem;
+using Local = asio::local::stream_protocol;
+
+constexpr std::size_t most_sessions = 32;
+constexpr std::size_t most_header = 8 * 1024;
+constexpr std::size_t most_body = 64 * 1024;
+constexpr auto patience = std::chrono::seconds{30};
+
+// Somebody answers there: the socket is not ours to replace.
+bool is_alive(const std::string& path) {
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int result = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    const bool alive = result == 0 || errno == EAGAIN;
+    ::close(fd);
+    return alive;
+}
+
+void let_group_in(const std::string& path) {
+    const group* group = ::getgrnam("anogate");
+    if (group && ::chown(path.c_str(), uid_t(-1), group->gr_gid) == 0) {
+        ::chmod(path.c_str(), 0660);
+    } else {
+        ::chmod(path.c_str(), 0600);
+        spdlog::warn("{}: only this user may use it, for there is no group `anogate` we are in", path);
+    }
+}
+
+}  // namespace
+
+// One connection, from its first request to its last.
+class Control::Session : public std::enable_shared_from_this<Session> {
+public:
+    Session(Control& control, Local::socket socket) : control_{control}, stream_{std::move(socket)} {}
+
+    void close() {
+        error_code ignored;
+        stream_.socket().close(ignored);
+    }
+
+    asio::awaitable<void> run() {
+        error_code ec;
+        for (;;) {
+            http::request_parser<http::string_body> request;
+            request.header_limit(most_header);
+            request.body_limit(most_body);
+            stream_.expires_after(patience);
+            co_await http::async_read(stream_, buffer_, request, asio::redirect_error(asio::use_awaitable, ec));
+            if (ec) break;
+            http::response<http::string_body> response = answer(request.get());
+            const bool keep_alive = response.keep_alive();
+            stream_.expires_after(patience);
+            co_await http::async_write(stream_, response, asio::redirect_error(asio::use_awaitable, ec));
+            if (ec || !keep_alive) break;
+        }
+        stream_.socket().shutdown(Local::socket::shutdown_send, ec);
+    }
+
+private:
+    http::response<http::string_body> answer(const http::request<http::string_body>& request) const {
+        http::response<http::string_body> response{http::status::ok, request.version()};
+        const std::string target{request.target().data(), request.target().size()};
+        const std::string path = target.substr(0, target.find('?'));
+        const auto found = control_.answers_.find(path);
+        if (found == control_.answers_.end()) {
+            response.result(http::status::not_found);
+            response.body() = "{\"error\": \"there is nothing at this path; try /status\"}\n";
+        } else if (request.method() != http::verb::get) {
+            response.result(http::status::method_not_allowed);
+            response.set(http::field::allow, "GET");
+            response.body() = "{\"error\": \"this path answers GET only\"}\n";
+        } else {
+            response.body() = found->second();
+        }
+        response.set(http::field::content_type, "application/json");
+        response.set(http::field::server, "anogate");
+        response.keep_alive(request.keep_alive());
+        response.prepare_payload();
+        return response;
+    }
+
+    Control& control_;
+    beast::basic_stream<Local> stream_;
+    beast::flat_buffer buffer_;
+};
+
+std::string Control::start(const std::string& path) {
+    if (path.size() >= sizeof sockaddr_un{}.sun_path)
+        return path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes";
+    std::error_code made;
+    fs::create_directories(fs::path{path}.parent_path(), made);
+    std::error_code ignored;
+    if (fs::is_socket(fs::symlink_status(path, ignored))) {
+        if (is_alive(path)) return path + ": another anogated is using it (give this one another by --control)";
+        fs::remove(path, ignored);
+    }
+    error_code ec;
+    acceptor_.open(Local{}, ec);
+    const mode_t before = ::umask(0177);    // nobody gets in before the mode is what it should be
+    if (!ec) acceptor_.bind(Local::endpoint{path}, ec);
+    ::umask(before);
+    if (!ec) acceptor_.listen(16, ec);
+    if (ec) {
+        error_code ignored_too;
+        acceptor_.close(ignored_too);
+        return error_text(path, ec.value());
+    }
+    path_ = path;
+    let_group_in(path);
+    asio::co_spawn(io_, accept(), asio::detached);
+    return {};
+}
+
+asio::awaitable<void> Control::accept() {
+    for (;;) {
+        error_code ec;
+        Local::socket socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
+        if (!acceptor_.is_open()) co_return;
+        if (ec) {    // out of descriptors, mostly: wait for some to come free
+            asio::steady_timer pause{io_, std::chrono::seconds{1}};
+            co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+            if (!acceptor_.is_open()) co_return;
+            continue;
+        }
+        std::erase_if(sessions_, [](const auto& s) { return s.second.expired(); });
+        if (sessions_.size() >= most_sessions) continue;    // closes it
+        auto session = std::make_shared<Session>(*this, std::move(socket));
+        sessions_[next_session_++] = session;
+        asio::co_spawn(io_, session->run(), [session](std::exception_ptr) {});
+    }
+}
+
+void Control::stop() {
+    if (!acceptor_.is_open()) return;
+    error_code ignored;
+    acceptor_.close(ignored);
+    for (auto& [number, session] : sessions_)
+        if (const auto alive = session.lock()) alive->close();
+    sessions_.clear();
+    std::error_code gone;
+    fs::remove(path_, gone);
+}
+
+}  // namespace anogate

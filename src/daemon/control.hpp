@@ -1,0 +1,41 @@
+// The control interface: HTTP with JSON over a Unix socket.
+#pragma once
+#include <link/asio.hpp>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace anogate {
+
+class Control {
+public:
+    /// Answers a GET with a JSON text.
+    using Answer = std::function<std::string()>;
+
+    explicit Control(asio::io_context& io) : io_{io}, acceptor_{io} {}
+    ~Control() { stop(); }
+
+    /// Before start(): what GET `path` answers.
+    void get(std::string path, Answer answer) { answers_[std::move(path)] = std::move(answer); }
+
+    /// Listens at `path`; its folder is made when missing, a socket that a dead process left is replaced. Returns what went
+    /// wrong, empty when it listens. The group `anogate` may use it; without such a group only our own user (a warning says so).
+    std::string start(const std::string& path);
+    /// Closes everything at once and removes the socket.
+    void stop();
+
+private:
+    class Session;
+    asio::awaitable<void> accept();
+
+    asio::io_context& io_;
+    asio::local::stream_protocol::acceptor acceptor_;
+    std::map<std::string, Answer> answers_;
+    std::map<std::uint64_t, std::weak_ptr<Session>> sessions_;
+    std::uint64_t next_session_ = 0;
+    std::string path_;
+};
+
+}  // namespace anogate

@@ -1,0 +1,177 @@
+#include <daemon/gateway.hpp>
+#include <link/make_link.hpp>
+
+#include <spdlog/spdlog.h>
+
+namespace anogate {
+namespace {
+
+constexpr Duration required_within = std::chrono::seconds{10};
+constexpr Duration stop_look = std::chrono::milliseconds{2};
+constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
+constexpr Duration stream_quiet = std::chrono::milliseconds{50};
+
+// What the line carries, to know when the rest of a frame is overdue: start bit, eight data bits, parity, stop bits.
+std::uint32_t line_rate(const LinkSettings& s) {
+    if (s.kind != "serial") return 0;
+    const unsigned bits = 9u + (s.serial.parity == Parity::none ? 0u : 1u) + s.serial.stop_bits;
+    return std::max(s.serial.baud / bits, 1u);
+}
+
+ano::FrameParser::Options parser_options(const LinkSettings& s) {
+    const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
+    return {s.max_data, line_rate(s), datagrams ? datagram_quiet : stream_quiet};
+}
+
+}  // namespace
+
+Gateway::Gateway(asio::io_context& io, Settings settings)
+    : io_{io},
+      settings_{std::move(settings)},
+      alarms_{io},
+      router_{settings_.gateway},
+      required_check_{alarms_, [this] {
+                          for (const LinkState& s : links_)
+                              if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
+                      }},
+      stop_check_{alarms_, [this] {
+                      if (nothing_waits() || now() >= stop_by_) finish_stop();
+                      else stop_check_.set(now_ + stop_look);
+                  }} {
+    links_.reserve(most_links);
+    for (const LinkSettings& link : settings_.links) {
+        const LinkId id = router_.add_link({link.id, link.flood, link.broadcast});
+        links_.emplace_back().link = make_link(id, link, {io_, alarms_, *this, batch_});
+    }
+    for (const RouteSettings& route : settings_.routes) router_.pin(route.first, route.last, link_named(route.link));
+    if (settings_.gateway.unknown == Unknown::link) router_.set_unknown_link(link_named(settings_.gateway.unknown_link));
+}
+
+Gateway::~Gateway() = default;
+
+void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
+    on_required_missing_ = std::move(on_required_missing);
+    started_at_ = now();
+    for (LinkState& s : links_) s.since = started_at_;
+    for (LinkState& s : links_) s.link->start();
+    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.link->settings().required; }))
+        required_check_.set(started_at_ + required_within);
+}
+
+void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
+    if (on_stopped_) {
+        if (stop_check_.is_set()) finish_stop();
+        return;
+    }
+    on_stopped_ = std::move(on_stopped);
+    required_check_.cancel();
+    for (LinkState& s : links_) s.link->stop_reading();
+    flush();
+    stop_by_ = now() + patience;
+    stop_check_.set(now_);
+}
+
+Channel* Gateway::open_channel(Link& link, std::string peer) {
+    std::size_t i = 0;
+    while (i < most_channels && used_.contains(static_cast<ChannelId>(i))) ++i;
+    if (i == most_channels) return nullptr;
+    const auto id = static_cast<ChannelId>(i);
+    const LinkSettings& s = link.settings();
+    channels_[i].reset(new Channel{id, link.id(), std::move(peer), ano::FrameParser{parser_options(s)},
+                                   Outbox{{s.queue, s.max_data}}, {}, now_, {}, {}});
+    used_.insert(id);
+    state(link).channels.insert(id);
+    router_.open(id, link.id());
+    if (!channels_[i]->peer.empty() && state(link).up) spdlog::info("{}: peer {}", link.name(), channels_[i]->peer);
+    return channels_[i].get();
+}
+
+void Gateway::close_channel(Channel& channel) {
+    LinkState& s = links_[index(channel.link)];
+    if (s.up) spdlog::info("{}: peer {} is gone", s.link->name(), channel.peer);
+    channel.outbox.close();
+    add(s.gone_received, channel.received());
+    add(s.gone_sent, channel.outbox.counters());
+    s.channels.erase(channel.id);
+    used_.erase(channel.id);
+    to_flush_.erase(channel.id);
+    router_.close(channel.id);
+    channels_[index(channel.id)].reset();
+}
+
+void Gateway::receive(Channel& from, ano::FrameView frame) {
+    from.heard_at = now_;
+    const Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    for (const ChannelId to : route.channels) {
+        channels_[index(to)]->outbox.push(frame);
+        to_flush_.insert(to);
+    }
+    for (const LinkId link : route.absent) {
+        ++links_[index(link)].gone_sent.offered;
+        ++links_[index(link)].gone_sent.link_down;
+    }
+    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
+    if (route.new_conflict) log_conflict();
+}
+
+// A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.
+void Gateway::flush() {
+    while (!to_flush_.empty()) {
+        const ChannelId id = *to_flush_.begin();
+        to_flush_.erase(id);
+        Channel& channel = *channels_[index(id)];
+        if (!channel.outbox.empty()) links_[index(channel.link)].link->flush(channel);
+    }
+}
+
+void Gateway::link_up(Link& link) {
+    LinkState& s = state(link);
+    for (const ChannelId id : s.channels) channels_[index(id)]->outbox.open();
+    if (s.up) return;
+    s.up = s.was_up = true;
+    s.since = now_;
+    s.error.clear();
+    spdlog::info("{}: up", link.name());
+}
+
+void Gateway::link_down(Link& link, std::string why) {
+    LinkState& s = state(link);
+    for (const ChannelId id : s.channels) {
+        channels_[index(id)]->outbox.close();
+        router_.went_down(id, now_);
+    }
+    if (s.up || s.error != why) spdlog::warn("{}: {}; waiting for it", link.name(), why);
+    if (s.up) s.since = now_;
+    s.up = false;
+    s.error = std::move(why);
+}
+
+LinkId Gateway::link_named(const std::string& name) const {
+    for (const LinkState& s : links_)
+        if (s.link->name() == name) return s.link->id();
+    throw std::logic_error("no link is called " + name);    // the configuration was checked for it
+}
+
+void Gateway::log_conflict() {
+    Conflict conflict;
+    if (!router_.take_new_conflict(conflict)) return;
+    std::string names;
+    for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
+    spdlog::warn("two devices use the id 0x{:02X}, on {}: give one of them another", conflict.address, names);
+}
+
+bool Gateway::nothing_waits() const {
+    for (const ChannelId id : used_)
+        if (!channels_[index(id)]->outbox.empty()) return false;
+    for (const LinkState& s : links_)
+        if (s.up && s.link->unsent() > 0) return false;
+    return true;
+}
+
+void Gateway::finish_stop() {
+    stop_check_.cancel();
+    for (LinkState& s : links_) s.link->stop();
+    if (on_stopped_) std::exchange(on_stopped_, [] {})();
+}
+
+}  // namespace anogate

@@ -1,0 +1,80 @@
+// Owns the links, the channels and the router; the only place that sees them all.
+#pragma once
+#include <gateway/router.hpp>
+#include <gateway/settings.hpp>
+#include <link/link_context.hpp>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// A link and what became of it.
+struct LinkState {
+    std::unique_ptr<Link> link;
+    bool up = false;
+    bool was_up = false;      // at any time since the start
+    TimePoint since{};        // of `up` or not
+    std::string error;        // why it is not up
+    ChannelSet channels;
+    ReceiveCounters gone_received;    // of channels that are no more
+    SendCounters gone_sent;           // and of frames for a link that had no channel
+};
+
+/// One thread, one loop: everything is called from the io_context it was made with.
+class Gateway final : public LinkHost {
+public:
+    /// `settings` must have been checked: names are unique, routes name links.
+    Gateway(asio::io_context& io, Settings settings);
+    ~Gateway();
+
+    /// Opens every link, in the order of the configuration. `on_required_missing` is called with its name when a required
+    /// link is not up 10 s later.
+    void start(std::function<void(const std::string&)> on_required_missing);
+    /// Reads no more, lets what waits leave for at most `patience`, closes everything and calls `on_stopped`; nothing of the
+    /// gateway keeps the loop alive after that. A second call makes an end at once.
+    void stop(Duration patience, std::function<void()> on_stopped);
+
+    Channel* open_channel(Link& link, std::string peer) override;
+    void close_channel(Channel& channel) override;
+    void receive(Channel& from, ano::FrameView frame) override;
+    void flush() override;
+    void link_up(Link& link) override;
+    void link_down(Link& link, std::string why) override;
+    TimePoint now() override { return now_ = Clock::now(); }
+
+    const Settings& settings() const noexcept { return settings_; }
+    const Router& router() const noexcept { return router_; }
+    const std::vector<LinkState>& links() const noexcept { return links_; }
+    const Channel& channel(ChannelId id) const { return *channels_[index(id)]; }
+    TimePoint started_at() const noexcept { return started_at_; }
+
+private:
+    LinkState& state(const Link& link) { return links_[index(link.id())]; }
+    LinkId link_named(const std::string& name) const;
+    void log_conflict();
+    bool nothing_waits() const;
+    void finish_stop();
+
+    asio::io_context& io_;
+    Settings settings_;
+    AlarmClock alarms_;
+    DatagramBatch batch_;
+    Router router_;
+    std::array<std::unique_ptr<Channel>, most_channels> channels_;
+    ChannelSet used_;
+    ChannelSet to_flush_;
+    std::vector<LinkState> links_;    // behind everything that a link refers to
+    TimePoint now_{};
+    TimePoint started_at_{};
+    Alarm required_check_;
+    Alarm stop_check_;
+    std::function<void(const std::string&)> on_required_missing_;
+    std::function<void()> on_stopped_;
+    TimePoint stop_by_{};
+};
+
+}  // namespace anogate

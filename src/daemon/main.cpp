@@ -1,0 +1,3 @@
+#include <daemon/program.hpp>
+
+int main(int argc, char** argv) { return anogate::run_program(argc, argv); }

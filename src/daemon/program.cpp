@@ -1,0 +1,99 @@
+#include <daemon/command_line.hpp>
+#include <daemon/control.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/log.hpp>
+#include <daemon/notify.hpp>
+#include <daemon/program.hpp>
+#include <daemon/status.hpp>
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <iostream>
+
+namespace anogate {
+namespace {
+
+constexpr Duration flush_patience = std::chrono::milliseconds{500};
+
+// What runs: the gateway, its control interface, and what the system tells us by signals.
+class Program {
+public:
+    explicit Program(Settings settings)
+        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_} {
+        signals_.add(SIGUSR1);
+    }
+
+    int run() {
+        start_control();
+        wait_for_signal();
+        gateway_.start([this](const std::string& link) {
+            spdlog::error("{} is required and was not up within 10 s", link);
+            status_ = 1;
+            stop();
+        });
+        notify_systemd("READY=1");
+        keep_watchdog();
+        io_.run();
+        return status_;
+    }
+
+private:
+    void start_control() {
+        const std::string& socket = gateway_.settings().control.socket;
+        if (socket == "none") return;
+        control_.get("/status", [this] { return status_json(gateway_); });
+        if (const std::string error = control_.start(socket); !error.empty())
+            spdlog::warn("no control interface: {}", error);
+    }
+
+    void wait_for_signal() {
+        signals_.async_wait([this](error_code ec, int signal) {
+            if (ec) return;
+            if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
+            else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
+            else stop();
+            wait_for_signal();
+        });
+    }
+
+    void keep_watchdog() {
+        const auto interval = watchdog_interval();
+        if (!interval) return;
+        notify_systemd("WATCHDOG=1");
+        watchdog_.expires_after(*interval);
+        watchdog_.async_wait([this](error_code ec) {
+            if (!ec) keep_watchdog();
+        });
+    }
+
+    // A second signal while it flushes makes an end at once.
+    void stop() {
+        notify_systemd("STOPPING=1");
+        watchdog_.cancel();
+        control_.stop();
+        gateway_.stop(flush_patience, [this] { signals_.cancel(); });
+    }
+
+    asio::io_context io_{1};
+    Gateway gateway_;
+    Control control_;
+    asio::signal_set signals_;
+    asio::steady_timer watchdog_;
+    int status_ = 0;
+};
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line = parse_command_line(argc, argv);
+    if (line.exit) {
+        (line.exit->status == 0 ? std::cout : std::cerr) << line.exit->text;
+        return line.exit->status;
+    }
+    std::signal(SIGPIPE, SIG_IGN);
+    start_log(line.settings.log);
+    return Program{std::move(line.settings)}.run();
+}
+
+}  // namespace anogate

@@ -1,0 +1,172 @@
+#include <ano/address.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/status.hpp>
+#include <gateway/hints.hpp>
+
+#include <nlohmann/json.hpp>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double seconds(Duration d) {
+    return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
+}
+
+std::string hex(std::uint8_t address) {
+    constexpr char digits[] = "0123456789ABCDEF";
+    return {'0', 'x', digits[address >> 4], digits[address & 15]};
+}
+
+void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, std::size_t waiting) {
+    for (const auto& row : receive_counters) json[std::string{row.name}] = received.*row.value;
+    for (const auto& row : send_counters) json[std::string{row.name}] = sent.*row.value;
+    json["waiting"] = waiting;
+}
+
+// A link's own counters: of its channels, of those that are gone, and of what never belonged to one.
+struct Totals {
+    LinkFigures figures;
+    std::size_t waiting = 0;
+};
+
+Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
+    Totals t;
+    LinkFigures& f = t.figures;
+    f.kind = state.link->settings().kind;
+    f.up = state.up;
+    f.listens = f.kind == "udp-listen";
+    f.channels = state.channels.size();
+    f.up_for = now - state.since;
+    f.received = state.gone_received;
+    f.sent = state.gone_sent;
+    add(f.received, state.link->stray());
+    for (const ChannelId id : state.channels) {
+        const Channel& channel = gateway.channel(id);
+        add(f.received, channel.received());
+        add(f.sent, channel.outbox.counters());
+        f.v7_frames += channel.parser.counters().v7_frames;
+        t.waiting += channel.outbox.waiting();
+        if (channel.heard_at == TimePoint{}) continue;
+        f.silent_for = std::min(f.silent_for.value_or(Duration::max()), now - channel.heard_at);
+    }
+    return t;
+}
+
+Json channel_json(const Channel& channel, TimePoint now) {
+    Json json;
+    json["peer"] = channel.peer;
+    json["since_s"] = seconds(now - channel.opened_at);
+    if (channel.heard_at != TimePoint{}) json["heard_s"] = seconds(now - channel.heard_at);
+    put(json, channel.received(), channel.outbox.counters(), channel.outbox.waiting());
+    return json;
+}
+
+Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
+    const Totals total = totals(gateway, state, now);
+    Json json;
+    json["name"] = state.link->name();
+    json["kind"] = state.link->settings().kind;
+    if (state.link->settings().id != 0) json["id"] = state.link->settings().id;
+    else json["id"] = nullptr;
+    json["state"] = state.up ? "up" : "waiting";
+    json["since_s"] = seconds(now - state.since);
+    json["error"] = state.up ? state.link->trouble() : state.error;
+    json["hint"] = hint(total.figures);
+    for (const auto& [name, value] : state.link->facts())
+        std::visit([&](const auto& v) { json[std::string{name}] = v; }, value);
+    if (state.link->settings().required) json["required"] = true;
+    json["channels"] = Json::array();
+    for (const ChannelId id : state.channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
+    put(json, total.figures.received, total.figures.sent, total.waiting);
+    return json;
+}
+
+Json names(const Gateway& gateway, LinkSet links) {
+    Json json = Json::array();
+    for (const LinkId id : links) json.push_back(gateway.links()[index(id)].link->name());
+    return json;
+}
+
+Json route_json(const Gateway& gateway, std::uint8_t address, LinkSet links, Via via) {
+    Json json{{"address", hex(address)}, {"who", ano::address::who(address)}, {"links", names(gateway, links)}};
+    json["via"] = text(via);
+    return json;
+}
+
+// One row an address, by the rule that decides for it.
+Json routes_json(const Gateway& gateway, TimePoint now) {
+    const Router& router = gateway.router();
+    Json json = Json::array();
+    for (unsigned a = 1; a < ano::address::broadcast; ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        if (address == gateway.settings().gateway.id) {
+            json.push_back(route_json(gateway, address, {}, Via::own));
+        } else if (const LinkSet links = router.port(address); !links.empty()) {
+            json.push_back(route_json(gateway, address, links, Via::port));
+        } else if (const LinkSet pinned = router.pinned(address); !pinned.empty()) {
+            json.push_back(route_json(gateway, address, pinned, Via::pinned));
+        } else if (const Router::Learned learned = router.learned(address, now); !learned.links.empty()) {
+            json.push_back(route_json(gateway, address, learned.links, Via::learned));
+            json.back()["age_s"] = seconds(now - learned.last);
+        }
+    }
+    return json;
+}
+
+Json conflicts_json(const Gateway& gateway, TimePoint now) {
+    Json json = Json::array();
+    for (const Conflict& c : gateway.router().conflicts(now))
+        json.push_back({{"address", hex(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
+    return json;
+}
+
+Json gateway_json(const Gateway& gateway, TimePoint now) {
+    const GatewaySettings& settings = gateway.settings().gateway;
+    Json json;
+    if (settings.id != 0) json["id"] = settings.id;
+    else json["id"] = nullptr;
+    json["name"] = settings.name;
+    json["version"] = ANOGATE_VERSION;
+    json["uptime_s"] = seconds(now - gateway.started_at());
+    json["own_frames"] = gateway.router().own_frames();
+    return json;
+}
+
+Json links_json(const Gateway& gateway, TimePoint now) {
+    Json json = Json::array();
+    for (const LinkState& state : gateway.links()) json.push_back(link_json(gateway, state, now));
+    return json;
+}
+
+// Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+std::string status_json(Gateway& gateway) {
+    const TimePoint now = gateway.now();
+    Json json;
+    json["gateway"] = gateway_json(gateway, now);
+    json["links"] = links_json(gateway, now);
+    json["routes"] = routes_json(gateway, now);
+    json["conflicts"] = conflicts_json(gateway, now);
+    json["tunnel"] = Json::object();
+    return dump(json);
+}
+
+std::string status_text(Gateway& gateway) {
+    const TimePoint now = gateway.now();
+    std::string text;
+    for (const LinkState& state : gateway.links()) {
+        const Totals t = totals(gateway, state, now);
+        text += state.link->name() + (state.up ? ": up" : ": waiting: " + state.error);
+        text += ", in " + std::to_string(t.figures.received.frames_in) + ", out " + std::to_string(t.figures.sent.frames_out);
+        if (const std::string h = hint(t.figures); !h.empty()) text += " (" + h + ")";
+        text += "\n";
+    }
+    return text;
+}
+
+}  // namespace anogate

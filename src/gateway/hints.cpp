@@ -1,0 +1,47 @@
+#include <gateway/hints.hpp>
+
+#include <chrono>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t enough_bytes = 64;          // to tell that no frame is among them
+constexpr std::uint64_t enough_frames = 20;         // to speak of a share
+constexpr ano::Duration patience = 3s;              // shorter silences are no news
+
+std::string seconds(ano::Duration d) {
+    return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
+}
+
+std::string nothing_at_all(const LinkFigures& link) {
+    if (link.kind == "serial") return "nothing received yet: is the device powered, are RX and TX crossed?";
+    if (link.listens && link.channels == 0) return "no peer yet: a peer is known after its first whole frame";
+    if (link.kind == "udp") return "nothing received yet from the peer";
+    return {};
+}
+
+}  // namespace
+
+std::string hint(const LinkFigures& link) {
+    const ReceiveCounters& in = link.received;
+    if (!link.up) return {};
+    if (link.v7_frames > 0) return "older V7 frames (0xAA) seen: switch the device to protocol V8";
+    if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
+        return link.kind == "serial" ? "bytes but no frames: wrong baud rate?" : "bytes but no frames: is the sender speaking V8?";
+    if (in.frames_in == 0 && in.bad_length > 0 && in.bad_length >= in.bad_check)
+        return "frames longer than max_data are refused: raise max_data on this link";
+    if (link.listens && link.channels == 0 && in.denied_in > 0)
+        return "senders outside `allow` were refused: add their network to `allow`";
+    const std::uint64_t damaged = in.bad_check + in.expired;
+    if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
+        return "many damaged frames: check cable, ground and baud rate";
+    if (link.sent.queue_full > 0 && link.sent.queue_full * 10 > link.sent.frames_out)
+        return "frames are dropped: the link is slower than what is sent to it";
+    if (in.bytes_in == 0 && link.up_for >= patience) return nothing_at_all(link);
+    if (link.silent_for && *link.silent_for >= patience) return "silent for " + seconds(*link.silent_for);
+    return {};
+}
+
+}  // namespace anogate

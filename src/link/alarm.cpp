@@ -1,0 +1,55 @@
+#include <link/alarm.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+void AlarmClock::arm(ano::TimePoint latest) {
+    if (!rings_at_ || latest < *rings_at_) wait(latest);
+}
+
+void AlarmClock::wait(ano::TimePoint latest) {
+    rings_at_ = latest;
+    timer_.expires_at(latest);
+    timer_.async_wait([this, mine = ++generation_](error_code) {
+        if (mine == generation_) ring();
+    });
+}
+
+void AlarmClock::ring() {
+    rings_at_.reset();
+    const ano::TimePoint now = ano::Clock::now();
+    // A call may make and end alarms: look each up afresh.
+    for (std::size_t i = 0; i < alarms_.size(); ++i) {
+        Alarm* alarm = alarms_[i];
+        if (!alarm || !alarm->at_ || *alarm->at_ > now) continue;
+        alarm->at_.reset();
+        alarm->call_();
+    }
+    std::erase(alarms_, nullptr);
+    std::optional<ano::TimePoint> next;
+    for (const Alarm* alarm : alarms_)
+        if (alarm->at_) next = std::min(next.value_or(ano::TimePoint::max()), *alarm->at_ + alarm->slack_);
+    if (next) arm(*next);
+}
+
+Alarm::Alarm(AlarmClock& clock, std::function<void()> call, ano::Duration slack)
+    : clock_{clock}, call_{std::move(call)}, slack_{slack} {
+    clock_.alarms_.push_back(this);
+}
+
+Alarm::~Alarm() {
+    std::replace(clock_.alarms_.begin(), clock_.alarms_.end(), this, static_cast<Alarm*>(nullptr));
+    if (std::none_of(clock_.alarms_.begin(), clock_.alarms_.end(), [](Alarm* a) { return a && a->at_; })) {
+        ++clock_.generation_;
+        clock_.rings_at_.reset();
+        clock_.timer_.cancel();
+    }
+}
+
+void Alarm::set(ano::TimePoint at) {
+    at_ = at;
+    clock_.arm(at + slack_);
+}
+
+}  // namespace anogate

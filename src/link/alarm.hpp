@@ -1,0 +1,54 @@
+// Everything that waits for a time waits on one timer: the process wakes once for all that is due about then.
+#pragma once
+#include <ano/time.hpp>
+#include <link/asio.hpp>
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace anogate {
+
+class Alarm;
+
+/// The timer behind every Alarm of a loop. Outlives them.
+class AlarmClock {
+public:
+    explicit AlarmClock(asio::io_context& io) : timer_{io} {}
+    AlarmClock(const AlarmClock&) = delete;
+    AlarmClock& operator=(const AlarmClock&) = delete;
+
+private:
+    friend class Alarm;
+    void arm(ano::TimePoint latest);
+    void wait(ano::TimePoint latest);
+    void ring();
+
+    asio::steady_timer timer_;
+    std::vector<Alarm*> alarms_;
+    std::optional<ano::TimePoint> rings_at_;
+    std::uint64_t generation_ = 0;
+};
+
+/// Calls its function once, between the time it was set to and `slack` later; a slack lets alarms share one wake-up.
+/// Setting it again replaces the time; destruction and cancel() end it.
+class Alarm {
+public:
+    Alarm(AlarmClock& clock, std::function<void()> call, ano::Duration slack = {});
+    ~Alarm();
+    Alarm(const Alarm&) = delete;
+    Alarm& operator=(const Alarm&) = delete;
+
+    void set(ano::TimePoint at);
+    void cancel() noexcept { at_.reset(); }
+    bool is_set() const noexcept { return at_.has_value(); }
+
+private:
+    friend class AlarmClock;
+    AlarmClock& clock_;
+    std::function<void()> call_;
+    ano::Duration slack_;
+    std::optional<ano::TimePoint> at_;
+};
+
+}  // namespace anogate

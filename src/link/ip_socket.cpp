@@ -1,0 +1,174 @@
+#include <link/errors.hpp>
+#include <link/ip_socket.hpp>
+
+#include <ifaddrs.h>
+#include <linux/sock_diag.h>
+#include <net/if.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t datagrams_per_send = 64;
+constexpr int receive_buffer = 1 << 20;    // bytes; the kernel gives what net.core.rmem_max allows
+
+IpAddress address_of(const sockaddr_in6& in) noexcept {
+    IpAddress address{true, {}, in.sin6_scope_id};
+    std::memcpy(address.bytes.data(), &in.sin6_addr, 16);
+    if (IN6_IS_ADDR_V4MAPPED(&in.sin6_addr))
+        return IpAddress::v4(address.bytes[12], address.bytes[13], address.bytes[14], address.bytes[15]);
+    return address;
+}
+
+IpAddress address_of(const sockaddr_in& in) noexcept {
+    IpAddress address;
+    std::memcpy(address.bytes.data(), &in.sin_addr, 4);
+    return address;
+}
+
+std::uint8_t prefix_of(const sockaddr* mask) noexcept {
+    const IpAddress bits = mask->sa_family == AF_INET6 ? IpAddress{address_of(*reinterpret_cast<const sockaddr_in6*>(mask))}
+                                                       : address_of(*reinterpret_cast<const sockaddr_in*>(mask));
+    unsigned count = 0;
+    for (const std::uint8_t byte : bits.bytes) count += static_cast<unsigned>(std::popcount(byte));
+    return static_cast<std::uint8_t>(count);
+}
+
+}  // namespace
+
+SocketAddress SocketAddress::of(const Endpoint& endpoint, bool v6_socket) noexcept {
+    SocketAddress result;
+    const IpAddress& ip = endpoint.address;
+    if (!v6_socket && !ip.v6) {
+        sockaddr_in in{};
+        in.sin_family = AF_INET;
+        in.sin_port = htons(endpoint.port);
+        std::memcpy(&in.sin_addr, ip.bytes.data(), 4);
+        std::memcpy(&result.storage, &in, result.size = sizeof in);
+        return result;
+    }
+    sockaddr_in6 in{};
+    in.sin6_family = AF_INET6;
+    in.sin6_port = htons(endpoint.port);
+    in.sin6_scope_id = ip.scope;
+    if (ip.v6) {
+        std::memcpy(&in.sin6_addr, ip.bytes.data(), 16);
+    } else if (!ip.is_any()) {
+        in.sin6_addr.s6_addr[10] = in.sin6_addr.s6_addr[11] = 0xFF;
+        std::memcpy(&in.sin6_addr.s6_addr[12], ip.bytes.data(), 4);
+    }
+    std::memcpy(&result.storage, &in, result.size = sizeof in);
+    return result;
+}
+
+Endpoint endpoint_of(const sockaddr_storage& storage) noexcept {
+    if (storage.ss_family == AF_INET6) {
+        sockaddr_in6 in;
+        std::memcpy(&in, &storage, sizeof in);
+        return {address_of(in), ntohs(in.sin6_port)};
+    }
+    sockaddr_in in;
+    std::memcpy(&in, &storage, sizeof in);
+    return {address_of(in), ntohs(in.sin_port)};
+}
+
+std::vector<Network> own_networks() {
+    std::vector<Network> networks;
+    ifaddrs* list = nullptr;
+    if (::getifaddrs(&list) != 0) return networks;
+    for (const ifaddrs* i = list; i; i = i->ifa_next) {
+        if (!i->ifa_addr || !i->ifa_netmask) continue;
+        if (i->ifa_addr->sa_family == AF_INET)
+            networks.push_back({address_of(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)), prefix_of(i->ifa_netmask)});
+        else if (i->ifa_addr->sa_family == AF_INET6)
+            networks.push_back({address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)});
+    }
+    ::freeifaddrs(list);
+    return networks;
+}
+
+OpenedSocket open_udp(const Endpoint& local, bool share_port) {
+    const int family = local.address.v6 ? AF_INET6 : AF_INET;
+    UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
+    if (!fd) return {{}, error_text("no UDP socket", errno)};
+    const int on = 1;
+    const int off = 0;
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    if (share_port) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (local.address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    const SocketAddress address = SocketAddress::of(local, local.address.v6);
+    if (::bind(fd.get(), address.get(), address.size) == 0) return {std::move(fd), {}};
+    switch (errno) {
+    case EADDRINUSE: return {{}, "port " + std::to_string(local.port) + " is in use by another program"};
+    case EADDRNOTAVAIL: return {{}, "no interface has the address " + local.address.text() + " now"};
+    case EACCES: return {{}, "port " + std::to_string(local.port) + ": no permission (below 1024 only root may listen)"};
+    default: return {{}, error_text(local.text(), errno)};
+    }
+}
+
+Endpoint local_endpoint(int fd) noexcept {
+    sockaddr_storage storage{};
+    socklen_t size = sizeof storage;
+    ::getsockname(fd, reinterpret_cast<sockaddr*>(&storage), &size);
+    return endpoint_of(storage);
+}
+
+std::int64_t kernel_drops(int fd) noexcept {
+    std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
+    socklen_t size = sizeof info;
+    return ::getsockopt(fd, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0 ? info[SK_MEMINFO_DROPS] : 0;
+}
+
+SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept {
+    std::array<std::span<const std::uint8_t>, datagrams_per_send> frames;
+    std::array<iovec, datagrams_per_send> pieces;
+    std::array<mmsghdr, datagrams_per_send> messages;
+    SendReport report;
+    int failures = 0;    // of one frame: an error may be about an earlier datagram, so each frame has a second try
+    while (!outbox.empty()) {
+        const std::size_t count = outbox.gather(frames);
+        for (std::size_t i = 0; i < count; ++i) {
+            pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
+            messages[i] = {};
+            messages[i].msg_hdr.msg_iov = &pieces[i];
+            messages[i].msg_hdr.msg_iovlen = 1;
+            if (!to) continue;
+            messages[i].msg_hdr.msg_name = const_cast<sockaddr_storage*>(&to->storage);
+            messages[i].msg_hdr.msg_namelen = to->size;
+        }
+        const int sent = ::sendmmsg(fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
+        for (int i = 0; i < sent; ++i) outbox.sent_frame();
+        if (sent > 0) failures = 0;
+        if (sent >= 0) continue;
+        report.error = errno;
+        switch (errno) {
+        case EINTR: break;
+        case EAGAIN: report.result = SendResult::full; return report;
+        case ENOBUFS:
+        case ENOMEM: report.result = SendResult::no_memory; return report;
+        case EMSGSIZE: outbox.drop_frame(&SendCounters::too_big); break;
+        case ECONNREFUSED:
+            ++report.refused;
+            if (++failures < 2) break;
+            [[fallthrough]];
+        default:
+            failures = 0;
+            outbox.drop_frame(&SendCounters::send_failed);
+            break;
+        case EBADF:
+        case EINVAL:
+        case ENODEV:
+        case ENETDOWN:
+        case EADDRNOTAVAIL:
+        case ENOTCONN: report.result = SendResult::broken; return report;
+        }
+    }
+    return report;
+}
+
+}  // namespace anogate

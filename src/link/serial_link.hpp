@@ -1,0 +1,22 @@
+// A serial port. Absent, unplugged, in use: waited for.
+#pragma once
+#include <link/stream_link.hpp>
+
+namespace anogate {
+
+class SerialLink final : public StreamLink {
+public:
+    using StreamLink::StreamLink;
+    std::size_t unsent() const override;
+    LinkFacts facts() const override;
+
+private:
+    Opened open_wire() override;
+    void leave_wire(int fd) override;
+    std::string gone_text(int error) const override;
+
+    int wire_ = -1;    // the open descriptor; -1: none
+    std::uint32_t actual_baud_ = 0;
+};
+
+}  // namespace anogate

@@ -1,0 +1,104 @@
+#include <link/errors.hpp>
+#include <link/stream_link.hpp>
+
+#include <sys/uio.h>
+
+#include <array>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t frames_per_write = 64;
+constexpr int reads_per_turn = 16;    // then the other links have theirs
+
+}  // namespace
+
+StreamLink::StreamLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      context_{context},
+      descriptor_{context.io},
+      retry_{context.alarms, [this] { try_open(); }, retry_slack},
+      expiry_{context.alarms, [this] {
+                  if (channel_->parser.expire(context_.host.now())) deliver();
+                  if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+              }} {}
+
+void StreamLink::start() {
+    channel_ = context_.host.open_channel(*this, {});
+    try_open();
+}
+
+void StreamLink::stop() {
+    retry_.cancel();
+    expiry_.cancel();
+    if (descriptor_.is_open()) leave_wire(descriptor_.fd());
+    descriptor_.close();
+}
+
+void StreamLink::try_open() {
+    Opened opened = open_wire();
+    const TimePoint now = context_.host.now();
+    if (!opened.fd) {
+        context_.host.link_down(*this, std::move(opened.error));
+        retry_.set(backoff_.retry_at(now));
+        return;
+    }
+    backoff_.came_up(now);
+    descriptor_.open(std::move(opened.fd));
+    descriptor_.read_with([this] { read(); });
+    came_up();
+}
+
+void StreamLink::fail(std::string why) {
+    leave_wire(descriptor_.fd());
+    descriptor_.close();
+    expiry_.cancel();
+    channel_->parser.finish();
+    deliver();
+    context_.host.link_down(*this, std::move(why));
+    retry_.set(backoff_.retry_at(context_.host.now()));
+}
+
+void StreamLink::read() {
+    for (int i = 0; i < reads_per_turn; ++i) {
+        const auto room = channel_->parser.prepare();
+        const ssize_t n = ::read(descriptor_.fd(), room.data(), room.size());
+        if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
+        if (n <= 0) return fail(gone_text(n == 0 ? 0 : errno));
+        heard();
+        channel_->parser.commit(static_cast<std::size_t>(n), context_.host.now());
+        deliver();
+        if (!descriptor_.is_open() || static_cast<std::size_t>(n) < room.size()) break;
+    }
+    if (!descriptor_.is_open()) return;
+    if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+}
+
+void StreamLink::deliver() {
+    while (const auto frame = channel_->parser.next()) context_.host.receive(*channel_, *frame);
+    context_.host.flush();
+}
+
+void StreamLink::flush(Channel&) { write(); }
+
+void StreamLink::write() {
+    std::array<std::span<const std::uint8_t>, frames_per_write> frames;
+    std::array<iovec, frames_per_write> pieces;
+    Outbox& outbox = channel_->outbox;
+    while (descriptor_.is_open() && !outbox.empty()) {
+        const std::size_t count = outbox.gather(frames);
+        for (std::size_t i = 0; i < count; ++i)
+            pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
+        const ssize_t n = ::writev(descriptor_.fd(), pieces.data(), static_cast<int>(count));
+        if (n > 0) {
+            outbox.sent(static_cast<std::size_t>(n));
+        } else if (n == 0 || errno == EAGAIN) {
+            descriptor_.when_writable([this] { write(); });
+            return;
+        } else if (errno != EINTR) {
+            return fail(gone_text(errno));
+        }
+    }
+}
+
+}  // namespace anogate

@@ -1,0 +1,56 @@
+// A link that is a stream of bytes with one channel: what serial ports and pseudo-terminals have in common.
+#pragma once
+#include <link/descriptor.hpp>
+#include <link/link_context.hpp>
+
+#include <gateway/backoff.hpp>
+
+namespace anogate {
+
+class StreamLink : public Link {
+public:
+    StreamLink(LinkId id, LinkSettings settings, const LinkContext& context);
+
+    void start() override;
+    void stop_reading() override { descriptor_.stop_reading(); retry_.cancel(); }
+    void stop() override;
+    void flush(Channel& channel) override;
+
+protected:
+    /// The open, non-blocking descriptor, or nothing and why not.
+    struct Opened {
+        UniqueFd fd;
+        std::string error;
+    };
+    virtual Opened open_wire() = 0;
+    /// Leaves the wire as it should be found; the descriptor is closed right after.
+    virtual void leave_wire(int) {}
+    /// Bytes came in; before they are parsed.
+    virtual void heard() {}
+    /// What a read that ends (0 bytes) or fails means to the user.
+    virtual std::string gone_text(int error) const = 0;
+
+    /// The wire is gone: closes it, says why, and tries again later.
+    void fail(std::string why);
+    virtual void came_up() { context_.host.link_up(*this); }
+
+    int fd() const noexcept { return descriptor_.fd(); }
+    bool wire_is_open() const noexcept { return descriptor_.is_open(); }
+    Channel* channel() noexcept { return channel_; }
+
+    LinkContext context_;
+
+private:
+    void try_open();
+    void read();
+    void deliver();
+    void write();
+
+    Descriptor descriptor_;
+    Channel* channel_ = nullptr;
+    Backoff backoff_;
+    Alarm retry_;
+    Alarm expiry_;
+};
+
+}  // namespace anogate

@@ -1,0 +1,67 @@
+// termios2 and BOTHER come with the kernel's headers, which can't be included beside <termios.h>.
+#include <link/errors.hpp>
+#include <link/termios.hpp>
+
+#include <asm/termbits.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
+
+namespace anogate::terminal {
+namespace {
+
+void set_line(termios2& t, const SerialSettings& settings) {
+    t.c_iflag = t.c_oflag = t.c_lflag = 0;
+    t.c_iflag |= IGNBRK;
+    t.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;    // and no HUPCL: closing must not reset the board behind the port
+    if (settings.parity != Parity::none) t.c_cflag |= PARENB;
+    if (settings.parity == Parity::odd) t.c_cflag |= PARODD;
+    if (settings.stop_bits == 2) t.c_cflag |= CSTOPB;
+    if (settings.flow == FlowControl::hardware) t.c_cflag |= CRTSCTS;
+    t.c_ispeed = t.c_ospeed = settings.baud;
+    t.c_cc[VMIN] = 1;
+    t.c_cc[VTIME] = 0;
+}
+
+void set_modem_line(int fd, int line, bool on) noexcept { ::ioctl(fd, on ? TIOCMBIS : TIOCMBIC, &line); }
+
+// Drivers without the notion refuse; nothing is lost.
+void ask_for_low_latency(int fd) noexcept {
+    serial_struct serial{};
+    if (::ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
+    serial.flags = static_cast<int>(static_cast<unsigned>(serial.flags) | ASYNC_LOW_LATENCY);
+    ::ioctl(fd, TIOCSSERIAL, &serial);
+}
+
+}  // namespace
+
+std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud) {
+    termios2 t{};
+    if (::ioctl(fd, TCGETS2, &t) != 0) return errno == ENOTTY ? "this is not a serial port" : error_text(errno);
+    set_line(t, settings);
+    if (::ioctl(fd, TCSETS2, &t) != 0)
+        return "the driver refuses " + std::to_string(settings.baud) + " baud with these line settings: " + error_text(errno);
+    if (settings.low_latency) ask_for_low_latency(fd);
+    if (settings.dtr) set_modem_line(fd, TIOCM_DTR, *settings.dtr);
+    if (settings.rts) set_modem_line(fd, TIOCM_RTS, *settings.rts);
+    if (::ioctl(fd, TCGETS2, &t) == 0) actual_baud = t.c_ospeed;
+    return {};
+}
+
+void make_raw(int fd) noexcept {
+    termios2 t{};
+    if (::ioctl(fd, TCGETS2, &t) != 0) return;
+    set_line(t, SerialSettings{});
+    ::ioctl(fd, TCSETS2, &t);
+}
+
+void claim(int fd) noexcept { ::ioctl(fd, TIOCEXCL); }
+void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
+
+std::size_t unsent(int fd) noexcept {
+    int bytes = 0;
+    return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+void discard_output(int fd) noexcept { ::ioctl(fd, TCFLSH, TCOFLUSH); }
+void discard_input(int fd) noexcept { ::ioctl(fd, TCFLSH, TCIFLUSH); }
+
+}  // namespace anogate::terminal

@@ -1,0 +1,25 @@
+// What the kernel's terminal interface needs here: any integer rate, raw, and the modem lines.
+#pragma once
+#include <gateway/settings.hpp>
+
+#include <string>
+
+namespace anogate::terminal {
+
+/// Raw mode, the line settings, HUPCL cleared. Empty, or what the driver refused. `actual_baud` is what it made of the rate.
+std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud);
+/// Raw mode for the user's side of a pseudo-terminal.
+void make_raw(int fd) noexcept;
+
+/// Nobody else may open the port (root excepted), until give_back().
+void claim(int fd) noexcept;
+void give_back(int fd) noexcept;
+
+/// Bytes that are written and not yet on the wire; 0 where the driver does not say.
+std::size_t unsent(int fd) noexcept;
+/// Throws away what is written and not yet on the wire, so that closing does not wait for it.
+void discard_output(int fd) noexcept;
+/// Throws away what has arrived and was not read.
+void discard_input(int fd) noexcept;
+
+}  // namespace anogate::terminal

@@ -1,0 +1,47 @@
+// One fixed UDP peer; a broadcast address or a multicast group is one as well.
+#pragma once
+#include <gateway/backoff.hpp>
+#include <link/ip_socket.hpp>
+#include <link/link_context.hpp>
+
+namespace anogate {
+
+/// A peer that is not there is no fault: its refusals are counted and shown.
+class UdpLink final : public Link {
+public:
+    UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
+
+    void start() override;
+    void stop_reading() override;
+    void stop() override;
+    void flush(Channel& channel) override;
+    LinkFacts facts() const override;
+    std::string trouble() const override { return trouble_; }
+
+private:
+    void try_open();
+    OpenedSocket open_to_peer();
+    std::string join_group(int fd) const;
+    void fail(std::string why);
+    void read();
+    bool own(const sockaddr_storage& sender, TimePoint now);
+    void deliver();
+    void note(const SendReport& report);
+
+    LinkContext context_;
+    Descriptor descriptor_;
+    Channel* channel_ = nullptr;
+    Backoff backoff_;
+    Alarm retry_;
+    Alarm expiry_;
+    Alarm again_;    // after the system had no memory to send
+    bool connected_ = false;    // not towards many at once
+    SocketAddress to_;
+    Endpoint local_;
+    std::vector<Network> networks_;    // ours, to know our own datagrams when they come back
+    TimePoint networks_read_at_{};
+    std::uint64_t refused_ = 0;
+    std::string trouble_;
+};
+
+}  // namespace anogate

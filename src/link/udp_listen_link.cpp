@@ -1,0 +1,218 @@
+#include <link/errors.hpp>
+#include <link/feed.hpp>
+#include <link/udp_listen_link.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+constexpr Duration quiet = std::chrono::milliseconds{100};
+constexpr Duration networks_age = std::chrono::seconds{1};      // a refused sender makes us look again this often
+constexpr Duration silence_slack = std::chrono::seconds{1};
+constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
+
+}  // namespace
+
+struct UdpListenLink::Peer {
+    Peer(UdpListenLink& link, const Endpoint& e, Channel& c)
+        : endpoint{e},
+          address{SocketAddress::of(e, link.local_.address.v6)},
+          channel{c},
+          expiry{link.context_.alarms, [&link, this] { link.expire(*this); }},
+          again{link.context_.alarms, [&link, this] { link.flush(channel); }} {}
+
+    Endpoint endpoint;
+    SocketAddress address;
+    Channel& channel;
+    Alarm expiry;
+    Alarm again;    // after the system had no memory to send
+};
+
+UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)},
+      context_{context},
+      descriptor_{context.io},
+      retry_{context.alarms, [this] { try_open(); }, retry_slack},
+      silence_{context.alarms, [this] { forget_silent_peers(); }, silence_slack},
+      probe_{{this->settings().max_data, 0, quiet}},
+      allow_{this->settings().udp_listen.allow} {}
+
+UdpListenLink::~UdpListenLink() = default;
+
+void UdpListenLink::try_open() {
+    OpenedSocket opened = open_udp(settings().udp_listen.local, false);
+    const TimePoint now = context_.host.now();
+    if (!opened.fd) {
+        context_.host.link_down(*this, std::move(opened.error));
+        retry_.set(backoff_.retry_at(now));
+        return;
+    }
+    backoff_.came_up(now);
+    local_ = local_endpoint(opened.fd.get());
+    descriptor_.open(std::move(opened.fd));
+    descriptor_.read_with([this] { read(); });
+    context_.host.link_up(*this);
+}
+
+void UdpListenLink::fail(std::string why) {
+    descriptor_.close();
+    while (!peers_.empty()) forget(*peers_.back());
+    context_.host.link_down(*this, std::move(why));
+    retry_.set(backoff_.retry_at(context_.host.now()));
+}
+
+void UdpListenLink::stop_reading() {
+    descriptor_.stop_reading();
+    retry_.cancel();
+}
+
+void UdpListenLink::stop() {
+    retry_.cancel();
+    silence_.cancel();
+    peers_.clear();
+    descriptor_.close();
+}
+
+void UdpListenLink::read() {
+    const int count = context_.batch.receive(descriptor_.fd());
+    if (count < 0) {
+        if (errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH || errno == ENOMEM) return;
+        return fail(error_text(local_.text(), errno));
+    }
+    const TimePoint now = context_.host.now();
+    for (int i = 0; i < count; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        take(context_.batch.sender(at), context_.batch.datagram(at), now);
+    }
+    context_.host.flush();
+}
+
+void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
+    const Endpoint endpoint = endpoint_of(sender);
+    Peer* peer = find(endpoint);
+    if (!peer) peer = admit(endpoint, datagram, now);
+    if (!peer) return;
+    latest_ = peer;
+    feed_datagram(peer->channel.parser, datagram, now,
+                  [&](ano::FrameView frame) { context_.host.receive(peer->channel, frame); });
+    if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
+}
+
+UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
+    if (latest_ && latest_->endpoint == endpoint) return latest_;
+    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->endpoint == endpoint; });
+    return found == peers_.end() ? nullptr : found->get();
+}
+
+// A stranger must be allowed, must say something in V8, and then takes the place of the one silent longest if need be.
+UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram,
+                                          TimePoint now) {
+    if (endpoint.port == 0 || !allowed(endpoint.address, now)) {
+        ++stray_.denied_in;
+        stray_.bytes_in += datagram.size();
+        return nullptr;
+    }
+    if (!holds_a_frame(datagram, now)) return nullptr;
+    if (peers_.size() >= settings().udp_listen.max_peers) {
+        forget(**std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) {
+            return a->channel.heard_at < b->channel.heard_at;
+        }));
+    }
+    Channel* channel = context_.host.open_channel(*this, endpoint.text());
+    if (!channel) {
+        ++stray_.denied_in;
+        stray_.bytes_in += datagram.size();
+        return nullptr;
+    }
+    context_.host.link_up(*this);    // for the new channel
+    peers_.push_back(std::make_unique<Peer>(*this, endpoint, *channel));
+    if (!silence_.is_set()) silence_.set(now + settings().udp_listen.peer_timeout);
+    return peers_.back().get();
+}
+
+bool UdpListenLink::allowed(const IpAddress& address, TimePoint now) {
+    const UdpListenSettings& udp = settings().udp_listen;
+    if (udp.allow_any || contains(allow_, address)) return true;
+    if (!udp.allow.empty()) return false;
+    // Interfaces come and go: what was true when we opened need not be true now.
+    if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_age) return false;
+    networks_read_at_ = now;
+    allow_ = own_networks();
+    return contains(allow_, address);
+}
+
+bool UdpListenLink::holds_a_frame(std::span<const std::uint8_t> datagram, TimePoint now) {
+    const ano::ParserCounters before = probe_.counters();
+    bool found = false;
+    feed_datagram(probe_, datagram, now, [&](ano::FrameView) { found = true; });
+    probe_.finish();
+    while (probe_.next()) found = true;
+    if (found) return true;
+    const ano::ParserCounters& after = probe_.counters();
+    stray_.bytes_in += datagram.size();
+    stray_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
+    stray_.bad_check += after.bad_check - before.bad_check;
+    stray_.bad_length += after.bad_length - before.bad_length;
+    stray_.expired += after.expired - before.expired;
+    return false;
+}
+
+void UdpListenLink::forget(Peer& peer) {
+    if (latest_ == &peer) latest_ = nullptr;
+    Channel& channel = peer.channel;
+    std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
+    context_.host.close_channel(channel);
+}
+
+void UdpListenLink::forget_silent_peers() {
+    const TimePoint now = context_.host.now();
+    const Duration timeout = settings().udp_listen.peer_timeout;
+    TimePoint next = TimePoint::max();
+    for (std::size_t i = peers_.size(); i-- > 0;) {
+        const TimePoint due = peers_[i]->channel.heard_at + timeout;
+        if (due <= now) forget(*peers_[i]);
+        else next = std::min(next, due);
+    }
+    if (!peers_.empty()) silence_.set(next);
+}
+
+void UdpListenLink::expire(Peer& peer) {
+    if (peer.channel.parser.expire(context_.host.now())) {
+        while (const auto frame = peer.channel.parser.next()) context_.host.receive(peer.channel, *frame);
+        context_.host.flush();
+    }
+    if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
+}
+
+void UdpListenLink::flush(Channel& channel) {
+    if (!descriptor_.is_open()) return;
+    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
+    if (found == peers_.end()) return;
+    Peer& peer = **found;
+    for (;;) {
+        switch (send_all(descriptor_.fd(), channel.outbox, &peer.address).result) {
+        case SendResult::done: return;
+        case SendResult::full:
+            descriptor_.when_writable([this] {
+                for (std::size_t i = 0; i < peers_.size(); ++i) flush(peers_[i]->channel);
+            });
+            return;
+        case SendResult::no_memory: peer.again.set(context_.host.now() + no_memory_pause); return;
+        case SendResult::broken: channel.outbox.drop_frame(&SendCounters::send_failed); break;    // towards this peer only
+        }
+    }
+}
+
+LinkFacts UdpListenLink::facts() const {
+    const Endpoint& shown = descriptor_.is_open() ? local_ : settings().udp_listen.local;
+    LinkFacts facts{{"address", shown.text()}, {"port", std::int64_t{shown.port}}};
+    if (descriptor_.is_open()) facts.push_back({"kernel_drops", kernel_drops(descriptor_.fd())});
+    return facts;
+}
+
+std::string UdpListenLink::trouble() const {
+    return stray_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
+}
+
+}  // namespace anogate
