@@ -24,6 +24,8 @@ struct IpAddress {
 
     bool is_any() const noexcept;
     bool is_loopback() const noexcept;
+    /// 169.254.0.0/16, fe80::/10 and the multicast groups of one link: what needs a scope in IPv6.
+    bool is_link_local() const noexcept;
     bool is_multicast() const noexcept;
     friend bool operator==(const IpAddress&, const IpAddress&) = default;
 };

@@ -2,7 +2,7 @@
 //
 // Flow:    outbox.push(frame)                                   // from the router
 //          outbox.gather(pieces)                                // when the wire can take something
-//          outbox.sent(bytes), or outbox.sent_frame() / outbox.dropped_frame(cause) for datagrams
+//          outbox.sent(bytes), or outbox.sent_frame() / outbox.drop_frame(cause) for datagrams
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/counters.hpp>
@@ -34,7 +34,7 @@ public:
     void sent(std::size_t bytes) noexcept;
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
-    /// The first frame of what gather() gave can't be sent, for `cause`.
+    /// The first frame of what gather() gave can't be sent, for `cause`. Not for one that has begun to leave.
     void drop_frame(std::uint64_t SendCounters::*cause) noexcept;
 
     /// The wire is there. An outbox starts closed.

@@ -1,10 +1,12 @@
 // Who gets a frame. Knows no bytes, no sockets and no clock (protocol text, section 2; README "Where frames go").
 #pragma once
+#include <ano/address.hpp>
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/settings.hpp>
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -67,10 +69,10 @@ public:
     /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
-    LinkSet port(std::uint8_t address) const { return address <= 20 ? ports_[address] : LinkSet{}; }
+    LinkSet port(std::uint8_t address) const { return address <= ano::address::last_port_id ? ports_[address] : LinkSet{}; }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
-    /// A conflict that began since the last call; for the log.
+    /// The next conflict that began and was not taken yet; for the log.
     bool take_new_conflict(Conflict& conflict);
     std::uint64_t own_frames() const { return own_frames_; }
 
@@ -88,7 +90,7 @@ private:
     LinkSet unknown_links_;
 
     std::vector<LinkRule> links_;
-    std::array<LinkSet, 21> ports_{};
+    std::array<LinkSet, ano::address::last_port_id + 1> ports_{};
     std::array<LinkSet, 256> pinned_{};
 
     std::array<LinkId, most_channels> link_of_{};
@@ -97,12 +99,13 @@ private:
     ChannelSet flooded_;        // channels whose link takes floods
     ChannelSet broadcast_;      // channels whose link takes broadcasts
 
-    std::array<ChannelSet, 256> known_{};                                     // where an address was heard
-    std::array<std::array<TimePoint, most_channels>, 256> heard_{};    // and when: touched only where known
+    // Where an address was heard and when. Exact times rather than generations of sets: no sweep, and a frame touches the
+    // word of its two addresses and one time for each channel that heard them.
+    std::array<ChannelSet, 256> known_{};
+    std::array<std::array<TimePoint, most_channels>, 256> heard_{};
 
     std::array<Conflict, 256> conflicts_{};
-    bool new_conflict_ = false;
-    std::uint8_t newest_conflict_ = 0;
+    std::bitset<256> new_conflicts_;
     std::uint64_t own_frames_ = 0;
 };
 

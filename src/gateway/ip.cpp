@@ -25,10 +25,12 @@ std::optional<IpAddress> IpAddress::parse(std::string_view text) {
     IpAddress address;
     const std::size_t percent = text.find('%');
     const std::string host{text.substr(0, percent)};
+    if (host.find('\0') != std::string::npos) return std::nullopt;
     if (percent == std::string_view::npos && inet_pton(AF_INET, host.c_str(), address.bytes.data()) == 1) return address;
     if (inet_pton(AF_INET6, host.c_str(), address.bytes.data()) != 1) return std::nullopt;
     address.v6 = true;
     if (percent != std::string_view::npos) {
+        if (!address.is_link_local()) return std::nullopt;
         const std::string interface{text.substr(percent + 1)};
         address.scope = if_nametoindex(interface.c_str());
         if (address.scope == 0) {
@@ -61,6 +63,11 @@ bool IpAddress::is_any() const noexcept {
 bool IpAddress::is_loopback() const noexcept {
     if (!v6) return bytes[0] == 127;
     return bytes[15] == 1 && std::all_of(bytes.begin(), bytes.end() - 1, [](std::uint8_t b) { return b == 0; });
+}
+
+bool IpAddress::is_link_local() const noexcept {
+    if (!v6) return bytes[0] == 169 && bytes[1] == 254;
+    return (bytes[0] == 0xFE && (bytes[1] & 0xC0) == 0x80) || (bytes[0] == 0xFF && (bytes[1] & 0x0F) == 0x02);
 }
 
 bool IpAddress::is_multicast() const noexcept { return v6 ? bytes[0] == 0xFF : (bytes[0] & 0xF0) == 0xE0; }

@@ -12,7 +12,7 @@ Outbox::Outbox(const Options& options)
       most_entries_{2 * (options.bytes / ano::overhead + 1)},
       arena_{new std::uint8_t[capacity_]},
       entries_{new Entry[most_entries_]} {
-    assert(options.bytes >= ano::overhead + options.max_data);
+    assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= UINT32_MAX / 2);
 }
 
 void Outbox::push(ano::FrameView frame) noexcept {
@@ -45,8 +45,8 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces) cons
 }
 
 void Outbox::sent(std::size_t bytes) noexcept {
-    while (bytes > 0) {
-        assert(frames_ > 0);
+    assert(bytes <= bytes_ - partly_sent_);
+    while (bytes > 0 && frames_ > 0) {
         const std::size_t rest = front().size - partly_sent_;
         if (bytes < rest) {
             partly_sent_ += bytes;
@@ -65,6 +65,7 @@ void Outbox::sent_frame() noexcept {
 }
 
 void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
+    assert(partly_sent_ == 0 || !open_);    // the receiver would take what follows for the rest of it
     ++(counters_.*cause);
     remove_front();
 }

@@ -27,7 +27,7 @@ Router::Router(const GatewaySettings& settings)
 }
 
 LinkId Router::add_link(const LinkRule& rule) {
-    assert(links_.size() < most_links);
+    assert(links_.size() < most_links && rule.port_id <= address::last_port_id);
     const auto id = static_cast<LinkId>(links_.size());
     links_.push_back(rule);
     if (address::is_port_id(rule.port_id)) ports_[rule.port_id].insert(id);
@@ -40,7 +40,7 @@ void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
 
 void Router::open(ChannelId channel, LinkId link) {
     link_of_[index(channel)] = link;
-    down_at_[index(channel)] = {};
+    down_at_[index(channel)] = TimePoint::min();
     channels_of_link_[index(link)].insert(channel);
     if (links_[index(link)].flood) flooded_.insert(channel);
     if (links_[index(link)].broadcast) broadcast_.insert(channel);
@@ -100,9 +100,11 @@ std::vector<Conflict> Router::conflicts(TimePoint now) const {
 }
 
 bool Router::take_new_conflict(Conflict& conflict) {
-    if (!new_conflict_) return false;
-    new_conflict_ = false;
-    conflict = conflicts_[newest_conflict_];
+    if (new_conflicts_.none()) return false;
+    std::size_t a = 0;
+    while (!new_conflicts_[a]) ++a;
+    new_conflicts_.reset(a);
+    conflict = conflicts_[a];
     return true;
 }
 
@@ -118,7 +120,7 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
     LinkSet links = link;
     for (const ChannelId channel : known) {
         const TimePoint at = heard(source, channel);
-        if (now - at < moved_after && at >= down_at_[index(channel)]) links.insert(link_of_[index(channel)]);
+        if (now - at < moved_after && at > down_at_[index(channel)]) links.insert(link_of_[index(channel)]);
     }
     if (links.size() > 1) note_conflict(source, links, now);
 }
@@ -128,8 +130,7 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, TimePoint now) {
     const bool over = c.count > 0 && now - c.last >= forget_after_;
     if (c.count == 0 || over) {
         c.links.clear();
-        new_conflict_ = true;
-        newest_conflict_ = source;
+        new_conflicts_.set(source);
     }
     c.address = source;
     c.links |= links;

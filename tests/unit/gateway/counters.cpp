@@ -1,0 +1,60 @@
+#include <gateway/counters.hpp>
+
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <set>
+#include <string_view>
+
+using namespace anogate;
+
+TEST(Counters, every_member_is_a_row_but_offered) {
+    EXPECT_EQ(std::size(receive_counters) * sizeof(std::uint64_t), sizeof(ReceiveCounters));
+    EXPECT_EQ((std::size(send_counters) + 1) * sizeof(std::uint64_t), sizeof(SendCounters));
+}
+
+TEST(Counters, names_and_members_are_distinct) {
+    std::set<std::string_view> names;
+    ReceiveCounters r;
+    for (const auto& row : receive_counters) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(r.*row.value, 0u) << row.name;
+        r.*row.value = 1;
+        EXPECT_FALSE(row.help.empty());
+    }
+    SendCounters s;
+    for (const auto& row : send_counters) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(s.*row.value, 0u) << row.name;
+        s.*row.value = 1;
+        EXPECT_FALSE(row.help.empty());
+    }
+}
+
+TEST(Counters, add_adds_each) {
+    SendCounters a;
+    SendCounters b;
+    std::uint64_t n = 1;
+    for (const auto& row : send_counters) {
+        a.*row.value = n;
+        b.*row.value = 1000 * n++;
+    }
+    a.offered = 7;
+    b.offered = 8;
+    add(a, b);
+    n = 1;
+    for (const auto& row : send_counters) EXPECT_EQ(a.*row.value, 1001 * n++) << row.name;
+    EXPECT_EQ(a.offered, 15u);
+}
+
+// Each counter that takes a frame off the account, by its row: all but those that count something else of frames sent.
+TEST(Counters, what_is_unaccounted_waits) {
+    SendCounters c;
+    c.offered = 100;
+    std::uint64_t expected = 100;
+    for (const auto& row : send_counters) {
+        c.*row.value += 3;
+        if (row.name != "bytes_out" && row.name != "empty_out") expected -= 3;
+        EXPECT_EQ(unaccounted(c), expected) << row.name;
+    }
+}

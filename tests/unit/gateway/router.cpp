@@ -1,0 +1,252 @@
+#include <gateway/router.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+namespace {
+
+template <class Change>
+GatewaySettings settings(Change change) {
+    GatewaySettings result;
+    change(result);
+    return result;
+}
+
+// One channel a link and as many links as asked for, but for what a test adds itself.
+struct Net {
+    explicit Net(const GatewaySettings& gateway = {}, std::vector<Router::LinkRule> rules = {{}, {}, {}, {}})
+        : router{std::make_unique<Router>(gateway)} {
+        for (const auto& rule : rules) {
+            const LinkId link = router->add_link(rule);
+            router->open(static_cast<ChannelId>(index(link)), link);
+        }
+    }
+    Route route(unsigned from, std::uint8_t source, std::uint8_t destination) {
+        return router->route(static_cast<ChannelId>(from), source, destination, now);
+    }
+    Router* operator->() const { return router.get(); }
+
+    std::unique_ptr<Router> router;
+    TimePoint now{};
+};
+
+ChannelSet channels(std::initializer_list<unsigned> numbers) {
+    ChannelSet set;
+    for (const unsigned n : numbers) set.insert(static_cast<ChannelId>(n));
+    return set;
+}
+LinkSet links(std::initializer_list<unsigned> numbers) {
+    LinkSet set;
+    for (const unsigned n : numbers) set.insert(static_cast<LinkId>(n));
+    return set;
+}
+constexpr LinkId link(unsigned n) {
+    return static_cast<LinkId>(n);
+}
+constexpr ChannelId channel(unsigned n) {
+    return static_cast<ChannelId>(n);
+}
+
+void expect(const Route& route, ChannelSet to, Via via, LinkSet absent = {}) {
+    EXPECT_EQ(route.channels, to);
+    EXPECT_EQ(text(route.via), text(via));
+    EXPECT_EQ(route.absent, absent);
+}
+
+}    // namespace
+
+TEST(Router, broadcast_goes_everywhere_but_back) {
+    Net net{{}, {{}, {}, {.broadcast = false}, {}}};
+    expect(net.route(0, 0xDC, 0xFF), channels({1, 3}), Via::broadcast);
+    expect(net.route(2, 0xDD, 0xFF), channels({0, 1, 3}), Via::broadcast);
+}
+
+TEST(Router, port_id_is_the_link_that_bears_it) {
+    Net net{{}, {{}, {.port_id = 5}, {}, {}}};
+    expect(net.route(0, 0xFE, 5), channels({1}), Via::port);
+    net.route(2, 5, 0xFE);
+    expect(net.route(0, 0xFE, 5), channels({1}), Via::port);    // whatever is behind it
+    expect(net.route(1, 0xFE, 5), {}, Via::port);               // never back
+}
+
+TEST(Router, port_id_that_no_link_bears_is_an_address_like_any) {
+    Net net;
+    net.route(2, 7, 0xFE);
+    expect(net.route(0, 0xFE, 7), channels({2}), Via::learned);
+}
+
+TEST(Router, pinned_address_goes_to_its_links_wherever_it_was_heard) {
+    Net net;
+    net->pin(30, 40, link(1));
+    net->pin(40, 40, link(2));
+    net.route(3, 30, 0xFF);
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
+    expect(net.route(0, 0xFE, 40), channels({1, 2}), Via::pinned);
+    expect(net.route(1, 0xFE, 40), channels({2}), Via::pinned);
+    EXPECT_EQ(net.route(0, 0xFE, 41).via, Via::unknown);
+    EXPECT_EQ(net->pinned(40), links({1, 2}));
+    net->pin(0xFF, 0xFF, link(1));    // the last address ends the range
+    EXPECT_EQ(net->pinned(0), LinkSet{});
+}
+
+TEST(Router, link_without_a_channel_is_absent) {
+    Net net;
+    const LinkId listener = net->add_link({.port_id = 9});
+    net->pin(50, 50, listener);
+    net->pin(50, 50, link(1));
+    expect(net.route(0, 0xFE, 9), {}, Via::port, LinkSet{listener});
+    expect(net.route(0, 0xFE, 50), channels({1}), Via::pinned, LinkSet{listener});
+}
+
+TEST(Router, link_with_several_channels_gives_to_all_but_the_one_it_came_by) {
+    Net net;
+    net->open(channel(10), link(1));
+    net->open(channel(11), link(1));
+    net->pin(50, 50, link(1));
+    expect(net.route(0, 0xFE, 50), channels({1, 10, 11}), Via::pinned);
+    expect(net.route(10, 0xFE, 50), channels({1, 11}), Via::pinned);
+}
+
+TEST(Router, learned_address_goes_where_it_was_heard) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    expect(net.route(1, 0xFE, 0xDC), {}, Via::learned);    // a neighbour on the same line: it has heard it already
+}
+
+TEST(Router, learned_address_is_forgotten_after_its_time) {
+    Net net{settings([](auto& s) { s.forget_after = 10s; })};
+    net.route(1, 0xDC, 0xFF);
+    net.now += 10s - 1ns;
+    EXPECT_EQ(net.route(0, 0xFE, 0xDC).via, Via::learned);
+    EXPECT_EQ(net->learned(0xDC, net.now).links, links({1}));
+    net.now += 1ns;
+    EXPECT_EQ(net->learned(0xDC, net.now).links, LinkSet{});
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2, 3}), Via::unknown);
+}
+
+TEST(Router, device_that_moved_is_followed_after_three_seconds) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.now += 1s;
+    net.route(2, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
+    net.now += 2s;
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
+    net.now += 5s;    // silent on both, long: nothing speaks for either
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
+}
+
+TEST(Router, hosts_stay_on_every_channel_until_it_closes) {
+    Net net;
+    for (const std::uint8_t host : {ano::address::host, ano::address::ros_bridge}) {
+        net.route(1, host, 0xFF);
+        net.route(2, host, 0xFF);
+    }
+    net.now += 24h;
+    for (const std::uint8_t host : {ano::address::host, ano::address::ros_bridge}) {
+        expect(net.route(0, 0xDC, host), channels({1, 2}), Via::learned);
+        EXPECT_EQ(net->learned(host, net.now).links, links({1, 2}));
+    }
+    net->close(channel(1));
+    expect(net.route(0, 0xDC, 0xFE), channels({2}), Via::learned);
+    net->open(channel(1), link(1));    // its number used again knows nothing of the one before
+    expect(net.route(0, 0xDC, 0xFE), channels({2}), Via::learned);
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+}
+
+TEST(Router, unknown_is_flooded_dropped_or_sent_to_one_link) {
+    Net flood{{}, {{}, {}, {.flood = false}, {}}};
+    expect(flood.route(0, 0xFE, 60), channels({1, 3}), Via::unknown);
+    Net drop{settings([](auto& s) { s.unknown = Unknown::drop; })};
+    expect(drop.route(0, 0xFE, 60), {}, Via::nobody);
+    Net one{settings([](auto& s) { s.unknown = Unknown::link; })};
+    one->set_unknown_link(link(2));
+    expect(one.route(0, 0xFE, 60), channels({2}), Via::unknown);
+    expect(one.route(2, 0xFE, 60), {}, Via::unknown);
+    one->close(channel(2));
+    expect(one.route(0, 0xFE, 60), {}, Via::unknown, links({2}));
+}
+
+TEST(Router, no_receiver_and_no_sender_teach_nothing) {
+    Net net;
+    net.route(1, 0x00, 0xFE);
+    net.route(1, 0xFF, 0xFE);
+    EXPECT_EQ(net->learned(0x00, net.now).links, LinkSet{});
+    EXPECT_EQ(net->learned(0xFF, net.now).links, LinkSet{});
+    net->pin(0, 0, link(2));
+    expect(net.route(0, 0xFE, 0x00), {}, Via::nobody);
+    EXPECT_EQ(net->learned(0xFE, net.now).links, links({0}));    // its source is learned all the same
+}
+
+TEST(Router, own_id_ends_here) {
+    Net net{settings([](auto& s) { s.id = 199; })};
+    net->pin(199, 199, link(2));
+    expect(net.route(0, 0xFE, 199), {}, Via::own);
+    EXPECT_EQ(net->own_frames(), 1u);
+    EXPECT_EQ(net.route(0, 0xFE, 0x00).via, Via::nobody);
+    EXPECT_EQ(net->own_frames(), 1u);
+}
+
+TEST(Router, same_source_on_two_links_is_a_conflict) {
+    Net net;
+    net.route(1, 0xDE, 0xFF);
+    net.now += 100ms;
+    net.route(2, 0xDE, 0xFF);
+    auto found = net->conflicts(net.now);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].address, 0xDE);
+    EXPECT_EQ(found[0].links, links({1, 2}));
+    Conflict conflict;
+    ASSERT_TRUE(net->take_new_conflict(conflict));
+    EXPECT_EQ(conflict.address, 0xDE);
+    for (unsigned i = 0; i < 100; ++i) {
+        net.now += 100ms;
+        net.route(1 + i % 2, 0xDE, 0xFF);
+    }
+    EXPECT_FALSE(net->take_new_conflict(conflict)) << "told once";
+    net.now += 30s;
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+    net.route(1, 0xDE, 0xFF);
+    net.route(3, 0xDE, 0xFF);
+    ASSERT_TRUE(net->take_new_conflict(conflict)) << "a new one is told again";
+    EXPECT_EQ(conflict.links, links({1, 3}));
+}
+
+TEST(Router, every_new_conflict_is_told) {
+    Net net;
+    for (const std::uint8_t source : std::initializer_list<std::uint8_t>{0xDE, 0xDD, 0x20}) {
+        net.route(1, source, 0xFF);
+        net.route(2, source, 0xFF);
+    }
+    Conflict conflict;
+    std::vector<int> told;
+    while (net->take_new_conflict(conflict)) told.push_back(conflict.address);
+    EXPECT_EQ(told, (std::vector<int>{0x20, 0xDD, 0xDE}));
+}
+
+TEST(Router, no_conflict_within_a_link_or_after_a_move) {
+    Net net;
+    net->open(channel(10), link(1));
+    net.route(1, 0xDE, 0xFF);
+    net.route(10, 0xDE, 0xFF);
+    EXPECT_TRUE(net->conflicts(net.now).empty()) << "two peers of one link";
+
+    net.route(1, 0xDD, 0xFF);
+    net.now += 3s;
+    net.route(2, 0xDD, 0xFF);
+    EXPECT_TRUE(net->conflicts(net.now).empty()) << "three seconds later: it has moved";
+
+    net.route(1, 0xDC, 0xFF);
+    net->went_down(channel(1), net.now);    // within the same wake-up
+    net.now += 10ms;
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_TRUE(net->conflicts(net.now).empty()) << "plugged into another port";
+    net.now += 10ms;
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_EQ(net->conflicts(net.now).size(), 1u) << "the old link is up again and hears it: two devices";
+}
