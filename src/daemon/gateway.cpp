@@ -1,5 +1,5 @@
 #include <daemon/gateway.hpp>
-#include <link/make_link.hpp>
+#include <link/kinds.hpp>
 
 #include <spdlog/spdlog.h>
 

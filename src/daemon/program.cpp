@@ -1,5 +1,7 @@
 #include <daemon/command_line.hpp>
+#include <daemon/config.hpp>
 #include <daemon/control.hpp>
+#include <daemon/control_socket.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
@@ -40,10 +42,10 @@ public:
 
 private:
     void start_control() {
-        const std::string& socket = gateway_.settings().control.socket;
-        if (socket == "none") return;
+        const auto socket = control_socket(gateway_.settings().control, this_runner());
+        if (!socket) return;
         control_.get("/status", [this] { return status_json(gateway_); });
-        if (const std::string error = control_.start(socket); !error.empty())
+        if (const std::string error = control_.start(*socket); !error.empty())
             spdlog::warn("no control interface: {}", error);
     }
 
@@ -86,11 +88,14 @@ private:
 }  // namespace
 
 int run_program(int argc, char** argv) {
-    CommandLine line = parse_command_line(argc, argv);
-    if (line.exit) {
-        (line.exit->status == 0 ? std::cout : std::cerr) << line.exit->text;
-        return line.exit->status;
+    auto parsed = parse_command_line(argc, argv);
+    if (const Exit* exit = std::get_if<Exit>(&parsed)) {
+        (exit->code == 0 ? std::cout : std::cerr) << exit->text;
+        return exit->code;
     }
+    CommandLine& line = std::get<CommandLine>(parsed);
+    if (line.print_config) std::cout << print_config(line.settings);
+    if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);
     start_log(line.settings.log);
     return Program{std::move(line.settings)}.run();

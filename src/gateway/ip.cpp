@@ -85,7 +85,9 @@ std::optional<Endpoint> Endpoint::parse(std::string_view text) {
 }
 
 std::string Endpoint::text() const {
-    return (address.v6 ? "[" + address.text() + "]" : address.text()) + ":" + std::to_string(port);
+    std::string host = address.text();
+    if (address.v6) host.append("]").insert(0, 1, '[');
+    return host.append(":").append(std::to_string(port));
 }
 
 std::optional<Network> Network::parse(std::string_view text) {
