@@ -8,6 +8,7 @@
 // A datagram goes in by begin_datagram() first, which decides whether what the one before left behind still counts.
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/prefix_sums.hpp>
 #include <ano/time.hpp>
 
 #include <cstddef>
@@ -68,7 +69,9 @@ private:
 
     Verdict judge(std::size_t at, std::size_t limit) noexcept;
     bool checks_hold(std::size_t at, std::size_t length) noexcept;
-    void extend_sums(std::size_t to) noexcept;
+    bool checks_hold_by_sums(std::size_t at, std::size_t length) noexcept;
+    void step_over_refused() noexcept;
+    bool refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
     void skip(std::size_t n) noexcept;
     void look_for_v7(std::size_t at) noexcept;
@@ -83,10 +86,9 @@ private:
     std::size_t end_ = 0;        // end of the bytes put in
     std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it
 
-    // Prefix sums up to sums_end_, kept only behind a refused candidate: with them the checks of any further
-    // candidate that begins before sums_until_ cost constant time.
-    std::unique_ptr<Checks[]> sums_;
-    std::size_t sums_end_ = 0;
+    // Kept only behind a refused candidate: with them the checks of any further candidate that begins
+    // before sums_until_ cost constant time.
+    PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
     bool candidate_waits_ = false;

@@ -1,6 +1,7 @@
 #include <ano/parser.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -19,14 +20,33 @@ constexpr std::uint8_t v7_head = 0xAA;
 constexpr std::size_t v7_header_size = 4;
 constexpr int v7_looks_per_commit = 4;
 
+constexpr std::size_t block = 64;
+constexpr std::uint64_t all_heads = ~std::uint64_t{0};
+
+// A bit for each HEAD among the 64 bytes at `bytes`.
+std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
+    constexpr std::uint64_t ones = 0x0101010101010101;
+    constexpr std::uint64_t low = 0x7F * ones;
+    std::uint64_t heads = 0;
+    for (std::size_t i = 0; i < block; i += 8) {
+        std::uint64_t word;
+        std::memcpy(&word, bytes + i, sizeof word);
+        if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+        word ^= ones * head;
+        const std::uint64_t zero = ~(((word & low) + low) | word | low) >> 7;    // 1 in each byte that was HEAD
+        heads |= (zero * 0x0102040810204080 >> 56) << i;
+    }
+    return heads;
+}
+
 }  // namespace
 
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
       capacity_{2 * (overhead + options.max_data) + read_room},
-      buffer_{new std::uint8_t[capacity_]},
-      sums_{new Checks[capacity_ + 1]} {
+      buffer_{new std::uint8_t[capacity_ + header_size + block]},
+      sums_{capacity_} {
     assert(options.max_data <= largest_data);
 }
 
@@ -36,8 +56,10 @@ std::span<std::uint8_t> FrameParser::prepare() noexcept {
     } else if (pos_ > 0 && capacity_ - end_ < read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
         barrier_ -= std::min(barrier_, pos_);
+        if (sums_until_ > pos_) sums_.move_front(pos_);
+        sums_until_ -= std::min(sums_until_, pos_);
         end_ -= pos_;
-        pos_ = sums_until_ = 0;
+        pos_ = 0;
     }
     return {buffer_.get() + end_, capacity_ - end_};
 }
@@ -54,6 +76,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
 
 std::optional<FrameView> FrameParser::next() noexcept {
     while (pos_ < end_) {
+        if (pos_ < sums_until_) step_over_refused();
         const std::uint8_t* at = buffer_.get() + pos_;
         if (*at != head) {
             const void* found = std::memchr(at, head, end_ - pos_);
@@ -122,38 +145,92 @@ FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexc
 
 bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     const std::uint8_t* bytes = buffer_.get() + at;
-    const Checks told{bytes[length], bytes[length + 1]};
     if (at >= sums_until_) {
-        if (checks_of({bytes, length}) == told) return true;
-        sums_end_ = at;
-        sums_[at] = {};
+        if (checks_of({bytes, length}) == Checks{bytes[length], bytes[length + 1]}) return true;
+        sums_.begin(at);
         sums_until_ = at + length;
         return false;
     }
-    if (at + length > sums_until_) sums_until_ = at + length;
-    extend_sums(at + length);
-    // With S the sum of all bytes up to a place and T the sum of all S: sum = S' - S, add = T' - T - length * S.
-    const Checks before = sums_[at];
-    const Checks behind = sums_[at + length];
-    return static_cast<std::uint8_t>(behind.sum - before.sum) == told.sum &&
-           static_cast<std::uint8_t>(behind.add - before.add - length * before.sum) == told.add;
+    if (checks_hold_by_sums(at, length)) return true;
+    sums_until_ = std::max(sums_until_, at + length);
+    return false;
 }
 
-void FrameParser::extend_sums(std::size_t to) noexcept {
-    Checks run = sums_[sums_end_];
-    for (; sums_end_ < to; ++sums_end_) {
-        run.sum = static_cast<std::uint8_t>(run.sum + buffer_[sums_end_]);
-        run.add = static_cast<std::uint8_t>(run.add + run.sum);
-        sums_[sums_end_ + 1] = run;
+bool FrameParser::checks_hold_by_sums(std::size_t at, std::size_t length) noexcept {
+    const std::size_t to = at + length;
+    if (to >= sums_.end()) sums_.extend({buffer_.get(), end_}, to + 1);
+    return sums_.sum_holds(at, to) && sums_.add(at, to) == buffer_[to + 1];
+}
+
+// Nothing but HEAD, from `begin` to behind the last of 64 LEN fields: 64 candidates of one length, judged side by side.
+bool FrameParser::refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept {
+    constexpr std::size_t length = head << 8 | head;
+    if (heads_among(buffer_.get() + begin + header_size) != all_heads) return false;
+    if (length > options_.max_data) {
+        counters_.bad_length += block;
+        return true;
     }
+    const std::size_t to = begin + header_size + length;
+    if (to + block > last_sum) return false;
+    const std::uint8_t* const sums = sums_.sums() + begin;
+    const std::uint8_t* const gaps = sums_.gaps() + to;
+    unsigned equal = 0;
+    for (std::size_t i = 0; i < block; ++i) equal |= sums[i] == gaps[i];
+    if (equal != 0) return false;
+    counters_.bad_check += block;
+    return true;
+}
+
+// The same verdicts as in next(), in one tight loop: over whole candidates that are refused, to the first that is not, or
+// to where the sums are no longer needed. By this, input that is made of headers is hardly dearer than good frames.
+void FrameParser::step_over_refused() noexcept {
+    const std::size_t limit = pos_ < barrier_ ? barrier_ : end_;
+    if (limit < pos_ + overhead) return;
+    sums_.extend({buffer_.get(), limit}, limit);
+    const std::uint8_t* const bytes = buffer_.get();
+    const std::uint8_t* const sums = sums_.sums();
+    const std::uint8_t* const gaps = sums_.gaps();
+    const std::size_t max_data = options_.max_data;
+    const std::size_t stop = std::min(sums_until_, limit - overhead + 1);    // no whole frame begins there or behind
+    const std::size_t last_sum = limit - 2;                                  // the last place where SC may stand
+    std::size_t at = pos_;
+    bool to_be_judged = false;
+    for (std::size_t begin = at; begin < stop && !to_be_judged; begin += block) {
+        std::uint64_t heads = heads_among(bytes + begin);
+        if (stop - begin < block) heads &= (std::uint64_t{1} << (stop - begin)) - 1;
+        if (heads == all_heads && refuse_block_of_heads(begin, last_sum)) {
+            at = begin + block;
+            continue;
+        }
+        std::uint64_t refused = heads;
+        std::uint64_t too_long = 0;
+        at = std::min(begin + block, stop);
+        for (; heads != 0; heads &= heads - 1) {
+            const std::size_t here = begin + static_cast<std::size_t>(std::countr_zero(heads));
+            const std::size_t length = data_length(bytes + here);
+            const std::size_t to = here + header_size + length;
+            if (length > max_data) {
+                ++too_long;
+            } else if (to > last_sum || (sums[here] == gaps[to] && sums_.add(here, to) == bytes[to + 1])) {
+                at = here;
+                to_be_judged = true;
+                refused ^= heads;
+                break;
+            }
+        }
+        counters_.bad_length += too_long;
+        counters_.bad_check += static_cast<std::uint64_t>(std::popcount(refused)) - too_long;
+    }
+    if (at == pos_) return;
+    sums_until_ = limit;    // what is there is summed already: no need to sum it again
+    counters_.skipped_bytes += at - pos_;
+    pos_ = at;
+    candidate_waits_ = false;
 }
 
 // 0: there is none. Every place behind the waiting candidate is judged in constant time, from sums that begin at it.
 std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
-    if (at >= sums_until_) {
-        sums_end_ = at;
-        sums_[at] = {};
-    }
+    if (at >= sums_until_) sums_.begin(at);
     sums_until_ = end_;
     while (++at < end_) {
         const void* found = std::memchr(buffer_.get() + at, head, end_ - at);

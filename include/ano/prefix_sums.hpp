@@ -1,0 +1,46 @@
+// Both checks of any stretch of a buffer in constant time, after each of its bytes was summed once.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace ano {
+
+/// Sums over a buffer from a place that begin() names. The room for them is taken at construction.
+class PrefixSums {
+public:
+    explicit PrefixSums(std::size_t capacity);
+
+    void begin(std::size_t at) noexcept {
+        end_ = at;
+        sum_[at] = add_[at] = 0;
+    }
+    /// Takes in the bytes before `to`, and up to 256 more where there are: `bytes` is the buffer up to where it is filled.
+    void extend(std::span<const std::uint8_t> bytes, std::size_t to) noexcept;
+    /// The buffer's content moved to its front by `distance` bytes; what was summed stays summed.
+    void move_front(std::size_t distance) noexcept;
+    /// The bytes before this are summed.
+    std::size_t end() const noexcept { return end_; }
+
+    /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). For a frame that is to be refused this
+    /// alone says so 255 times in 256.
+    bool sum_holds(std::size_t from, std::size_t to) const noexcept { return sum_[from] == gap_[to]; }
+    /// For loops: sum_holds(from, to) is sums()[from] == gaps()[to].
+    const std::uint8_t* sums() const noexcept { return sum_.get(); }
+    const std::uint8_t* gaps() const noexcept { return gap_.get(); }
+    /// The additional check over [from, to); to <= end().
+    std::uint8_t add(std::size_t from, std::size_t to) const noexcept {
+        return static_cast<std::uint8_t>(add_[to] - add_[from] - (to - from) * sum_[from]);
+    }
+
+private:
+    void extend_to(const std::uint8_t* bytes, std::size_t to) noexcept;
+
+    std::unique_ptr<std::uint8_t[]> sum_;    // sum_[i]: the sum of the bytes before i
+    std::unique_ptr<std::uint8_t[]> add_;    // add_[i]: the sum of sum_[k + 1] for the places k before i
+    std::unique_ptr<std::uint8_t[]> gap_;    // gap_[i]: sum_[i] less byte i, the sum before a frame whose SC stands at i
+    std::size_t end_ = 0;
+};
+
+}  // namespace ano
