@@ -6,7 +6,7 @@ namespace anogate {
 namespace {
 
 std::string line(std::string_view left, std::string_view right, std::size_t indent) {
-    constexpr std::size_t column = 42;
+    constexpr std::size_t column = 46;
     std::string text = std::string(indent, ' ') + std::string{left};
     text.resize(std::max(text.size() + 2, column), ' ');
     return text + std::string{right} + "\n";
@@ -47,7 +47,8 @@ std::string link_objects() {
     std::string text = "  links: a list of LINK texts, or of objects with \"kind\", the keys above, and the address:\n";
     for (const LinkKind& kind : link_kinds()) {
         const std::string address = "\"" + std::string{kind.address} + "\": \"" + std::string{kind.example} + "\"";
-        text += "    {\"kind\": \"" + std::string{kind.name} + "\", " + address + "}\n";
+        const KeyFacts* key = find_key(link_keys(), kind.address, kind.name);
+        text += line("{\"kind\": \"" + std::string{kind.name} + "\", " + address + "}", key->help, 4);
     }
     return text;
 }

@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+#include <daemon/command_line.hpp>
+#include <daemon/config.hpp>
+#include <support/files.hpp>
+
+namespace anogate {
+namespace {
+
+using Parsed = std::variant<CommandLine, Exit>;
+
+Parsed parse(std::vector<const char*> arguments, const std::string& default_file = "/nonexistent/anogate.json") {
+    arguments.insert(arguments.begin(), "anogated");
+    return parse_command_line(static_cast<int>(arguments.size()), arguments.data(), default_file);
+}
+
+CommandLine line_of(std::vector<const char*> arguments, const std::string& default_file = "/nonexistent/anogate.json") {
+    const Parsed parsed = parse(std::move(arguments), default_file);
+    if (const Exit* exit = std::get_if<Exit>(&parsed)) {
+        ADD_FAILURE() << exit->text;
+        return {};
+    }
+    return std::get<CommandLine>(parsed);
+}
+
+Settings settings_of(std::vector<const char*> arguments) {
+    return line_of(std::move(arguments)).settings;
+}
+
+Exit exit_of(std::vector<const char*> arguments) {
+    const Parsed parsed = parse(std::move(arguments));
+    const Exit* exit = std::get_if<Exit>(&parsed);
+    EXPECT_NE(exit, nullptr);
+    return exit != nullptr ? *exit : Exit{};
+}
+
+/// What goes to standard error; the exit code must be 78.
+std::string error_of(std::vector<const char*> arguments) {
+    const Exit exit = exit_of(std::move(arguments));
+    EXPECT_EQ(exit.code, 78);
+    return exit.text;
+}
+
+TEST(CommandLine, links_and_options) {
+    const Settings s =
+        settings_of({"--id", "199", "serial:/dev/ttyUSB0,name=fc", "--route", "0xDC=fc", "udp-listen:0.0.0.0:12333",
+                     "--route=30-40=fc", "--unknown", "fc", "--control", "/tmp/c.sock", "--log-level", "debug"});
+    ASSERT_EQ(s.links.size(), 2u);
+    EXPECT_EQ(s.links[0].name, "fc");
+    EXPECT_EQ(s.links[1].kind, "udp-listen");
+    EXPECT_EQ(s.gateway.id, 199);
+    EXPECT_EQ(s.gateway.unknown, Unknown::link);
+    EXPECT_EQ(s.gateway.unknown_link, "fc");
+    EXPECT_EQ(s.routes, (std::vector<RouteSettings>{{220, 220, "fc"}, {30, 40, "fc"}}));
+    EXPECT_EQ(s.control.socket, "/tmp/c.sock");
+    EXPECT_EQ(s.log.level, "debug");
+}
+
+TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
+    const support::TemporaryFolder folder;
+    const std::string file =
+        folder.write("a.json", R"({"gateway": {"id": 5, "name": "boat", "unknown": "nobody"}, "links": ["sim:fc"],
+        "routes": [{"address": 220, "link": "app"}], "log": {"level": "warn"}})");
+    const Settings s = settings_of(
+        {"-c", file.c_str(), "pty:/tmp/app", "--id=0x06", "--unknown=drop", "--log-level=error", "--control=none"});
+    ASSERT_EQ(s.links.size(), 2u);
+    EXPECT_EQ(s.links[1].name, "app");
+    EXPECT_EQ(s.gateway, (GatewaySettings{6, "boat", Unknown::drop, "", std::chrono::seconds{30}}));
+    EXPECT_EQ(s.routes.size(), 1u);
+    EXPECT_EQ(s.log.level, "error");
+    EXPECT_EQ(s.control.socket, "none");
+}
+
+TEST(CommandLine, the_last_of_an_option_counts) {
+    EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6);
+}
+
+TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("default.json", R"({"gateway": {"name": "default"}})");
+    EXPECT_EQ(line_of({}, file).settings.gateway.name, "default");
+    EXPECT_EQ(line_of({}, file).config_file, file);
+    EXPECT_EQ(line_of({"sim:fc"}, file).settings.gateway.name, "anogate");
+    EXPECT_EQ(line_of({"sim:fc"}, file).config_file, "");
+}
+
+TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
+    EXPECT_EQ(error_of({}),
+              "anogated: /nonexistent/anogate.json: No such file or directory; write it, or name links, for example: "
+              "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333\n");
+}
+
+TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
+    const support::TemporaryFolder folder;
+    EXPECT_EQ(error_of({"-c", "/nonexistent"}), "anogated: /nonexistent: No such file or directory\n");
+    EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
+    EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: more than 1 MiB, no configuration\n");
+    const std::string file = folder.write("a.json", "{\n,");
+    EXPECT_EQ(
+        error_of({"-c", file.c_str(), "--route", "5=x"}),
+        "anogated: " + file +
+            ": line 2, column 1: syntax error while parsing object key - unexpected ','; expected string literal\n");
+}
+
+TEST(CommandLine, every_fault_is_a_line) {
+    const support::TemporaryFolder folder;
+    const std::string file =
+        folder.write("a.json", R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}]})");
+    EXPECT_EQ(error_of({"-c", file.c_str(), "serial:/dev/y,bauds=9", "--chek", "--id", "300", "--route", "nowhere"}),
+              "anogated: unknown option '--chek' (did you mean '--check'?)\n"
+              "anogated: " +
+                  file +
+                  ": /links/0/bauds: unknown key 'bauds' (did you mean 'baud'?)\n"
+                  "anogated: LINK 'serial:/dev/y,bauds=9': unknown key 'bauds' (did you mean 'baud'?)\n"
+                  "anogated: --route 'nowhere': must be ADDR=LINK such as 0xDC=fc\n"
+                  "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not '300'\n");
+}
+
+TEST(CommandLine, routes_and_unknown_name_links) {
+    EXPECT_EQ(error_of({"sim:fc", "--route", "5=fd", "--unknown", "app"}),
+              "anogated: --unknown: there is no link 'app'; give flood, drop, or one of fc\n"
+              "anogated: --route '5=fd': there is no link 'fd' (did you mean 'fc'?); give one of fc\n");
+}
+
+TEST(CommandLine, an_option_without_its_value_is_a_fault) {
+    const std::string error = error_of({"sim:fc", "--id"});
+    EXPECT_EQ(error.rfind("anogated: --id", 0), 0u) << error;
+    EXPECT_EQ(error.find('\n'), error.size() - 1);
+}
+
+TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
+    EXPECT_FALSE(line_of({"sim:fc"}).check);
+    EXPECT_FALSE(line_of({"sim:fc"}).print_config);
+    EXPECT_TRUE(line_of({"sim:fc", "--check"}).check);
+    EXPECT_TRUE(line_of({"sim:fc", "--print-config"}).print_config);
+    EXPECT_EQ(error_of({"sim:plane", "--check"}), "anogated: LINK 'sim:plane': 'device' must be fc, not 'plane'\n");
+}
+
+TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
+    const Settings said = settings_of({"--id", "199", "serial:/dev/ttyUSB0,baud=9600,rts",
+                                       "udp-listen:[::]:12333,allow=any", "--route", "30-40=ttyUSB0"});
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("a.json", print_config(said));
+    EXPECT_EQ(settings_of({"--config", file.c_str()}), said);
+}
+
+TEST(CommandLine, help_and_version) {
+    const Exit help = exit_of({"--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const char* word : {"--config FILE", "--id", "--route", "--unknown", "--control", "--check", "--print-config",
+                             "--log-level", "--version", "--help", "serial:", "udp-listen:", "baud=", "forget_after"})
+        EXPECT_NE(help.text.find(word), std::string::npos) << word;
+    const Exit version = exit_of({"--version"});
+    EXPECT_EQ(version.code, 0);
+    EXPECT_EQ(version.text.rfind("anogated ", 0), 0u);
+    EXPECT_EQ(version.text.back(), '\n');
+}
+
+}  // namespace
+}  // namespace anogate

@@ -1,0 +1,285 @@
+#include <gtest/gtest.h>
+#include <support/random.hpp>
+
+#include <unit/daemon/faults.hpp>
+
+namespace anogate {
+namespace {
+
+Settings settings_of(std::string_view json) {
+    Draft draft = parse_config(json);
+    EXPECT_EQ(lines(draft.errors), "");
+    return draft.settings;
+}
+
+TEST(Config, nothing_said_is_the_defaults) {
+    EXPECT_EQ(settings_of("{}"), Settings{});
+}
+
+TEST(Config, every_section) {
+    const Settings s = settings_of(R"(// comments
+    {
+        "gateway": {"id": 199, "name": "boat", "unknown": "fc", "forget_after": "5m"},
+        "links": [
+            {"kind": "serial", "name": "fc", "device": "/dev/ttyUSB0", "baud": 115200, "id": "0x01", "dtr": false},
+            "udp-listen:0.0.0.0:12333,id=2", /* and more */
+            {"kind": "udp-listen", "address": "[::]:0", "allow": ["10.0.0.0/8", "::1"]},
+            {"kind": "udp-listen", "address": "[::]:1", "allow": "any"}
+        ],
+        "routes": [{"address": "0xDC", "link": "fc"}, {"address": 7, "link": "udp-listen-12333"}, {"address": "30-40", "link": "fc"}],
+        "control": {"socket": "none"},
+        "log": {"level": "debug", "file": "/var/log/anogate.log", "rotate": 0}
+    })");
+    EXPECT_EQ(s.gateway, (GatewaySettings{199, "boat", Unknown::link, "fc", std::chrono::minutes{5}}));
+    ASSERT_EQ(s.links.size(), 4u);
+    EXPECT_EQ(s.links[0].serial.baud, 115200u);
+    EXPECT_EQ(s.links[0].id, 1);
+    EXPECT_EQ(s.links[0].serial.dtr, false);
+    EXPECT_EQ(s.links[1].name, "udp-listen-12333");
+    EXPECT_EQ(s.links[2].udp_listen.allow.size(), 2u);
+    EXPECT_TRUE(s.links[3].udp_listen.allow_any);
+    EXPECT_EQ(s.routes, (std::vector<RouteSettings>{{220, 220, "fc"}, {7, 7, "udp-listen-12333"}, {30, 40, "fc"}}));
+    EXPECT_EQ(s.control.socket, "none");
+    EXPECT_EQ(s.log, (LogSettings{"debug", "/var/log/anogate.log", 0}));
+}
+
+TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
+    EXPECT_EQ(faults_in(R"({"link": []})"), "/link: unknown key 'link' (did you mean 'links'?)\n");
+    EXPECT_EQ(faults_in(R"({"gateway": {"nme": "x"}})"), "/gateway/nme: unknown key 'nme' (did you mean 'name'?)\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc", {"kind": "serial", "device": "/dev/x", "bauds": 9}]})"),
+              "/links/1/bauds: unknown key 'bauds' (did you mean 'baud'?)\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "udp", "address": "1.2.3.4:5", "baud": 9}]})"),
+              "/links/0/baud: 'baud' is not a key of udp, but of serial\n");
+    EXPECT_EQ(faults_in(R"({"links": ["serial:/dev/x,bauds=9"]})"),
+              "/links/0: LINK 'serial:/dev/x,bauds=9': unknown key 'bauds' (did you mean 'baud'?)\n");
+    EXPECT_EQ(faults_in(R"({"a/b~c": 1})"), "/a~1b~0c: unknown key 'a/b~c'\n");
+    EXPECT_EQ(faults_in(R"({"": 1})"), "/: unknown key ''\n");
+}
+
+TEST(Config, a_value_has_the_right_type) {
+    const auto fault = [](const std::string& key_and_value) {
+        return faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", )" + key_and_value + "}]}");
+    };
+    EXPECT_EQ(fault(R"("baud": "500000")"),
+              "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not the text \"500000\"\n");
+    EXPECT_EQ(fault(R"("baud": 1.5)"), "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not 1.5\n");
+    EXPECT_EQ(fault(R"("baud": -9)"), "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not '-9'\n");
+    EXPECT_EQ(fault(R"("baud": 99999999999999999999)"),
+              "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not 1e+20\n");
+    EXPECT_EQ(fault(R"("required": "yes")"),
+              "/links/0/required: 'required' must be true or false, not the text \"yes\"\n");
+    EXPECT_EQ(fault(R"("name": null)"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not null\n");
+    EXPECT_EQ(fault(R"("name": ["x"])"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not a list\n");
+    EXPECT_EQ(fault(R"("name": "a\u0000b")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\x00b'\n");
+    EXPECT_EQ(fault(R"("parity": {})"), "/links/0/parity: 'parity' must be one of none, even, odd, not an object\n");
+    EXPECT_EQ(fault(R"("id": true)"),
+              "/links/0/id: 'id' must be an address from 1 to 20 (or in hex such as 0x05), not true\n");
+    EXPECT_EQ(
+        faults_in(R"({"gateway": {"forget_after": 30}})"),
+        "/gateway/forget_after: 'forget_after' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not 30\n");
+    EXPECT_EQ(faults_in(R"({"links": {}})"), "/links: must be a list [...], not an object\n");
+    EXPECT_EQ(faults_in(R"({"log": []})"), "/log: must be an object {...}, not a list\n");
+    EXPECT_EQ(faults_in("[]"), ": must be an object {...}, not a list\n");
+}
+
+TEST(Config, networks_are_a_list_of_texts_or_any) {
+    const auto ok = [](const std::string& allow) {
+        return faults_in(R"({"links": [{"kind": "udp-listen", "address": "0.0.0.0:1", "allow": )" + allow + "}]}")
+            .empty();
+    };
+    EXPECT_TRUE(ok(R"("any")"));
+    EXPECT_TRUE(ok(R"(["10.0.0.0/8"])"));
+    for (const char* allow :
+         {"[]", R"("10.0.0.0/8")", R"(["any"])", R"(["10.0.0.0/8+1.2.3.4"])", "[5]", R"([""])", "true"})
+        EXPECT_FALSE(ok(allow)) << allow;
+}
+
+TEST(Config, what_is_needed_and_missing_is_told) {
+    EXPECT_EQ(faults_in(R"({"links": [{}]})"), "/links/0: 'kind' is missing, for example \"kind\": \"serial\"\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial"}]})"), "/links/0: 'device' is missing: path of the port\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
+              "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, "
+              "pty, sim\n");
+    EXPECT_EQ(
+        faults_in(R"({"links": [{"kind": 5}, 6]})"),
+        "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be an object {...}, not 6\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "routes": [{"link": "fc"}]})"),
+              "/routes/0: 'address' is missing: the address or range to pin\n");
+}
+
+TEST(Config, a_key_given_twice_is_a_fault) {
+    EXPECT_EQ(faults_in(R"({"log": {"level": "info", "level": "debug"}})"), "/log/level: 'level' is given twice\n");
+    EXPECT_EQ(
+        faults_in(
+            R"({"links": [{"kind": "sim", "device": "fc"}, {"kind": "sim", "id": 1, "device": "fc", "id": 2}], "links": []})"),
+        "/links/1/id: 'id' is given twice\n/links: 'links' is given twice\n");
+}
+
+TEST(Config, routes_lead_somewhere) {
+    const auto fault = [](const std::string& routes) {
+        return faults_in(R"({"gateway": {"id": 99}, "links": ["sim:fc,id=3", "pty:/run/app"], "routes": [)" + routes +
+                         "]}");
+    };
+    EXPECT_EQ(fault(R"({"address": "0xDC", "link": "fc"}, {"address": "0xDC", "link": "app"})"), "");
+    EXPECT_EQ(fault(R"({"address": 5, "link": "ap"})"),
+              "/routes/0/link: there is no link 'ap' (did you mean 'app'?); give one of fc, app\n");
+    EXPECT_EQ(fault(R"({"address": 99, "link": "fc"})"),
+              "/routes/0/address: 'address' 0x63: 0x63 is the gateway's own id\n");
+    EXPECT_EQ(fault(R"({"address": "1-9", "link": "fc"})"),
+              "/routes/0/address: 'address' 1-9: 3 is the port id of 'fc' (/links/0: LINK 'sim:fc,id=3'), frames to it "
+              "go there\n");
+    for (const char* address : {"0", "255", "\"0x00\"", "\"0xFF\"", "\"200-255\"", "\"40-30\"", "\"host\"", "2.5"})
+        EXPECT_NE(fault(R"({"link": "fc", "address": )" + std::string{address} + "}")
+                      .find("/routes/0/address: 'address' must be"),
+                  std::string::npos)
+            << address;
+}
+
+TEST(Config, unknown_names_a_link_that_is) {
+    EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "app"}, "links": ["pty:/run/app"]})"), "");
+    EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "flod"}, "links": ["pty:/run/app"]})"),
+              "/gateway/unknown: there is no link 'flod'; give flood, drop, or one of app\n");
+}
+
+TEST(Config, ids_are_of_one_thing_each) {
+    EXPECT_EQ(faults_in(R"({"gateway": {"id": 3}, "links": [{"kind": "sim", "device": "fc", "id": 3}]})"),
+              "/links/0/id: 'id' 3 is the gateway's own id\n");
+    EXPECT_EQ(faults_in(R"({"gateway": {"id": 255}})"),
+              "/gateway/id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not '255'\n");
+    EXPECT_EQ(faults_in(R"({"gateway": {"id": "0x00"}})"),
+              "/gateway/id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not '0x00'\n");
+}
+
+TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
+    EXPECT_EQ(
+        faults_in(
+            R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
+        "/links/0: LINK 'sim:plane,name=x': 'device' must be fc, not 'plane'\n");
+}
+
+TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
+    EXPECT_EQ(
+        faults_in("{\"a\":\n  [1,}"),
+        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal\n");
+    for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3},
+                                    std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
+        EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
+}
+
+TEST(Config, nesting_without_end_is_refused) {
+    const std::string brackets(1'000'000, '[');
+    EXPECT_NE(faults_in(brackets).find("nested deeper than 32 levels\n"), std::string::npos);
+    EXPECT_EQ(lines(parse_config(brackets).errors).find('\n'), lines(parse_config(brackets).errors).size() - 1);
+    std::string objects;
+    for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+    EXPECT_NE(faults_in(objects).find("nested deeper than 32 levels\n"), std::string::npos);
+}
+
+TEST(Config, the_file_is_named_before_the_pointer) {
+    EXPECT_EQ(lines(parse_config(R"({"x": 1})", "a.json").errors), "anogated: a.json: /x: unknown key 'x'\n");
+    EXPECT_EQ(lines(parse_config("[]", "a.json").errors), "anogated: a.json: must be an object {...}, not a list\n");
+}
+
+// Printing.
+
+Endpoint random_endpoint(support::Random& random, bool v6) {
+    Endpoint endpoint;
+    endpoint.address = *IpAddress::parse(v6 ? random.of({"::1", "fd00::5", "2001:db8::1:2"})
+                                            : random.of({"127.0.0.1", "10.1.2.3", "255.255.255.255"}));
+    endpoint.port = static_cast<std::uint16_t>(1 + random.below(65535));
+    return endpoint;
+}
+
+void give_kind(LinkSettings& link, support::Random& random, const std::string& unique) {
+    link.kind = random.of({"serial", "udp-listen", "udp", "pty", "sim"});
+    const bool v6 = random.one_in(2);
+    if (link.kind == "serial") {
+        const auto line = [&] {
+            return random.of({std::optional<bool>{}, std::optional<bool>{true}, std::optional<bool>{false}});
+        };
+        link.serial = {"/dev/" + unique,
+                       1 + random.below(UINT32_MAX),
+                       random.of({Parity::none, Parity::even, Parity::odd}),
+                       static_cast<std::uint8_t>(1 + random.below(2)),
+                       random.of({FlowControl::none, FlowControl::hardware}),
+                       random.one_in(2),
+                       line(),
+                       line()};
+    } else if (link.kind == "udp-listen") {
+        link.udp_listen.local = random_endpoint(random, v6);
+        link.udp_listen.peer_timeout = std::chrono::milliseconds{1000 + random.below(86'399'000)};
+        link.udp_listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
+        link.udp_listen.allow_any = random.one_in(3);
+        for (unsigned i = link.udp_listen.allow_any ? 0 : random.below(4u); i > 0; --i)
+            link.udp_listen.allow.push_back(
+                {random_endpoint(random, i % 2 == 0).address, static_cast<std::uint8_t>(random.below(33))});
+    } else if (link.kind == "udp") {
+        link.udp.peer = random_endpoint(random, v6);
+        if (random.one_in(2)) link.udp.bind = Endpoint{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0};
+    } else if (link.kind == "pty") {
+        link.pty.path = "/tmp/ü " + unique;
+    } else {
+        link.sim.rate = static_cast<std::uint16_t>(1 + random.below(100));
+    }
+}
+
+/// Any settings without fault.
+Settings random_settings(support::Random& random) {
+    Settings s;
+    s.gateway.id = random.of<std::uint8_t>({0, 21, 199, 254});
+    s.gateway.name = random.of({"anogate", "飞机", "a\"b\\c"});
+    s.gateway.unknown = random.of({Unknown::flood, Unknown::drop});
+    s.gateway.forget_after = std::chrono::milliseconds{1000 + random.below(86'399'000)};
+    const unsigned links = random.below(21u);
+    for (unsigned i = 0; i < links; ++i) {
+        LinkSettings link;
+        link.name = random.of({"link ", "链路", "a/b,c=d"}) + std::to_string(i);
+        give_kind(link, random, std::to_string(i));
+        // No port twice.
+        link.udp_listen.local.port = static_cast<std::uint16_t>(link.kind == "udp-listen" ? 1000 + i : 0);
+        if (random.one_in(2)) link.id = static_cast<std::uint8_t>(i + 1 == s.gateway.id || i >= 20 ? 0 : i + 1);
+        link.max_data = static_cast<std::uint16_t>(random.below(65536));
+        link.queue = link.max_data + 8u + random.below(100'000u);
+        link.flood = random.one_in(2);
+        link.broadcast = random.one_in(2);
+        link.required = random.one_in(2);
+        s.links.push_back(link);
+    }
+    for (unsigned i = links == 0 ? 0 : random.below(4u); i > 0; --i) {
+        const auto first = static_cast<std::uint8_t>(22 + random.below(100));
+        s.routes.push_back(
+            {first, static_cast<std::uint8_t>(first + random.below(20)), s.links[random.below(links)].name});
+    }
+    if (links != 0 && random.one_in(3)) {
+        s.gateway.unknown = Unknown::link;
+        s.gateway.unknown_link = s.links[0].name;
+    }
+    s.control.socket = random.of({"", "none", "/tmp/c.sock"});
+    s.log.level = random.of({"trace", "debug", "info", "warn", "error"});
+    s.log.file = random.of({"", "/var/log/x"});
+    s.log.rotate = random.of<std::uint64_t>({0, 1, 1000, 1024, 10'000'000, 3 << 20});
+    return s;
+}
+
+TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        support::Random random{seed};
+        const Settings settings = random_settings(random);
+        const std::string printed = print_config(settings);
+        const Draft read = parse_config(printed);
+        ASSERT_EQ(lines(read.errors), "") << "seed " << seed << "\n" << printed;
+        ASSERT_EQ(read.settings, settings) << "seed " << seed << "\n" << printed;
+        ASSERT_EQ(print_config(read.settings), printed) << "seed " << seed;
+    }
+}
+
+TEST(PrintConfig, leaves_out_what_is_not_set) {
+    const std::string printed = print_config(settings_of(R"({"links": ["serial:/dev/x", "udp:1.2.3.4:5"]})"));
+    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\""})
+        EXPECT_EQ(printed.find(key), std::string::npos) << key;
+    for (const char* key : {"\"baud\": 500000", "\"name\": \"x\"", "\"unknown\": \"flood\""})
+        EXPECT_NE(printed.find(key), std::string::npos) << key;
+}
+
+}  // namespace
+}  // namespace anogate

@@ -1,0 +1,26 @@
+// Reading configurations in tests.
+#pragma once
+#include <daemon/config.hpp>
+
+#include <string>
+
+namespace anogate {
+
+/// Every error of a configuration in JSON, one a line: "/links/0/baud: what is wrong".
+inline std::string faults_in(std::string_view json) {
+    std::string text;
+    for (const ConfigError& error : parse_config(json).errors) text += error.where + ": " + error.what + "\n";
+    return text;
+}
+
+/// Every error of some LINK texts.
+inline std::string faults_of(std::initializer_list<std::string_view> links) {
+    Draft draft;
+    for (const std::string_view link : links) read_link(link, "", draft);
+    finish(draft);
+    std::string text;
+    for (const ConfigError& error : draft.errors) text += error.where + ": " + error.what + "\n";
+    return text;
+}
+
+}  // namespace anogate

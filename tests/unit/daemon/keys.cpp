@@ -1,0 +1,165 @@
+// The table of keys, and that everything made from it has every row.
+#include <gtest/gtest.h>
+#include <daemon/config.hpp>
+#include <daemon/help.hpp>
+#include <daemon/keys.hpp>
+#include <link/kinds.hpp>
+#include <support/files.hpp>
+
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace anogate {
+namespace {
+
+using nlohmann::json;
+
+void for_every_key(auto visit) {
+    const auto section = [&](const std::string& name, auto keys) {
+        for (const auto& key : keys) visit(name, key);
+    };
+    section("gateway", gateway_keys());
+    section("links", link_keys());
+    section("routes", route_keys());
+    section("control", control_keys());
+    section("log", log_keys());
+}
+
+std::string sample() {
+    return support::text_of(support::source_file("config/anogate.json"));
+}
+
+/// Lines of `text`, those that are commented out but no prose without the comment signs.
+std::string with_examples(const std::string& text) {
+    std::string result;
+    for (const std::string_view line : split(text, '\n')) {
+        const std::size_t slashes = line.find_first_not_of(' ');
+        const bool example = slashes != line.npos && line.substr(slashes, 2) == "//" && line.size() > slashes + 2 &&
+                             line[slashes + 2] != ' ';
+        result += std::string{example ? line.substr(slashes + 2) : line} + "\n";
+    }
+    return result;
+}
+
+TEST(Keys, are_of_kinds_that_exist) {
+    for (const Key<LinkSettings>& key : link_keys())
+        for (const std::string_view kind : key.kinds.empty() ? std::vector<std::string_view>{} : split(key.kinds, ' '))
+            EXPECT_NE(find_link_kind(kind), nullptr) << key.name << " of " << kind;
+}
+
+TEST(Keys, have_a_name_once_in_a_kind) {
+    for (const LinkKind& kind : link_kinds()) {
+        std::set<std::string_view> names;
+        for (const Key<LinkSettings>& key : link_keys())
+            EXPECT_TRUE(!key.is_of(kind.name) || names.insert(key.name).second) << kind.name << " " << key.name;
+    }
+}
+
+TEST(Keys, the_address_of_a_kind_is_needed_and_its_example_is_right) {
+    for (const LinkKind& kind : link_kinds()) {
+        const auto* key = find_key(link_keys(), kind.address, kind.name);
+        ASSERT_NE(key, nullptr) << kind.name;
+        EXPECT_TRUE(key->required) << kind.name;
+        LinkSettings link;
+        EXPECT_EQ(key->set(kind.example, link), "");
+    }
+}
+
+TEST(Keys, write_what_they_read) {
+    Draft all = parse_config(with_examples(sample()));
+    for (const LinkSettings& link : all.settings.links)
+        for (const Key<LinkSettings>& key : link_keys()) {
+            const auto text = key.text_in(link);
+            if (!text || !key.is_of(link.kind)) continue;
+            LinkSettings read;
+            EXPECT_EQ(key.set(*text, read), "") << key.name;
+            EXPECT_EQ(key.text_in(read), text) << key.name;
+        }
+}
+
+TEST(Keys, are_all_in_the_help) {
+    const std::string help = links_and_keys_help();
+    for_every_key([&](const std::string&, const KeyFacts& key) {
+        EXPECT_NE(help.find(std::string{key.help}), std::string::npos) << key.name;
+        EXPECT_NE(help.find(std::string{key.name}), std::string::npos) << key.name;
+    });
+    for (const LinkKind& kind : link_kinds())
+        EXPECT_NE(help.find(std::string{kind.help}), std::string::npos) << kind.name;
+}
+
+TEST(Keys, are_all_in_the_schema) {
+    const json schema = json::parse(config_schema())["properties"];
+    const auto properties = [&](const std::string& section, const KeyFacts& key) -> std::vector<json> {
+        if (section == "routes") return {schema["routes"]["items"]["properties"]};
+        if (section != "links") return {schema[section]["properties"]};
+        std::vector<json> all;
+        for (const json& kind : schema["links"]["items"]["anyOf"])
+            if (kind["type"] == "object" && key.is_of(kind["properties"]["kind"]["const"].get<std::string>()))
+                all.push_back(kind["properties"]);
+        return all;
+    };
+    for_every_key([&](const std::string& section, const KeyFacts& key) {
+        const auto all = properties(section, key);
+        EXPECT_FALSE(all.empty()) << key.name;
+        for (const json& where : all) EXPECT_TRUE(where.contains(key.name)) << section << " " << key.name;
+    });
+}
+
+TEST(Schema, in_the_repository_is_the_one_that_the_table_makes) {
+    const auto path = support::source_file("config/anogate.schema.json");
+    if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << config_schema();
+    EXPECT_EQ(support::text_of(path), config_schema()) << "run this test with ANOGATE_UPDATE=1 and commit " << path;
+}
+
+TEST(Sample, is_a_configuration_and_has_the_defaults) {
+    const Draft draft = parse_config(sample());
+    EXPECT_EQ(lines(draft.errors), "");
+    Settings defaults;
+    for (const char* link : {"serial:/dev/ttyUSB0,name=fc", "udp-listen:0.0.0.0:12333,name=ground"}) {
+        Draft one;
+        read_link(link, "", one);
+        finish(one);
+        defaults.links.push_back(one.settings.links[0]);
+    }
+    EXPECT_EQ(print_config(draft.settings), print_config(defaults));
+    EXPECT_EQ(draft.settings, defaults);
+}
+
+TEST(Sample, shows_every_key_in_a_configuration_that_works) {
+    const std::string text = with_examples(sample());
+    const Draft draft = parse_config(text);
+    EXPECT_EQ(lines(draft.errors), "");
+    const json document = json::parse(text, nullptr, true, true);
+    std::map<std::string, std::set<std::string>> seen;
+    for (const char* section : {"gateway", "control", "log"})
+        for (const auto& [name, value] : document[section].items()) seen[section].insert(name);
+    for (const auto& [name, value] : document["routes"][0].items()) seen["routes"].insert(name);
+    for (const json& link : document["links"])
+        if (link.is_object())
+            for (const auto& [name, value] : link.items()) seen[link["kind"].get<std::string>()].insert(name);
+    for_every_key([&](const std::string& section, const KeyFacts& key) {
+        const auto shown = [&](std::string_view where) {
+            EXPECT_TRUE(seen[std::string{where}].contains(std::string{key.name})) << where << " " << key.name;
+        };
+        if (section != "links") return shown(section);
+        for (const auto& kind : key.kinds.empty() ? std::vector<std::string_view>{"serial"} : split(key.kinds, ' '))
+            shown(kind);
+    });
+}
+
+TEST(Sample, shows_the_default_of_every_key_that_has_one) {
+    const Draft draft = parse_config(with_examples(sample()));
+    for (const LinkSettings& link : draft.settings.links) {
+        if (link.name == "gps") continue;    // an example of its own
+        for (const Key<LinkSettings>& key : link_keys()) {
+            const auto usual = key.text_in(LinkSettings{});
+            if (!key.is_of(link.kind) || key.required || !usual) continue;
+            EXPECT_EQ(key.text_in(link), usual) << link.name << " " << key.name;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anogate

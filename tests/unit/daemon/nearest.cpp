@@ -1,0 +1,38 @@
+#include <daemon/nearest.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate {
+namespace {
+
+constexpr std::string_view keys[] = {"baud", "parity", "stop_bits", "flow", "flood", "peer_timeout", "id"};
+
+TEST(Nearest, finds_slips_of_the_finger) {
+    EXPECT_EQ(nearest("bauds", keys), "baud");
+    EXPECT_EQ(nearest("buad", keys), "baud");
+    EXPECT_EQ(nearest("stopbits", keys), "stop_bits");
+    EXPECT_EQ(nearest("PARITY", keys), "parity");
+    EXPECT_EQ(nearest("Bauds", keys), "baud");
+    EXPECT_EQ(nearest("flod", keys), "flow");
+    EXPECT_EQ(nearest("fload", keys), "flood");
+}
+
+TEST(Nearest, finds_a_part_of_a_word) {
+    EXPECT_EQ(nearest("timeout", keys), "peer_timeout");
+}
+
+TEST(Nearest, suggests_nothing_for_what_is_far) {
+    EXPECT_EQ(nearest("encryption", keys), "");
+    EXPECT_EQ(nearest("xx", keys), "");
+    EXPECT_EQ(nearest("", keys), "");
+    EXPECT_EQ(nearest(std::string(100'000, 'b'), keys), "");
+    EXPECT_EQ(nearest("baud", {}), "");
+}
+
+TEST(Nearest, asks_whether_it_was_meant) {
+    EXPECT_EQ(did_you_mean("bauds", keys), " (did you mean 'baud'?)");
+    EXPECT_EQ(did_you_mean("encryption", keys), "");
+}
+
+}  // namespace
+}  // namespace anogate

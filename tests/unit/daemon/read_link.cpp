@@ -1,0 +1,207 @@
+#include <gtest/gtest.h>
+
+#include <unit/daemon/faults.hpp>
+
+namespace anogate {
+namespace {
+
+using testing::Test;
+
+LinkSettings link_of(std::string_view text) {
+    Draft draft;
+    read_link(text, "", draft);
+    finish(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    return draft.settings.links.at(0);
+}
+
+/// One LINK text with one fault: the words behind "LINK '...': ".
+std::string fault_of(const std::string& link) {
+    const std::string text = faults_of({link});
+    const std::string start = "LINK '" + link + "': ";
+    EXPECT_EQ(text.rfind(start, 0), 0u) << text;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+    return text.substr(std::min(text.size(), start.size()), text.size() - start.size() - 1);
+}
+
+TEST(LinkText, serial) {
+    const LinkSettings link =
+        link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,dtr=off,rts");
+    LinkSettings expected;
+    expected.kind = "serial";
+    expected.name = "ttyUSB0";
+    expected.serial = {"/dev/ttyUSB0", 123456, Parity::even, 2, FlowControl::hardware, false, false, true};
+    EXPECT_EQ(link, expected);
+}
+
+TEST(LinkText, serial_has_defaults) {
+    LinkSettings expected;
+    expected.kind = "serial";
+    expected.name = "ttyUSB0";
+    expected.serial.device = "/dev/ttyUSB0";
+    EXPECT_EQ(link_of("serial:/dev/ttyUSB0"), expected);
+}
+
+TEST(LinkText, keys_of_every_link) {
+    const LinkSettings link =
+        link_of("sim:fc,rate=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
+    LinkSettings expected;
+    expected.kind = "sim";
+    expected.name = "飞控";
+    expected.id = 5;
+    expected.max_data = 65535;
+    expected.queue = 70000;
+    expected.flood = false;
+    expected.broadcast = false;
+    expected.required = true;
+    expected.sim.rate = 100;
+    EXPECT_EQ(link, expected);
+}
+
+TEST(LinkText, udp_listen) {
+    const LinkSettings link = link_of("udp-listen:[::]:12333,peer_timeout=90s,max_peers=3,allow=192.168.0.0/16+::1");
+    EXPECT_EQ(link.udp_listen.local.text(), "[::]:12333");
+    EXPECT_EQ(link.udp_listen.peer_timeout, std::chrono::seconds{90});
+    EXPECT_EQ(link.udp_listen.max_peers, 3);
+    EXPECT_FALSE(link.udp_listen.allow_any);
+    ASSERT_EQ(link.udp_listen.allow.size(), 2u);
+    EXPECT_EQ(link.udp_listen.allow[1].text(), "::1/128");
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,allow=any").udp_listen.allow_any);
+}
+
+TEST(LinkText, udp) {
+    const LinkSettings link = link_of("udp:[::1]:12333,bind=[::]:0");
+    EXPECT_EQ(link.udp.peer.text(), "[::1]:12333");
+    ASSERT_TRUE(link.udp.bind);
+    EXPECT_EQ(link.udp.bind->text(), "[::]:0");
+    EXPECT_FALSE(link_of("udp:255.255.255.255:6670").udp.bind);
+}
+
+TEST(LinkText, pty) {
+    EXPECT_EQ(link_of("pty:/run/anogate/app").pty.path, "/run/anogate/app");
+}
+
+TEST(LinkText, links_without_a_name_get_one_of_their_own) {
+    Draft draft;
+    for (const char* text :
+         {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
+          "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
+        read_link(text, "", draft);
+    finish(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    std::vector<std::string> names;
+    for (const LinkSettings& link : draft.settings.links) names.push_back(link.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"ttyUSB0", "ttyUSB0-2", "app", "udp-listen-12333", "udp-6670", "fc",
+                                               "fc-3", "fc-2", "control-2", "pty"}));
+}
+
+TEST(LinkText, the_queue_holds_two_of_the_largest_frames_unless_told) {
+    EXPECT_EQ(link_of("sim:fc,max_data=16376").queue, 32768u);
+    EXPECT_EQ(link_of("sim:fc,max_data=65535").queue, 2u * 65543);
+    EXPECT_EQ(link_of("sim:fc,max_data=65535,queue=65543").queue, 65543u);
+}
+
+TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
+    EXPECT_EQ(fault_of("serial:/dev/x,bauds=9"), "unknown key 'bauds' (did you mean 'baud'?)");
+    EXPECT_EQ(fault_of("serial:/dev/x,encryption"), "unknown key 'encryption'");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,baud=9"), "'baud' is not a key of udp, but of serial");
+    EXPECT_EQ(fault_of("serial:/dev/x,baud=9,baud=9"), "'baud' is given twice");
+    EXPECT_EQ(fault_of("serial:/dev/x,device=/dev/y"), "'device' is given twice");
+    EXPECT_EQ(fault_of("serial:/dev/x,kind=udp"), "unknown key 'kind'");
+    EXPECT_EQ(fault_of("serial:/dev/x,"), "a comma with no key behind it");
+    EXPECT_EQ(fault_of("serial:/dev/x,baud"), "'baud' needs a value: baud=NUMBER");
+}
+
+TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
+    EXPECT_EQ(fault_of("serial:/dev/x,baud=fast"), "'baud' must be a whole number from 1 to 4294967295, not 'fast'");
+    EXPECT_EQ(fault_of("sim:fc,max_data=65536"), "'max_data' must be a whole number from 0 to 65535, not '65536'");
+    EXPECT_EQ(fault_of("sim:fc,queue=4103"),
+              "'queue' must be at least max_data + 8, here 4104, to hold one frame, not 4103");
+    EXPECT_EQ(fault_of("sim:fc,id=21"), "'id' must be an address from 1 to 20 (or in hex such as 0x05), not '21'");
+    EXPECT_EQ(fault_of("sim:fc,flood=maybe"), "'flood' must be true or false, not 'maybe'");
+    EXPECT_EQ(fault_of("serial:/dev/x,parity=evn"),
+              "'parity' must be one of none, even, odd, not 'evn' (did you mean 'even'?)");
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,peer_timeout=30"),
+              "'peer_timeout' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not '30'");
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/33"),
+              "'allow' must be any, or networks such as 192.168.0.0/24, not '10.0.0.0/33'");
+    EXPECT_EQ(fault_of("sim:fc,name="), "'name' must be text of 1 to 64 bytes, not ''");
+    EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', the word is taken");
+    EXPECT_EQ(fault_of("sim:plane"), "'device' must be fc, not 'plane'");
+}
+
+TEST(LinkText, every_fault_is_told_not_only_the_first) {
+    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,rate=0"});
+    EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
+}
+
+TEST(LinkText, addresses_are_not_host_names) {
+    EXPECT_EQ(fault_of("udp:localhost:1"),
+              "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
+    EXPECT_EQ(fault_of("udp:gw.example.org"),
+              "'gw.example.org': host names are not looked up, give an IP address such as 127.0.0.1:PORT");
+    EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
+    EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
+              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000'");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
+    EXPECT_EQ(fault_of("udp:0.0.0.0:5"),
+              "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"),
+              "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
+}
+
+TEST(LinkText, what_is_no_link_says_what_a_link_is) {
+    EXPECT_EQ(fault_of("/dev/ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
+    EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
+    EXPECT_EQ(fault_of(""), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
+    EXPECT_EQ(fault_of("serail:/dev/x"),
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, pty, sim");
+    EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");
+}
+
+TEST(LinkText, two_links_cannot_be_the_same) {
+    EXPECT_EQ(faults_of({"serial:/dev/x", "serial:/dev/x,name=y"}),
+              "LINK 'serial:/dev/x,name=y': 'device' '/dev/x' is used by 'x' (LINK 'serial:/dev/x') already\n");
+    EXPECT_EQ(faults_of({"pty:/tmp/a", "pty:/tmp/a"}),
+              "LINK 'pty:/tmp/a': 'path' '/tmp/a' is made by 'a' (LINK 'pty:/tmp/a') already\n");
+    EXPECT_EQ(faults_of({"sim:fc,name=a", "sim:fc,name=a"}),
+              "LINK 'sim:fc,name=a': 'name' 'a' is the name of LINK 'sim:fc,name=a' too\n");
+    EXPECT_EQ(faults_of({"sim:fc,id=3", "pty:/x,id=3"}),
+              "LINK 'pty:/x,id=3': 'id' 3 is the port id of 'fc' (LINK 'sim:fc,id=3') too\n");
+}
+
+TEST(LinkText, two_links_cannot_have_the_same_local_port) {
+    const auto collide = [](std::string_view a, std::string_view b) { return !faults_of({a, b}).empty(); };
+    EXPECT_TRUE(collide("udp-listen:0.0.0.0:1", "udp-listen:0.0.0.0:1"));
+    EXPECT_TRUE(collide("udp-listen:0.0.0.0:1", "udp-listen:127.0.0.1:1"));
+    EXPECT_TRUE(collide("udp-listen:127.0.0.1:1", "udp:1.2.3.4:5,bind=0.0.0.0:1"));
+    EXPECT_FALSE(collide("udp-listen:127.0.0.1:1", "udp-listen:127.0.0.2:1"));
+    EXPECT_FALSE(collide("udp-listen:0.0.0.0:1", "udp-listen:0.0.0.0:2"));
+    EXPECT_FALSE(collide("udp-listen:0.0.0.0:0", "udp-listen:0.0.0.0:0"));
+    EXPECT_FALSE(collide("udp:1.2.3.4:5", "udp:1.2.3.5:5"));
+    EXPECT_FALSE(collide("udp:1.2.3.4:5", "udp-listen:0.0.0.0:5"));
+}
+
+TEST(LinkText, at_most_64_links) {
+    Draft draft;
+    for (int i = 0; i < 64; ++i) read_link("sim:fc", "", draft);
+    finish(draft);
+    EXPECT_EQ(lines(draft.errors), "");
+    EXPECT_EQ(draft.settings.links.back().name, "fc-64");
+    read_link("sim:fc", "", draft);
+    finish(draft);
+    EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
+}
+
+TEST(LinkText, hostile_bytes_make_one_line) {
+    EXPECT_EQ(lines({{"LINK 'a\nb'", "c\x1B[2J"}}), "anogated: LINK 'a\\x0ab': c\\x1b[2J\n");
+    const std::string faults = faults_of({std::string(1 << 20, ',')});
+    EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1);
+}
+
+}  // namespace
+}  // namespace anogate
