@@ -48,7 +48,7 @@ void name_links(std::vector<LinkSettings>& links) {
 
 /// 32 KiB, or two frames where one would hardly fit.
 std::uint32_t default_queue(std::uint16_t max_data) {
-    constexpr std::uint32_t usual = LinkSettings{}.queue;
+    const std::uint32_t usual = LinkSettings{}.queue;
     return std::max(usual, 2 * (static_cast<std::uint32_t>(ano::overhead) + max_data));
 }
 
