@@ -1,0 +1,20 @@
+#!/bin/bash
+# Each layer includes only what stands before it: ano < gateway < link < daemon. One header of ours includes Asio.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+bad=0
+
+# forbid PATTERN PATH...: no #include that matches.
+forbid() {
+    local pattern=$1
+    shift
+    if grep -rnE "^ *# *include *[<\"]($pattern)" "$@"; then bad=1; fi
+}
+third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
+system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
+forbid "gateway/|link/|daemon/|$third_party|$system" include/ano src/ano
+forbid "link/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "daemon/|spdlog/|CLI/" src/link
+if grep -rln 'include *<boost/asio' include src tools tests --include='*.?pp' | grep -vx 'src/link/asio.hpp'; then bad=1; fi
+((bad == 0)) || echo "These includes reach over a layer."
+exit "$bad"

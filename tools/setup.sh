@@ -1,0 +1,42 @@
+# What tools/run and tools/test share; sourced by them. Sets $root and $jobs.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# need_packages PACKAGE[:COMMAND]...: installs by apt what is missing. With COMMAND, having that is enough.
+need_packages() {
+    local entry missing=()
+    command -v dpkg-query >/dev/null || return 0    # no Debian: cmake will say what it does not find
+    for entry in "$@"; do
+        if [[ $entry == *:* ]] && command -v "${entry#*:}" >/dev/null; then continue; fi
+        [[ $(dpkg-query -W -f '${Status}' "${entry%:*}" 2>/dev/null) == *" installed" ]] || missing+=("${entry%:*}")
+    done
+    ((${#missing[@]})) || return 0
+
+    local sudo=()
+    if ((EUID != 0)); then
+        if ! command -v sudo >/dev/null || { [[ ! -t 0 ]] && ! sudo -n true 2>/dev/null; }; then
+            echo "Packages are missing; as root: apt-get install ${missing[*]}" >&2
+            exit 1
+        fi
+        sudo=(sudo)
+    fi
+    echo "Installing ${missing[*]}" >&2
+    local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+    "${apt[@]}" update >&2 || echo "apt-get update failed; trying with the package lists there are" >&2
+    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2
+}
+
+build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev)
+
+# As many jobs as there are processors, as long as each has a gigabyte: a small board must not swap.
+jobs=$(nproc)
+memory=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
+((memory >= jobs)) || jobs=$((memory > 0 ? memory : 1))
+
+# configure FOLDER OPTION...: CMake with Ninja, and ccache where it is installed.
+configure() {
+    local folder=$1 launcher=
+    shift
+    if command -v ccache >/dev/null; then launcher=ccache; fi
+    cmake -S "$root" -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER_LAUNCHER=$launcher "$@" >"$folder.log" 2>&1 ||
+        { cat "$folder.log" >&2; return 1; }
+}

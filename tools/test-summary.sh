@@ -1,0 +1,41 @@
+#!/bin/bash
+# tools/test-summary.sh FILE...: what did not run and why, failures, and the sums, from ctest's JUnit files.
+# The last line is ctest's own, over all files.
+set -euo pipefail
+exec awk '
+    function reason() {
+        if (note) return note
+        return last ? last : "no reason given"
+    }
+    function value(name,  text) {
+        text = $0
+        if (!sub(".* " name "=\"", "", text)) return ""
+        sub(/".*/, "", text)
+        return text
+    }
+    /<testcase / { name = value("name"); status = value("status"); note = last = ""; expect = output = 0; next }
+    /<system-out>/ { output = 1; sub(/.*<system-out>/, "") }
+    output {
+        line = $0
+        ended = sub(/<\/system-out>.*/, "", line)
+        if (expect && line != "") { note = line; expect = 0 }
+        if (line ~ /: Skipped$/) expect = 1            # GoogleTest: the reason is on the next line
+        if (line != "") last = line
+        if (ended) output = 0
+    }
+    /<\/testcase>/ {
+        if (status == "run") { passed++; next }
+        if (status == "fail") { failed++; failures = failures "\n  " name; next }
+        skipped++
+        if (!seen[name]++) skips = skips "\n  " name ": " reason()
+    }
+    END {
+        text = ""
+        if (skips) text = text "\nNot run:" skips "\n"
+        if (failures) text = text "\nFailed:" failures "\n"
+        gsub(/&lt;/, "<", text); gsub(/&gt;/, ">", text); gsub(/&quot;/, "\"", text); gsub(/&apos;/, "\047", text)
+        gsub(/&amp;/, "\\&", text)
+        ran = passed + failed
+        printf "%s\n%d%% tests passed, %d tests failed out of %d, %d not run\n",
+            text, ran ? int(100 * passed / ran) : 0, failed, ran, skipped
+    }' "$@"
