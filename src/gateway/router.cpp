@@ -77,7 +77,7 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
         route = to_links(unknown_links_, Via::unknown);
     }
     route.channels.erase(from);
-    route.new_conflict = new_conflict_;
+    route.new_conflict = new_conflicts_.any();
     return route;
 }
 
