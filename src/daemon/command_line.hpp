@@ -1,0 +1,29 @@
+// The command line of anogated, with the configuration that it names.
+#pragma once
+#include <gateway/settings.hpp>
+
+#include <string>
+#include <variant>
+
+namespace anogate {
+
+inline constexpr char default_config_file[] = "/etc/anogate/anogate.json";
+
+struct CommandLine {
+    Settings settings;          // file, LINKs and options together, without fault
+    std::string config_file;    // that was read; empty: none
+    bool check = false;
+    bool print_config = false;
+};
+
+/// There is nothing to run: `text` belongs on standard output when `code` is 0, else on standard error.
+struct Exit {
+    int code = 0;
+    std::string text;
+};
+
+/// Reads the configuration file too. `default_file` is read when neither a file nor a link is named.
+std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv,
+                                                   const std::string& default_file = default_config_file);
+
+}  // namespace anogate

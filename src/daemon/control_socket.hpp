@@ -1,0 +1,20 @@
+// Where the control socket is when nobody said.
+#pragma once
+#include <gateway/settings.hpp>
+
+#include <optional>
+#include <string>
+
+namespace anogate {
+
+/// Who runs the program, as far as it matters here.
+struct Runner {
+    bool system = false;        // root, or somebody who may write to /run/anogate
+    std::string runtime_dir;    // $XDG_RUNTIME_DIR; empty: not set
+};
+Runner this_runner();
+
+/// The path of the control socket; nothing when it was set to "none".
+std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner);
+
+}  // namespace anogate
