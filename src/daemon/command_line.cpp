@@ -124,7 +124,7 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
     draft.broken_links = true;
     std::string what = error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message();
     if (by_default) what += std::string{"; write it, or name links, for example: "} + ad_hoc;
-    draft.errors.push_back({path, std::move(what)});
+    draft.errors.push_back({path.empty() ? "--config" : path, std::move(what)});
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using ConfigErrors = std::vector<ConfigError>;
 /// "anogated: WHERE: WHAT", one line an error whatever bytes were given.
 std::string lines(const ConfigErrors& errors);
 
-/// `text` as it can be shown in a line: control characters as \xNN, long text cut.
+/// `text` as it can be shown in a line: control characters as \xNN, and so what is no UTF-8; long text is cut.
 std::string printable(const std::string& text, std::size_t most = 200);
 
 }  // namespace anogate

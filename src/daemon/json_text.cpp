@@ -32,6 +32,8 @@ public:
         return true;
     }
 
+    bool too_deep() const { return too_deep_; }
+
 private:
     struct Place {
         bool array;
@@ -82,14 +84,13 @@ std::string without_prefix(const std::string& message) {
 }  // namespace
 
 std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
-    const std::size_t before = errors.size();
     Watch watch{file, errors};
     const auto follow = [&watch](int, json::parse_event_t event, json& value) { return watch(event, value); };
     try {
         json document = json::parse(text, follow, true, true);
-        if (errors.size() == before) return document;
+        if (!watch.too_deep()) return document;
     } catch (const json::exception& error) {
-        errors.push_back({file, without_prefix(error.what())});
+        if (!watch.too_deep()) errors.push_back({file, without_prefix(error.what())});
     }
     return std::nullopt;
 }

@@ -57,6 +57,7 @@ std::string must_be(const KeyFacts& key, const std::string& given) {
 }
 
 std::string placeholder(const KeyFacts& key) {
+    if (!key.stands_for.empty()) return std::string{key.stands_for};
     switch (key.form) {
         case Form::boolean: return "true|false";
         case Form::integer: return "NUMBER";

@@ -32,6 +32,7 @@ struct KeyFacts {
     std::string_view choices{};           // "none|even|odd", in the order of the enumeration
     std::string_view kinds{};             // of a link's key: the kinds that have it, "serial pty"; empty: all
     std::string_view option{};            // the command-line option that sets it: "--id"
+    std::string_view stands_for{};        // what help texts put for the value: "PATH"; empty: what the form says
     bool required = false;
 
     /// Of a link's key: whether links of `kind` have it. An empty kind has every key.

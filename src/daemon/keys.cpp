@@ -71,6 +71,9 @@ constexpr auto of(std::string_view kinds) {
 constexpr auto by(std::string_view option) {
     return [option](KeyFacts& key) { key.option = option; };
 }
+constexpr auto as(std::string_view placeholder) {
+    return [placeholder](KeyFacts& key) { key.stands_for = placeholder; };
+}
 constexpr auto needed = [](KeyFacts& key) { key.required = true; };
 
 // Values that fill more than one field.
