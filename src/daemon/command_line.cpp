@@ -1,5 +1,6 @@
 #include <daemon/command_line.hpp>
 #include <daemon/config.hpp>
+#include <daemon/control_socket.hpp>
 #include <daemon/help.hpp>
 #include <daemon/keys.hpp>
 #include <daemon/nearest.hpp>
@@ -129,23 +130,33 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
 
 }  // namespace
 
-std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
+CommandLine parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
     Arguments arguments;
     CLI::App app{"Joins serial ports and UDP peers that speak ANO V8 into one network.", "anogated"};
     add_all(app, arguments);
-    if (auto exit = parse(app, argc, argv)) return *std::move(exit);
+    CommandLine line;
+    line.exit = parse(app, argc, argv);
+    if (line.exit) return line;
 
     Draft draft;
     draft.errors = unknown_options(app);
     const bool by_default = app.count("--config") == 0 && arguments.links.empty();
-    const std::string file = by_default ? default_file : arguments.config;
-    if (by_default || app.count("--config") != 0) read_config_file(file, by_default, draft);
+    if (by_default) arguments.config = default_file;
+    if (by_default || app.count("--config") != 0) read_config_file(arguments.config, by_default, draft);
     for (const std::string& link : arguments.links) read_link(link, "", draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     finish(draft);
-    if (!draft.errors.empty()) return failure(draft.errors);
-    return CommandLine{std::move(draft.settings), file, arguments.check, arguments.print_config};
+    if (!draft.errors.empty())
+        line.exit = failure(draft.errors);
+    else if (arguments.print_config)
+        line.exit = Exit{0, print_config(draft.settings)};
+    else if (arguments.check)
+        line.exit = Exit{};
+    line.settings = std::move(draft.settings);
+    line.settings.control.socket = control_socket(line.settings.control, this_runner());
+    line.config_file = arguments.config;
+    return line;
 }
 
 }  // namespace anogate

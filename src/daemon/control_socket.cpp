@@ -11,8 +11,7 @@ Runner this_runner() {
     return {geteuid() == 0 || access("/run/anogate", W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
 }
 
-std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner) {
-    if (settings.socket == "none") return std::nullopt;
+std::string control_socket(const ControlSettings& settings, const Runner& runner) {
     if (!settings.socket.empty()) return settings.socket;
     // Without either, the error of the first is the one that tells people what to do.
     if (runner.system || runner.runtime_dir.empty()) return "/run/anogate/control.sock";

@@ -2,7 +2,6 @@
 #pragma once
 #include <gateway/settings.hpp>
 
-#include <optional>
 #include <string>
 
 namespace anogate {
@@ -14,7 +13,7 @@ struct Runner {
 };
 Runner this_runner();
 
-/// The path of the control socket; nothing when it was set to "none".
-std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner);
+/// The path of the control socket, or "none" when that was set.
+std::string control_socket(const ControlSettings& settings, const Runner& runner);
 
 }  // namespace anogate

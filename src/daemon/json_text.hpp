@@ -9,8 +9,8 @@
 
 namespace anogate {
 
-/// Comments are allowed. Errors name `file` and the line, or the pointer. Nothing when it is no JSON; of a key given twice
-/// the last counts, for what else there is to say.
+/// Comments are allowed. Errors name `file` and the line, or the pointer. Nothing when it is no JSON; of a key given
+/// twice the last counts, for what else there is to say.
 std::optional<nlohmann::json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors);
 
 /// "FILE: /links/0": what stands before an error at `pointer`.

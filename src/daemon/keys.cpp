@@ -142,7 +142,7 @@ constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_p
 
 constexpr Key<G> gateway_rows[] = {
     address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
-    text<&G::name>("name", 1, longest_name, "the gateway's name in the status"),
+    text<&G::name>("name", 1, longest_name, "the gateway's name in the status") | as("NAME"),
     Key<G>{{.name = "unknown",
             .form = Form::choice_or_link,
             .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
@@ -156,7 +156,8 @@ constexpr Key<G> gateway_rows[] = {
 };
 
 constexpr Key<L> link_rows[] = {
-    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | of("serial") | needed,
+    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") |
+        needed,
     integer<&L::serial, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
                                        "line rate, any the driver can make") |
         of("serial"),
@@ -188,14 +189,15 @@ constexpr Key<L> link_rows[] = {
         of("udp"),
 
     text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") |
-        of("pty") | needed,
+        as("PATH") | of("pty") | needed,
 
     choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
     integer<&L::sim, &SimSettings::rate>("rate", 1, 100,
                                          "attitude frames a second; slower ones keep their proportion") |
         of("sim"),
 
-    text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)"),
+    text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |
+        as("NAME"),
     address<&L::id>("id", 1, ano::address::last_port_id,
                     "port id: frames to this address leave by this link (default: none)"),
     integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame; longer ones are refused"),
@@ -214,19 +216,19 @@ constexpr Key<R> route_rows[] = {
             .required = true},
            write_addresses,
            read_addresses},
-    text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | needed,
+    text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
 constexpr Key<ControlSettings> control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, longest_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
-        by("--control"),
+        as("PATH|none") | by("--control"),
 };
 
 constexpr Key<LogSettings> log_rows[] = {
     choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),
-    text<&LogSettings::file>("file", 0, longest_path, "where to (default: standard error)"),
+    text<&LogSettings::file>("file", 0, longest_path, "where to (default: standard error)") | as("PATH"),
     size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
 };
 
