@@ -1,0 +1,162 @@
+#include <daemon/command_line.hpp>
+#include <daemon/config.hpp>
+#include <daemon/control_socket.hpp>
+#include <daemon/help.hpp>
+#include <daemon/keys.hpp>
+#include <daemon/nearest.hpp>
+#include <daemon/read_file.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t largest_file = 1 << 20;    // no configuration is near it; a device or a log may be
+constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333";
+
+/// What stands on the command line, not looked into yet.
+struct Arguments {
+    std::string config;
+    std::vector<std::string> links, routes;
+    std::vector<std::pair<const KeyFacts*, std::string>> values;    // of the options that set a key
+    bool check = false, print_config = false;
+};
+
+/// An option for every key that has one; its value is put into `arguments.values`.
+template <class Section>
+void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
+    for (const Key<Section>& key : keys) {
+        if (key.option.empty()) continue;
+        const auto keep = [&key, &arguments](const std::string& value) { arguments.values.emplace_back(&key, value); };
+        app.add_option_function<std::string>(std::string{key.option}, keep, std::string{key.help})
+            ->type_name(placeholder(key))
+            ->take_last();
+    }
+}
+
+void add_all(CLI::App& app, Arguments& arguments) {
+    app.set_version_flag("--version", "anogated " ANOGATE_VERSION, "print the version");
+    app.add_option("-c,--config", arguments.config,
+                   std::string{"JSON file; LINKs add to its links, options override its values (default: "} +
+                       default_config_file + ", when no LINK is given)")
+        ->type_name("FILE")
+        ->take_last();
+    add_options(app, gateway_keys(), arguments);
+    add_options(app, control_keys(), arguments);
+    add_options(app, log_keys(), arguments);
+    app.add_option("--route", arguments.routes, "pin an address or range (0xDC, 30-40) to a link's name; repeatable")
+        ->type_name("ADDR=LINK")
+        ->allow_extra_args(false);
+    app.add_flag("--check", arguments.check, "check the configuration: faults one a line, exit 0 or 78");
+    app.add_flag("--print-config", arguments.print_config, "print the configuration that results, as a file to use");
+    app.add_option("LINK", arguments.links, "what to join, see below")->type_name(" ");
+    app.footer(links_and_keys_help());
+    app.allow_extras();
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return names;
+}
+
+/// One error for every option that is none.
+ConfigErrors unknown_options(const CLI::App& app) {
+    const auto names = option_names(app);
+    const std::vector<std::string_view> known{names.begin(), names.end()};
+    ConfigErrors errors;
+    for (const std::string& option : app.remaining()) {
+        const std::string name = option.substr(0, option.find('='));
+        errors.push_back({"", "unknown option " + in_quotes(name) + did_you_mean(name, known)});
+    }
+    return errors;
+}
+
+Exit failure(const ConfigErrors& errors) {
+    return {exit_config, lines(errors)};
+}
+
+/// Nothing, or why there is no more to do.
+std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        return Exit{0, app.help()};
+    } catch (const CLI::CallForVersion& version) {
+        return Exit{0, std::string{version.what()} + "\n"};
+    } catch (const CLI::ParseError& error) {
+        auto errors = unknown_options(app);
+        errors.push_back({"", error.what()});
+        return failure(errors);
+    }
+    return std::nullopt;
+}
+
+template <class Section>
+void set(const Key<Section>* key, const std::string& value, Section& section, ConfigErrors& errors) {
+    if (key == nullptr) return;
+    if (std::string wrong = key->set(value, section); !wrong.empty())
+        errors.push_back({std::string{key->option}, std::move(wrong)});
+}
+
+template <class Section>
+const Key<Section>* row_among(Keys<Section> keys, const KeyFacts* facts) {
+    for (const Key<Section>& key : keys)
+        if (&key == facts) return &key;
+    return nullptr;
+}
+
+void read_options(const Arguments& arguments, Draft& draft) {
+    for (const auto& [key, value] : arguments.values) {
+        set(row_among(gateway_keys(), key), value, draft.settings.gateway, draft.errors);
+        set(row_among(control_keys(), key), value, draft.settings.control, draft.errors);
+        set(row_among(log_keys(), key), value, draft.settings.log, draft.errors);
+        if (key->name == "unknown") draft.unknown = {std::string{key->option}};
+    }
+}
+
+void read_config_file(const std::string& path, bool by_default, Draft& draft) {
+    std::error_code error;
+    const std::string text = read_file(path, largest_file, error);
+    if (!error) return read_config(text, path, draft);
+    draft.broken_links = true;
+    std::string what = error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message();
+    if (by_default) what += std::string{"; write it, or name links, for example: "} + ad_hoc;
+    draft.errors.push_back({path.empty() ? "--config" : path, std::move(what)});
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
+    Arguments arguments;
+    CLI::App app{"Joins serial ports and UDP peers that speak ANO V8 into one network.", "anogated"};
+    add_all(app, arguments);
+    CommandLine line;
+    line.exit = parse(app, argc, argv);
+    if (line.exit) return line;
+
+    Draft draft;
+    draft.errors = unknown_options(app);
+    const bool by_default = app.count("--config") == 0 && arguments.links.empty();
+    if (by_default) arguments.config = default_file;
+    if (by_default || app.count("--config") != 0) read_config_file(arguments.config, by_default, draft);
+    for (const std::string& link : arguments.links) read_link(link, "", draft);
+    for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
+    read_options(arguments, draft);
+    finish(draft);
+    if (!draft.errors.empty())
+        line.exit = failure(draft.errors);
+    else if (arguments.print_config)
+        line.exit = Exit{0, print_config(draft.settings)};
+    else if (arguments.check)
+        line.exit = Exit{};
+    line.settings = std::move(draft.settings);
+    line.settings.control.socket = control_socket(line.settings.control, this_runner());
+    line.config_file = arguments.config;
+    return line;
+}
+
+}  // namespace anogate

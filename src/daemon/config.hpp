@@ -1,0 +1,59 @@
+// From a JSON file, LINK texts and command-line options to Settings, with every fault on the way; and back to JSON.
+//
+// Flow: read_config() or read_link() any number of times, options set in draft.settings, then finish(draft):
+// draft.settings is usable when draft.errors is empty.
+#pragma once
+#include <daemon/config_error.hpp>
+#include <gateway/settings.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// Where something was said, so that a fault found later still names its place.
+struct Origin {
+    std::string where;
+    bool object = false;    // a JSON object at the pointer `where`; otherwise a whole text that people wrote
+    bool broken = false;    // it had errors: what it would have meant is not known
+
+    std::string key(std::string_view name) const { return object ? where + "/" + std::string{name} : where; }
+};
+
+/// What was read so far.
+struct Draft {
+    Settings settings;
+    std::vector<Origin> links, routes;    // where settings.links and settings.routes were said, one by one
+    Origin unknown;                       // where settings.gateway.unknown was said
+    ConfigErrors errors;
+    bool broken_links = false;    // not every link is known: what names one can't be judged
+
+    void add(LinkSettings link, Origin origin);
+    void add(RouteSettings route, Origin origin);
+};
+
+/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none.
+void read_config(std::string_view json, const std::string& file, Draft& draft);
+
+/// Adds a link: KIND:ADDRESS[,KEY=VALUE...]. `where` is put before the text, "" for none.
+void read_link(std::string_view text, const std::string& where, Draft& draft);
+
+/// Adds a route: ADDR=LINK. Errors are at `where`.
+void read_route(std::string_view text, const std::string& where, Draft& draft);
+
+/// Names the links that were not given a name, and judges what only the whole can tell: names, ids and ports used
+/// twice, routes to no link.
+void finish(Draft& draft);
+
+/// The settings as a JSON configuration that means the same: read and printed again it is the same text.
+/// They must be without fault. Keys without a value (id, dtr, bind...) are left out.
+std::string print_config(const Settings& settings);
+
+/// The JSON Schema (draft 7) of the configuration.
+std::string config_schema();
+
+/// One configuration text by itself.
+Draft parse_config(std::string_view json, const std::string& file = {});
+
+}  // namespace anogate

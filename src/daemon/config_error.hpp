@@ -1,0 +1,22 @@
+// What is wrong in a configuration, and where.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+inline constexpr int exit_config = 78;    // EX_CONFIG: systemd and scripts know it
+
+struct ConfigError {
+    std::string where;    // "FILE: /links/0/baud", "LINK 'serial:/dev/x'", "--id"
+    std::string what;
+};
+using ConfigErrors = std::vector<ConfigError>;
+
+/// "anogated: WHERE: WHAT", one line an error whatever bytes were given.
+std::string lines(const ConfigErrors& errors);
+
+/// `text` as it can be shown in a line: control characters as \xNN, and so what is no UTF-8; long text is cut.
+std::string printable(const std::string& text, std::size_t most = 200);
+
+}  // namespace anogate

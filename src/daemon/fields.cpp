@@ -1,0 +1,90 @@
+#include <daemon/config_error.hpp>
+#include <daemon/fields.hpp>
+#include <daemon/nearest.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+bool is_control(char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+}
+bool is_beyond_hex(char c) {
+    return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z');
+}
+
+/// The half that people get wrong, where it can be told.
+std::string endpoint_error(const KeyFacts& key, std::string_view text) {
+    const std::string shown = printable(std::string{text});
+    if (const auto address = IpAddress::parse(text)) {
+        const std::string better = address->v6 ? "[" + shown + "]:PORT" : shown + ":PORT";
+        return "'" + shown + "' has no port: write " + better;
+    }
+    const std::size_t colon = text.rfind(':');
+    const std::string_view host = text.substr(0, colon);
+    const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));
+    if (host.find_first_of(":[]%") == std::string_view::npos && std::any_of(host.begin(), host.end(), is_beyond_hex))
+        return "'" + shown + "': host names are not looked up, give an IP address such as 127.0.0.1:" + port;
+    return must_be(key, in_quotes(text));
+}
+
+}  // namespace
+
+std::string read_text(const KeyFacts& key, std::string_view text, std::string& field) {
+    if (!is_utf8(text) || std::any_of(text.begin(), text.end(), is_control))
+        return in_quotes(key.name) + " must be printable text in UTF-8, not " + in_quotes(text);
+    std::size_t chosen = 0;
+    if (key.form == Form::choice) {
+        if (std::string error = read_choice(key, text, chosen); !error.empty()) return error;
+    } else if (text.size() < key.least || text.size() > key.most) {
+        return must_be(key, in_quotes(text));
+    }
+    field = text;
+    return {};
+}
+
+std::string read_endpoint(const KeyFacts& key, std::string_view text, Endpoint& field) {
+    const auto value = Endpoint::parse(text);
+    if (!value) return endpoint_error(key, text);
+    field = *value;
+    return {};
+}
+
+std::string read_duration(const KeyFacts& key, std::string_view text, Duration& field) {
+    using Milliseconds = std::chrono::duration<std::uint64_t, std::milli>;
+    const auto value = parse_duration(text);
+    if (!value || *value < Milliseconds{key.least} || *value > Milliseconds{key.most})
+        return must_be(key, in_quotes(text));
+    field = *value;
+    return {};
+}
+
+std::string read_boolean(const KeyFacts& key, std::string_view text, bool& field) {
+    const auto value = parse_boolean(text);
+    if (!value) return must_be(key, in_quotes(text));
+    field = *value;
+    return {};
+}
+
+std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_t& field) {
+    std::optional<std::uint64_t> value;
+    switch (key.form) {
+        case Form::address: value = parse_address(text); break;
+        case Form::size: value = parse_size(text); break;
+        default: value = parse_number(text);
+    }
+    if (!value || *value < key.least || *value > key.most) return must_be(key, in_quotes(text));
+    field = *value;
+    return {};
+}
+
+std::string read_choice(const KeyFacts& key, std::string_view text, std::size_t& field) {
+    const auto choices = split(key.choices, '|');
+    const auto found = std::find(choices.begin(), choices.end(), text);
+    if (found == choices.end()) return must_be(key, in_quotes(text)) + did_you_mean(text, choices);
+    field = static_cast<std::size_t>(found - choices.begin());
+    return {};
+}
+
+}  // namespace anogate

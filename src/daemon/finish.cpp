@@ -1,0 +1,200 @@
+#include <ano/frame.hpp>
+#include <daemon/config.hpp>
+#include <daemon/keys.hpp>
+#include <daemon/nearest.hpp>
+#include <daemon/values.hpp>
+#include <gateway/ids.hpp>
+
+#include <algorithm>
+#include <set>
+
+namespace anogate {
+namespace {
+
+// Words that mean something else where a link is named, and the links that the gateway has of itself.
+constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
+
+bool is_reserved(std::string_view name) {
+    return std::find(std::begin(reserved_names), std::end(reserved_names), name) != std::end(reserved_names);
+}
+
+std::string last_part(const std::string& path) {
+    return path.substr(path.rfind('/') + 1);
+}
+
+/// Before it is made unique.
+std::string usual_name(const LinkSettings& link) {
+    constexpr std::size_t longest = 60;    // leaves room for "-64" in what a name may have
+    std::string name;
+    if (link.kind == "serial") name = last_part(link.serial.device);
+    if (link.kind == "pty") name = last_part(link.pty.path);
+    if (link.kind == "sim") name = link.sim.device;
+    if (link.kind == "udp-listen") name = link.kind + "-" + std::to_string(link.udp_listen.local.port);
+    if (link.kind == "udp") name = link.kind + "-" + std::to_string(link.udp.peer.port);
+    return name.empty() || name.size() > longest ? link.kind : name;
+}
+
+void name_links(std::vector<LinkSettings>& links) {
+    std::set<std::string> taken{std::begin(reserved_names), std::end(reserved_names)};
+    for (const LinkSettings& link : links) taken.insert(link.name);
+    for (LinkSettings& link : links) {
+        if (!link.name.empty()) continue;
+        const std::string usual = usual_name(link);
+        link.name = usual;
+        for (int n = 2; taken.contains(link.name); ++n) link.name = usual + "-" + std::to_string(n);
+        taken.insert(link.name);
+    }
+}
+
+/// 32 KiB, or two frames where one would hardly fit.
+std::uint32_t default_queue(std::uint16_t max_data) {
+    constexpr std::uint32_t usual = LinkSettings{}.queue;
+    return std::max(usual, 2 * (static_cast<std::uint32_t>(ano::overhead) + max_data));
+}
+
+/// The local endpoint that a link binds; port 0 when it binds none of its own choice.
+Endpoint local_endpoint(const LinkSettings& link) {
+    if (link.kind == "udp-listen") return link.udp_listen.local;
+    if (link.kind == "udp" && link.udp.bind) return *link.udp.bind;
+    return {};
+}
+
+bool collide(const Endpoint& a, const Endpoint& b) {
+    if (a.port == 0 || a.port != b.port || a.address.v6 != b.address.v6) return false;
+    return a.address == b.address || a.address.is_any() || b.address.is_any();
+}
+
+class Judge {
+public:
+    explicit Judge(Draft& draft) : draft_{draft}, links_{draft.settings.links} {}
+
+    void all() {
+        for (std::size_t i = 0; i < links_.size(); ++i) {
+            link(i);
+            if (links_[i].kind == "udp") udp(i);
+            for (std::size_t k = 0; k < i; ++k) pair(k, i);
+        }
+        gateway();
+        for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i)
+            route(draft_.settings.routes[i], draft_.routes[i]);
+    }
+
+private:
+    void error(const Origin& origin, std::string_view key, std::string what) {
+        draft_.errors.push_back({origin.key(key), std::move(what)});
+    }
+    /// How a link is named to people: by name, and where it was said.
+    std::string who(std::size_t i) const { return in_quotes(links_[i].name) + " (" + draft_.links[i].where + ")"; }
+
+    void link(std::size_t i) {
+        const LinkSettings& link = links_[i];
+        const std::size_t least = ano::overhead + link.max_data;
+        if (is_reserved(link.name))
+            error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
+        if (link.queue < least)
+            error(draft_.links[i], "queue",
+                  "'queue' must be at least max_data + 8, here " + std::to_string(least) + ", to hold one frame, not " +
+                      std::to_string(link.queue));
+        if (link.id != 0 && link.id == draft_.settings.gateway.id)
+            error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
+    }
+
+    void udp(std::size_t i) {
+        const UdpSettings& udp = links_[i].udp;
+        const std::string peer = udp.peer.text();
+        if (draft_.links[i].broken) return;
+        if (udp.peer.port == 0)
+            error(draft_.links[i], "address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
+        else if (udp.peer.address.is_any())
+            error(draft_.links[i], "address",
+                  "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
+        if (udp.bind && udp.bind->address.v6 != udp.peer.address.v6)
+            error(draft_.links[i], "bind",
+                  "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
+    }
+
+    void pair(std::size_t first, std::size_t second) {
+        const LinkSettings& a = links_[first];
+        const LinkSettings& b = links_[second];
+        const Origin& origin = draft_.links[second];
+        if (!a.name.empty() && a.name == b.name)
+            error(origin, "name",
+                  "'name' " + in_quotes(b.name) + " is the name of " + draft_.links[first].where + " too");
+        if (b.id != 0 && a.id == b.id)
+            error(origin, "id", "'id' " + std::to_string(b.id) + " is the port id of " + who(first) + " too");
+        if (!b.serial.device.empty() && a.serial.device == b.serial.device)
+            error(origin, "device",
+                  "'device' " + in_quotes(b.serial.device) + " is used by " + who(first) + " already");
+        if (!b.pty.path.empty() && a.pty.path == b.pty.path)
+            error(origin, "path", "'path' " + in_quotes(b.pty.path) + " is made by " + who(first) + " already");
+        if (const Endpoint local = local_endpoint(b); collide(local_endpoint(a), local))
+            error(origin, b.kind == "udp" ? "bind" : "address",
+                  "local port " + std::to_string(local.port) + " is used by " + who(first) + " already");
+    }
+
+    void gateway() {
+        const GatewaySettings& gateway = draft_.settings.gateway;
+        if (gateway.unknown == Unknown::link)
+            must_exist(gateway.unknown_link, draft_.unknown, "unknown", "flood, drop, or ");
+    }
+
+    void route(const RouteSettings& route, const Origin& origin) {
+        must_exist(route.link, origin, "link", "");
+        const auto covers = [&](std::uint8_t id) { return id != 0 && route.first <= id && id <= route.last; };
+        if (const std::uint8_t id = draft_.settings.gateway.id; covers(id))
+            error(origin, "address",
+                  "'address' " + addresses_text({route.first, route.last}) + ": " + address_text(id) +
+                      " is the gateway's own id");
+        for (std::size_t i = 0; i < links_.size(); ++i)
+            if (covers(links_[i].id))
+                error(origin, "address",
+                      "'address' " + addresses_text({route.first, route.last}) + ": " + std::to_string(links_[i].id) +
+                          " is the port id of " + who(i) + ", frames to it go there");
+    }
+
+    void must_exist(const std::string& name, const Origin& origin, std::string_view key, std::string_view others) {
+        std::vector<std::string_view> names;
+        std::string listed;
+        for (const LinkSettings& link : links_) {
+            names.push_back(link.name);
+            listed += (listed.empty() ? "" : ", ") + link.name;
+        }
+        if (draft_.broken_links || std::find(names.begin(), names.end(), name) != names.end()) return;
+        std::string what = "there is no link " + in_quotes(name) + did_you_mean(name, names);
+        if (!others.empty() || !names.empty())
+            what += "; give " + std::string{others} + (names.empty() ? "a link" : "one of " + listed);
+        error(origin, key, std::move(what));
+    }
+
+    Draft& draft_;
+    const std::vector<LinkSettings>& links_;
+};
+
+}  // namespace
+
+void Draft::add(LinkSettings link, Origin origin) {
+    broken_links = broken_links || origin.broken;
+    settings.links.push_back(std::move(link));
+    links.push_back(std::move(origin));
+}
+
+void Draft::add(RouteSettings route, Origin origin) {
+    settings.routes.push_back(std::move(route));
+    routes.push_back(std::move(origin));
+}
+
+void finish(Draft& draft) {
+    std::vector<LinkSettings>& links = draft.settings.links;
+    if (links.size() > most_links) {
+        const Origin& first_above = draft.links[most_links];
+        draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links, at most " +
+                                                       std::to_string(most_links) + " are possible"});
+        return;
+    }
+    name_links(links);
+    for (LinkSettings& link : links)
+        if (link.queue == 0) link.queue = default_queue(link.max_data);
+    Judge{draft}.all();
+}
+
+}  // namespace anogate

@@ -1,0 +1,64 @@
+#include <daemon/help.hpp>
+#include <daemon/keys.hpp>
+#include <link/kinds.hpp>
+
+namespace anogate {
+namespace {
+
+std::string line(std::string_view left, std::string_view right, std::size_t indent) {
+    constexpr std::size_t column = 42;
+    std::string text = std::string(indent, ' ') + std::string{left};
+    text.resize(std::max(text.size() + 2, column), ' ');
+    return text + std::string{right} + "\n";
+}
+
+/// The help with the default behind it, unless it speaks of that itself.
+template <class Section>
+std::string key_line(const Key<Section>& key, std::size_t indent, std::string_view between) {
+    std::string help{key.help};
+    const auto usual = key.text_in(Section{});
+    if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
+        help += " (default " + *usual + ")";
+    return line(std::string{key.name} + std::string{between} + placeholder(key), help, indent);
+}
+
+template <class Section>
+std::string section(std::string_view name, Keys<Section> keys) {
+    std::string text = "  " + std::string{name} + "\n";
+    for (const Key<Section>& key : keys) text += key_line(key, 4, ": ");
+    return text;
+}
+
+std::string links() {
+    std::string text;
+    for (const LinkKind& kind : link_kinds()) {
+        text += line(std::string{kind.name} + ":" + std::string{kind.example}, kind.help, 2);
+        for (const Key<LinkSettings>& key : link_keys())
+            if (!key.kinds.empty() && key.is_of(kind.name) && key.name != kind.address) text += key_line(key, 4, "=");
+    }
+    text += "Keys of every link; a key alone means true:\n";
+    for (const Key<LinkSettings>& key : link_keys())
+        if (key.kinds.empty()) text += key_line(key, 4, "=");
+    return text;
+}
+
+/// How the ADDRESS of each kind is called in the file.
+std::string link_objects() {
+    std::string text = "  links: a list of LINK texts, or of objects with \"kind\", the keys above, and the address:\n";
+    for (const LinkKind& kind : link_kinds()) {
+        const std::string address = "\"" + std::string{kind.address} + "\": \"" + std::string{kind.example} + "\"";
+        text += "    {\"kind\": \"" + std::string{kind.name} + "\", " + address + "}\n";
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string links_and_keys_help() {
+    return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" +
+           links() + "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
+           section("gateway", gateway_keys()) + link_objects() + section("routes: a list of objects", route_keys()) +
+           section("control", control_keys()) + section("log", log_keys());
+}
+
+}  // namespace anogate

@@ -1,0 +1,9 @@
+// What --help says of links and of the configuration file, made from the tables.
+#pragma once
+#include <string>
+
+namespace anogate {
+
+std::string links_and_keys_help();
+
+}  // namespace anogate

@@ -1,0 +1,108 @@
+#include <daemon/json_text.hpp>
+#include <daemon/key_facts.hpp>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t deepest = 32;
+
+/// Follows the parser from event to event.
+class Watch {
+public:
+    Watch(const std::string& file, ConfigErrors& errors) : file_{file}, errors_{errors} {}
+
+    /// False: what comes is not kept.
+    bool operator()(json::parse_event_t event, const json& value) {
+        if (too_deep_) return false;
+        switch (event) {
+            case json::parse_event_t::object_start:
+            case json::parse_event_t::array_start: enter(event == json::parse_event_t::array_start); return !too_deep_;
+            case json::parse_event_t::object_end:
+            case json::parse_event_t::array_end: places_.pop_back(); break;
+            case json::parse_event_t::key: key(value.get_ref<const std::string&>()); break;
+            case json::parse_event_t::value: count(); break;
+        }
+        return true;
+    }
+
+    bool too_deep() const { return too_deep_; }
+
+private:
+    struct Place {
+        bool array;
+        std::size_t count = 0;    // of an array: the elements begun
+        std::string key{};
+        std::set<std::string> keys{};
+    };
+
+    void count() {
+        if (!places_.empty()) ++places_.back().count;
+    }
+
+    void enter(bool array) {
+        count();
+        if (places_.size() == deepest) {
+            errors_.push_back({at(file_, pointer()), "nested deeper than " + std::to_string(deepest) + " levels"});
+            too_deep_ = true;
+            return;
+        }
+        places_.push_back({array});
+    }
+
+    void key(const std::string& name) {
+        places_.back().key = name;
+        if (!places_.back().keys.insert(name).second)
+            errors_.push_back({at(file_, pointer()), in_quotes(name) + " is given twice"});
+    }
+
+    std::string pointer() const {
+        std::string text;
+        for (const Place& place : places_)
+            text += place.array ? "/" + std::to_string(place.count - 1) : pointer_step(place.key);
+        return text;
+    }
+
+    const std::string& file_;
+    ConfigErrors& errors_;
+    std::vector<Place> places_;
+    bool too_deep_ = false;
+};
+
+/// The library's message from the line on: "line 3, column 5: ...; expected string literal".
+std::string without_prefix(const std::string& message) {
+    const std::size_t line = message.find("line ");
+    return line != std::string::npos ? message.substr(line) : message;
+}
+
+}  // namespace
+
+std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
+    Watch watch{file, errors};
+    const auto follow = [&watch](int, json::parse_event_t event, json& value) { return watch(event, value); };
+    try {
+        json document = json::parse(text, follow, true, true);
+        if (!watch.too_deep()) return document;
+    } catch (const json::exception& error) {
+        if (!watch.too_deep()) errors.push_back({file, without_prefix(error.what())});
+    }
+    return std::nullopt;
+}
+
+std::string at(const std::string& file, const std::string& pointer) {
+    return file.empty() || pointer.empty() ? file + pointer : file + ": " + pointer;
+}
+
+std::string pointer_step(std::string_view key) {
+    std::string step = "/";
+    for (const char c : key) step += c == '~' ? std::string{"~0"} : c == '/' ? std::string{"~1"} : std::string{c};
+    return step;
+}
+
+}  // namespace anogate

@@ -1,0 +1,253 @@
+#include <ano/address.hpp>
+#include <daemon/fields.hpp>
+#include <daemon/keys.hpp>
+
+#include <gateway/ids.hpp>
+
+#include <limits>
+
+namespace anogate {
+namespace {
+
+template <class Class, class Member>
+Class class_of(Member Class::*);
+
+/// A row for the field that is reached by First and then Rest: <&LinkSettings::serial, &SerialSettings::baud>.
+template <auto First, auto... Rest>
+constexpr auto row(KeyFacts facts) {
+    using Section = decltype(class_of(First));
+    return Key<Section>{
+        facts,
+        [](const KeyFacts& key, const Section& section) { return write_field(key, ((section.*First).*....*Rest)); },
+        [](const KeyFacts& key, std::string_view text, Section& section) {
+            return read_field(key, text, ((section.*First).*....*Rest));
+        }};
+}
+
+template <auto... Path>
+constexpr auto boolean(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::boolean, .help = help});
+}
+template <auto... Path>
+constexpr auto integer(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::integer, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto address(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::address, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto duration(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::duration, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto size(std::string_view name, std::string_view help) {
+    constexpr std::uint64_t most = std::uint64_t{1} << 50;
+    return row<Path...>({.name = name, .form = Form::size, .help = help, .least = 0, .most = most});
+}
+template <auto... Path>
+constexpr auto choice(std::string_view name, std::string_view choices, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::choice, .help = help, .choices = choices});
+}
+template <auto... Path>
+constexpr auto text(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::text, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto endpoint(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::endpoint, .help = help});
+}
+
+// What is added to a row.
+
+template <class Section>
+constexpr Key<Section> operator|(Key<Section> key, auto change) {
+    change(key);
+    return key;
+}
+constexpr auto of(std::string_view kinds) {
+    return [kinds](KeyFacts& key) { key.kinds = kinds; };
+}
+constexpr auto by(std::string_view option) {
+    return [option](KeyFacts& key) { key.option = option; };
+}
+constexpr auto as(std::string_view placeholder) {
+    return [placeholder](KeyFacts& key) { key.stands_for = placeholder; };
+}
+constexpr auto needed = [](KeyFacts& key) { key.required = true; };
+
+// Values that fill more than one field.
+
+std::optional<std::string> write_allow(const KeyFacts&, const LinkSettings& link) {
+    if (link.udp_listen.allow_any) return "any";
+    if (link.udp_listen.allow.empty()) return std::nullopt;
+    std::string text;
+    for (const Network& network : link.udp_listen.allow) text += (text.empty() ? "" : "+") + network.text();
+    return text;
+}
+
+std::string read_allow(const KeyFacts& key, std::string_view text, LinkSettings& link) {
+    std::vector<Network> networks;
+    if (text != "any") {
+        for (const std::string_view word : split(text, '+')) {
+            const auto network = Network::parse(word);
+            if (!network) return must_be(key, in_quotes(word));
+            networks.push_back(*network);
+        }
+    }
+    link.udp_listen.allow_any = text == "any";
+    link.udp_listen.allow = std::move(networks);
+    return {};
+}
+
+std::optional<std::string> write_unknown(const KeyFacts&, const GatewaySettings& gateway) {
+    if (gateway.unknown == Unknown::link) return gateway.unknown_link;
+    return gateway.unknown == Unknown::flood ? "flood" : "drop";
+}
+
+std::string read_unknown(const KeyFacts& key, std::string_view text, GatewaySettings& gateway) {
+    std::string link;
+    if (text != "flood" && text != "drop") {
+        if (std::string error = read_text(key, text, link); !error.empty()) return error;
+    }
+    gateway.unknown = text == "flood" ? Unknown::flood : text == "drop" ? Unknown::drop : Unknown::link;
+    gateway.unknown_link = link;
+    return {};
+}
+
+std::optional<std::string> write_addresses(const KeyFacts&, const RouteSettings& route) {
+    if (route.last == 0) return std::nullopt;
+    return addresses_text({route.first, route.last});
+}
+
+std::string read_addresses(const KeyFacts& key, std::string_view text, RouteSettings& route) {
+    const auto range = parse_addresses(text);
+    if (!range || range->first < key.least || range->last > key.most) return must_be(key, in_quotes(text));
+    route.first = range->first;
+    route.last = range->last;
+    return {};
+}
+
+// The table.
+
+using G = GatewaySettings;
+using L = LinkSettings;
+using R = RouteSettings;
+using Serial = SerialSettings;
+using Listen = UdpListenSettings;
+
+constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are nobody's
+constexpr std::uint64_t second = 1000, day = 24 * 3600 * second;
+constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_path = 107;
+
+constexpr Key<G> gateway_rows[] = {
+    address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
+    text<&G::name>("name", 1, longest_name, "the gateway's name in the status") | as("NAME"),
+    Key<G>{{.name = "unknown",
+            .form = Form::choice_or_link,
+            .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
+            .least = 1,
+            .most = longest_name,
+            .choices = "flood|drop",
+            .option = "--unknown"},
+           write_unknown,
+           read_unknown},
+    duration<&G::forget_after>("forget_after", second, day, "an address not heard for so long is forgotten"),
+};
+
+constexpr Key<L> link_rows[] = {
+    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") |
+        needed,
+    integer<&L::serial, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
+                                       "line rate, any the driver can make") |
+        of("serial"),
+    choice<&L::serial, &Serial::parity>("parity", "none|even|odd", "parity bit") | of("serial"),
+    integer<&L::serial, &Serial::stop_bits>("stop_bits", 1, 2, "stop bits") | of("serial"),
+    choice<&L::serial, &Serial::flow>("flow", "none|hardware", "flow control; hardware is RTS/CTS") | of("serial"),
+    boolean<&L::serial, &Serial::low_latency>("low_latency", "ask the driver not to collect bytes") | of("serial"),
+    boolean<&L::serial, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)") |
+        of("serial"),
+    boolean<&L::serial, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)") |
+        of("serial"),
+
+    endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
+    duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
+                                                    "a peer silent for so long is forgotten") |
+        of("udp-listen"),
+    integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, most_channels,
+                                                "most peers at a time; the longest silent one gives way") |
+        of("udp-listen"),
+    Key<L>{{.name = "allow",
+            .form = Form::networks,
+            .help = "networks whose members may become peers, or any (default: the networks of our interfaces)",
+            .kinds = "udp-listen"},
+           write_allow,
+           read_allow},
+
+    endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
+    endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") |
+        of("udp"),
+
+    text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") |
+        as("PATH") | of("pty") | needed,
+
+    choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
+    integer<&L::sim, &SimSettings::rate>("rate", 1, 100,
+                                         "attitude frames a second; slower ones keep their proportion") |
+        of("sim"),
+
+    text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |
+        as("NAME"),
+    address<&L::id>("id", 1, ano::address::last_port_id,
+                    "port id: frames to this address leave by this link (default: none)"),
+    integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame; longer ones are refused"),
+    integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data + 8"),
+    boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
+    boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
+    boolean<&L::required>("required", "the program ends with 1 when this link is not up within 10 s"),
+};
+
+constexpr Key<R> route_rows[] = {
+    Key<R>{{.name = "address",
+            .form = Form::addresses,
+            .help = "the address or range to pin",
+            .least = first_id,
+            .most = last_id,
+            .required = true},
+           write_addresses,
+           read_addresses},
+    text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | as("LINK") | needed,
+};
+
+constexpr Key<ControlSettings> control_rows[] = {
+    text<&ControlSettings::socket>("socket", 0, longest_socket_path,
+                                   "path of the control socket, or none (default: /run/anogate/control.sock, "
+                                   "for users $XDG_RUNTIME_DIR/anogate.sock)") |
+        as("PATH|none") | by("--control"),
+};
+
+constexpr Key<LogSettings> log_rows[] = {
+    choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),
+    text<&LogSettings::file>("file", 0, longest_path, "where to (default: standard error)") | as("PATH"),
+    size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
+};
+
+}  // namespace
+
+Keys<GatewaySettings> gateway_keys() noexcept {
+    return gateway_rows;
+}
+Keys<LinkSettings> link_keys() noexcept {
+    return link_rows;
+}
+Keys<RouteSettings> route_keys() noexcept {
+    return route_rows;
+}
+Keys<ControlSettings> control_keys() noexcept {
+    return control_rows;
+}
+Keys<LogSettings> log_keys() noexcept {
+    return log_rows;
+}
+
+}  // namespace anogate

@@ -1,0 +1,74 @@
+#include <daemon/config.hpp>
+#include <daemon/keys.hpp>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A value's text as JSON of the key's type.
+Json json_of(const std::string& text, Form form) {
+    switch (form) {
+        case Form::boolean: return text == "true";
+        case Form::integer:
+        case Form::address: {
+            std::uint64_t number = 0;
+            std::from_chars(text.data(), text.data() + text.size(), number);
+            return number;
+        }
+        case Form::networks: {
+            if (text == "any") return text;
+            Json list = Json::array();
+            for (const std::string_view network : split(text, '+')) list.push_back(network);
+            return list;
+        }
+        case Form::addresses:
+        case Form::duration:
+        case Form::size:
+        case Form::choice:
+        case Form::choice_or_link:
+        case Form::text:
+        case Form::endpoint: return text;
+    }
+    return {};
+}
+
+template <class Section>
+void print_keys(const Section& section, Keys<Section> keys, Json& into, std::string_view kind = {}) {
+    for (const Key<Section>& key : keys)
+        if (const auto text = key.text_in(section); text && key.is_of(kind))
+            into[std::string{key.name}] = json_of(*text, key.form);
+}
+
+template <class Section>
+Json object_of(const Section& section, Keys<Section> keys) {
+    Json object = Json::object();
+    print_keys(section, keys, object);
+    return object;
+}
+
+Json object_of(const LinkSettings& link) {
+    Json object{{"name", link.name}, {"kind", link.kind}};
+    print_keys(link, link_keys(), object, link.kind);
+    return object;
+}
+
+}  // namespace
+
+std::string print_config(const Settings& settings) {
+    Json links = Json::array();
+    for (const LinkSettings& link : settings.links) links.push_back(object_of(link));
+    Json routes = Json::array();
+    for (const RouteSettings& route : settings.routes) routes.push_back(object_of(route, route_keys()));
+    const Json document{{"gateway", object_of(settings.gateway, gateway_keys())},
+                        {"links", links},
+                        {"routes", routes},
+                        {"control", object_of(settings.control, control_keys())},
+                        {"log", object_of(settings.log, log_keys())}};
+    return document.dump(2) + "\n";
+}
+
+}  // namespace anogate

@@ -1,0 +1,176 @@
+#include <daemon/config.hpp>
+#include <daemon/json_text.hpp>
+#include <daemon/keys.hpp>
+#include <daemon/nearest.hpp>
+#include <daemon/read_link.hpp>
+#include <link/kinds.hpp>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace anogate {
+namespace {
+
+using nlohmann::json;
+
+/// For an error: the value, or what it is when it is no short one.
+std::string shown(const json& value) {
+    if (value.is_object()) return "an object";
+    if (value.is_array()) return "a list";
+    if (value.is_string()) return "the text " + printable(value.dump());
+    return printable(value.dump());
+}
+
+/// "any", or a list of texts; a text may not stand for several.
+std::optional<std::string> networks_text(const json& value) {
+    if (value.is_string()) return value == "any" ? std::optional<std::string>{"any"} : std::nullopt;
+    if (!value.is_array() || value.empty()) return std::nullopt;
+    std::string text;
+    for (const json& entry : value) {
+        if (!entry.is_string() || entry == "any" || entry.get_ref<const std::string&>().find('+') != std::string::npos)
+            return std::nullopt;
+        text += (text.empty() ? "" : "+") + entry.get<std::string>();
+    }
+    return text;
+}
+
+/// The value as it stands in a LINK text; nothing when it is not of the key's JSON type.
+std::optional<std::string> text_of(const json& value, Form form) {
+    const auto digits = [&] { return value.is_number_integer() ? std::optional{value.dump()} : std::nullopt; };
+    const auto text = [&] { return value.is_string() ? std::optional{value.get<std::string>()} : std::nullopt; };
+    switch (form) {
+        case Form::boolean: return value.is_boolean() ? std::optional{value.dump()} : std::nullopt;
+        case Form::integer: return digits();
+        case Form::address:
+        case Form::addresses:
+        case Form::size: return value.is_string() ? text() : digits();
+        case Form::networks: return networks_text(value);
+        case Form::duration:
+        case Form::choice:
+        case Form::choice_or_link:
+        case Form::text:
+        case Form::endpoint: return text();
+    }
+    return std::nullopt;
+}
+
+bool is_object(const json& value, const std::string& where, ConfigErrors& errors) {
+    if (!value.is_object()) errors.push_back({where, "must be an object {...}, not " + shown(value)});
+    return value.is_object();
+}
+
+/// Every key of `object` into `section`; the kind of a link is known already.
+template <class Section>
+void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
+               std::string_view kind = {}) {
+    for (const auto& [name, value] : object.items()) {
+        if (!kind.empty() && name == "kind") continue;
+        const auto where = origin.where + pointer_step(name);
+        const Key<Section>* key = find_key(keys, name, kind);
+        if (key == nullptr) {
+            errors.push_back({where, unknown_key_of(keys, name, kind)});
+            continue;
+        }
+        const auto text = text_of(value, key->form);
+        std::string error = text ? key->set(*text, section) : must_be(*key, shown(value));
+        if (!error.empty()) errors.push_back({where, std::move(error)});
+    }
+    for (const Key<Section>& key : keys)
+        if (key.required && key.is_of(kind) && !object.contains(key.name))
+            errors.push_back({origin.where, in_quotes(key.name) + " is missing: " + std::string{key.help}});
+}
+
+class Reader {
+public:
+    Reader(std::string file, Draft& draft) : file_{std::move(file)}, draft_{draft} {}
+
+    void document(const json& document) {
+        if (!is_object(document, file_, draft_.errors)) return;
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "control", "log"};
+        for (const auto& [name, value] : document.items()) {
+            const std::string pointer = at(file_, pointer_step(name));
+            if (name == "gateway")
+                gateway(value, pointer);
+            else if (name == "links")
+                each(value, pointer, [&](const json& entry, const std::string& where) { link(entry, where); });
+            else if (name == "routes")
+                each(value, pointer, [&](const json& entry, const std::string& where) { route(entry, where); });
+            else if (name == "control")
+                section(value, pointer, control_keys(), draft_.settings.control);
+            else if (name == "log")
+                section(value, pointer, log_keys(), draft_.settings.log);
+            else
+                draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + did_you_mean(name, names)});
+        }
+    }
+
+private:
+    template <class Section>
+    void section(const json& value, const std::string& pointer, Keys<Section> keys, Section& into) {
+        if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, keys, into, draft_.errors);
+    }
+
+    void each(const json& list, const std::string& pointer, auto read) {
+        if (!list.is_array()) draft_.errors.push_back({pointer, "must be a list [...], not " + shown(list)});
+        for (std::size_t i = 0; list.is_array() && i < list.size(); ++i)
+            read(list[i], pointer + "/" + std::to_string(i));
+    }
+
+    void gateway(const json& value, const std::string& pointer) {
+        section(value, pointer, gateway_keys(), draft_.settings.gateway);
+        draft_.unknown = {pointer + "/unknown"};
+    }
+
+    void link(const json& value, const std::string& pointer) {
+        if (value.is_string()) return read_link(value.get<std::string>(), pointer, draft_);
+        const std::size_t before = draft_.errors.size();
+        LinkSettings settings;
+        if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
+            settings = new_link(value["kind"].get<std::string>());
+            read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind);
+        }
+        draft_.add(std::move(settings), {pointer, true, draft_.errors.size() > before});
+    }
+
+    bool has_kind(const json& link, const std::string& pointer) {
+        const auto kind = link.find("kind");
+        if (kind == link.end()) {
+            draft_.errors.push_back({pointer, "'kind' is missing, for example \"kind\": \"serial\""});
+        } else if (!kind->is_string()) {
+            draft_.errors.push_back({pointer + "/kind", "'kind' must be text such as \"serial\", not " + shown(*kind)});
+        } else if (const auto& name = kind->get_ref<const std::string&>(); find_link_kind(name) == nullptr) {
+            draft_.errors.push_back({pointer + "/kind", unknown_kind(name)});
+        } else {
+            return true;
+        }
+        return false;
+    }
+
+    void route(const json& value, const std::string& pointer) {
+        const std::size_t before = draft_.errors.size();
+        RouteSettings route;
+        section(value, pointer, route_keys(), route);
+        if (draft_.errors.size() == before) draft_.add(std::move(route), {pointer, true});
+    }
+
+    std::string file_;
+    Draft& draft_;
+};
+
+}  // namespace
+
+void read_config(std::string_view text, const std::string& file, Draft& draft) {
+    if (const auto document = parse_json(text, file, draft.errors))
+        Reader{file, draft}.document(*document);
+    else
+        draft.broken_links = true;
+}
+
+Draft parse_config(std::string_view json, const std::string& file) {
+    Draft draft;
+    read_config(json, file, draft);
+    finish(draft);
+    return draft;
+}
+
+}  // namespace anogate

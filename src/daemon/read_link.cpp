@@ -1,0 +1,124 @@
+#include <daemon/config.hpp>
+#include <daemon/keys.hpp>
+#include <daemon/nearest.hpp>
+#include <daemon/read_link.hpp>
+#include <daemon/values.hpp>
+#include <link/kinds.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+/// A text that is no KIND:ADDRESS at all.
+std::string no_kind(std::string_view text) {
+    if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
+    if (Endpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
+    return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
+}
+
+/// One LINK text, piece by piece.
+class LinkText {
+public:
+    LinkText(std::string where, Draft& draft) : where_{std::move(where)}, draft_{draft} {}
+
+    void read(std::string_view text) {
+        const std::size_t before = draft_.errors.size();
+        const std::size_t colon = text.find(':');
+        const LinkKind* kind = colon != text.npos ? find_link_kind(text.substr(0, colon)) : nullptr;
+        if (!is_utf8(text)) {
+            error("not text in UTF-8");
+        } else if (colon == text.npos || text.starts_with('/') || Endpoint::parse(text)) {
+            error(no_kind(text));
+        } else if (kind == nullptr) {
+            error(unknown_kind(text.substr(0, colon)));
+        } else {
+            link_ = new_link(kind->name);
+            read_values(*kind, text.substr(colon + 1));
+        }
+        draft_.add(std::move(link_), {where_, false, draft_.errors.size() > before});
+    }
+
+private:
+    void error(std::string what) { draft_.errors.push_back({where_, std::move(what)}); }
+
+    void read_values(const LinkKind& kind, std::string_view rest) {
+        const auto pieces = split(rest, ',');
+        if (pieces[0].empty())
+            error("the address is missing, for example " + std::string{kind.name} + ":" + std::string{kind.example});
+        else
+            set(kind.address, pieces[0]);
+        for (const std::string_view piece : std::span{pieces}.subspan(1)) {
+            const std::size_t equals = piece.find('=');
+            if (equals == piece.npos)
+                read_alone(piece);
+            else
+                set(piece.substr(0, equals), piece.substr(equals + 1));
+        }
+    }
+
+    void read_alone(std::string_view name) {
+        const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
+        if (name.empty())
+            error("a comma with no key behind it");
+        else if (key != nullptr && key->form != Form::boolean)
+            error(in_quotes(name) + " needs a value: " + std::string{name} + "=" + placeholder(*key));
+        else
+            set(name, "true");
+    }
+
+    void set(std::string_view name, std::string_view value) {
+        const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
+        if (key == nullptr) return error(unknown_key_of(link_keys(), name, link_.kind));
+        if (std::find(given_.begin(), given_.end(), name) != given_.end())
+            return error(in_quotes(name) + " is given twice");
+        given_.push_back(name);
+        if (std::string wrong = key->set(value, link_); !wrong.empty()) error(std::move(wrong));
+    }
+
+    std::string where_;
+    Draft& draft_;
+    LinkSettings link_;
+    std::vector<std::string_view> given_;
+};
+
+}  // namespace
+
+LinkSettings new_link(std::string_view kind) {
+    LinkSettings link;
+    link.kind = kind;
+    link.queue = 0;
+    return link;
+}
+
+std::string unknown_kind(std::string_view kind) {
+    std::vector<std::string_view> names;
+    std::string listed;
+    for (const LinkKind& row : link_kinds()) {
+        names.push_back(row.name);
+        listed += (listed.empty() ? "" : ", ") + std::string{row.name};
+    }
+    return "unknown kind " + in_quotes(kind) + did_you_mean(kind, names) + "; the kinds are " + listed;
+}
+
+void read_link(std::string_view text, const std::string& where, Draft& draft) {
+    const std::string link = "LINK '" + std::string{text} + "'";
+    LinkText{where.empty() ? link : where + ": " + link, draft}.read(text);
+}
+
+void read_route(std::string_view text, const std::string& where, Draft& draft) {
+    const std::size_t equals = text.find('=');
+    if (equals == text.npos) {
+        draft.errors.push_back({where, "must be ADDR=LINK such as 0xDC=fc"});
+        return;
+    }
+    const std::size_t before = draft.errors.size();
+    RouteSettings route;
+    for (const auto& [name, value] : {std::pair{"address", text.substr(0, equals)}, {"link", text.substr(equals + 1)}})
+        if (std::string wrong = find_key(route_keys(), name)->set(value, route); !wrong.empty())
+            draft.errors.push_back({where, std::move(wrong)});
+    if (draft.errors.size() == before) draft.add(std::move(route), {where});
+}
+
+}  // namespace anogate

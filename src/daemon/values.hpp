@@ -1,0 +1,40 @@
+// Single values as people write them, and back. Nothing when the text is not one.
+#pragma once
+#include <ano/time.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+/// yes, no, true, false, on, off.
+std::optional<bool> parse_boolean(std::string_view text);
+/// Decimal digits and nothing else.
+std::optional<std::uint64_t> parse_number(std::string_view text);
+/// A hardware id: 220 or 0xDC.
+std::optional<std::uint8_t> parse_address(std::string_view text);
+
+/// Both included.
+struct AddressRange {
+    std::uint8_t first = 0, last = 0;
+};
+/// 0xDC, 220, 30-40 or 0x1E-0x28; the first not above the last.
+std::optional<AddressRange> parse_addresses(std::string_view text);
+/// 0xDC, or 30-40.
+std::string addresses_text(AddressRange range);
+std::string address_text(std::uint8_t address);    // 0xDC
+
+/// A whole number of ms, s, m or h.
+std::optional<ano::Duration> parse_duration(std::string_view text);
+/// In the largest unit that says it exactly; whole milliseconds.
+std::string duration_text(ano::Duration duration);
+
+/// Bytes, or a whole number of kB, MB, GB (1000), KiB, MiB, GiB (1024).
+std::optional<std::uint64_t> parse_size(std::string_view text);
+std::string size_text(std::uint64_t bytes);
+
+bool is_utf8(std::string_view text);
+
+}  // namespace anogate
