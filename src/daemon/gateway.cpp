@@ -68,7 +68,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     for (LinkState& s : links_) s.link->stop_reading();
     flush();
     stop_by_ = now() + patience;
-    stop_check_.set(now_);
+    stop_check_.set(now_ + stop_look);    // what was written just now shows in the kernel's counts a moment later
 }
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
