@@ -36,6 +36,7 @@ public:
         if (!stopped_) stop(std::chrono::milliseconds{0});
     }
 
+    anogate::asio::io_context& io() { return io_; }
     anogate::Gateway& gateway() { return gateway_; }
     const std::string& missing() const { return missing_; }
 
