@@ -68,7 +68,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     for (LinkState& s : links_) s.link->stop_reading();
     flush();
     stop_by_ = now() + patience;
-    stop_check_.set(now_);
+    stop_check_.set(now_ + stop_look);    // what was written just now shows in the kernel's counts a moment later
 }
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
@@ -154,10 +154,11 @@ LinkId Gateway::link_named(const std::string& name) const {
 
 void Gateway::log_conflict() {
     Conflict conflict;
-    if (!router_.take_new_conflict(conflict)) return;
-    std::string names;
-    for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
-    spdlog::warn("two devices use the id 0x{:02X}, on {}: give one of them another", conflict.address, names);
+    while (router_.take_new_conflict(conflict)) {
+        std::string names;
+        for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
+        spdlog::warn("two devices use the id 0x{:02X}, on {}: give one of them another", conflict.address, names);
+    }
 }
 
 bool Gateway::nothing_waits() const {

@@ -11,21 +11,23 @@ void AlarmClock::arm(ano::TimePoint latest) {
 void AlarmClock::wait(ano::TimePoint latest) {
     rings_at_ = latest;
     timer_.expires_at(latest);
-    timer_.async_wait([this, mine = ++generation_](error_code) {
-        if (mine == generation_) ring();
+    timer_.async_wait([this, mine = ++generation_](error_code ec) {
+        if (!ec && mine == generation_) ring();
     });
 }
 
 void AlarmClock::ring() {
     rings_at_.reset();
     const ano::TimePoint now = ano::Clock::now();
-    // A call may make and end alarms: look each up afresh.
+    // A call may make and end alarms: look each up afresh, and let each keep its place.
+    ringing_ = true;
     for (std::size_t i = 0; i < alarms_.size(); ++i) {
         Alarm* alarm = alarms_[i];
         if (!alarm || !alarm->at_ || *alarm->at_ > now) continue;
         alarm->at_.reset();
         alarm->call_();
     }
+    ringing_ = false;
     std::erase(alarms_, nullptr);
     std::optional<ano::TimePoint> next;
     for (const Alarm* alarm : alarms_)
@@ -33,19 +35,22 @@ void AlarmClock::ring() {
     if (next) arm(*next);
 }
 
+void AlarmClock::remove(Alarm* alarm) noexcept {
+    const auto place = std::find(alarms_.begin(), alarms_.end(), alarm);
+    if (ringing_) *place = nullptr;
+    else alarms_.erase(place);
+    if (std::any_of(alarms_.begin(), alarms_.end(), [](Alarm* a) { return a && a->at_; })) return;
+    ++generation_;
+    rings_at_.reset();
+    timer_.cancel();
+}
+
 Alarm::Alarm(AlarmClock& clock, std::function<void()> call, ano::Duration slack)
     : clock_{clock}, call_{std::move(call)}, slack_{slack} {
     clock_.alarms_.push_back(this);
 }
 
-Alarm::~Alarm() {
-    std::replace(clock_.alarms_.begin(), clock_.alarms_.end(), this, static_cast<Alarm*>(nullptr));
-    if (std::none_of(clock_.alarms_.begin(), clock_.alarms_.end(), [](Alarm* a) { return a && a->at_; })) {
-        ++clock_.generation_;
-        clock_.rings_at_.reset();
-        clock_.timer_.cancel();
-    }
-}
+Alarm::~Alarm() { clock_.remove(this); }
 
 void Alarm::set(ano::TimePoint at) {
     at_ = at;

@@ -23,11 +23,13 @@ private:
     void arm(ano::TimePoint latest);
     void wait(ano::TimePoint latest);
     void ring();
+    void remove(Alarm* alarm) noexcept;
 
     asio::steady_timer timer_;
     std::vector<Alarm*> alarms_;
     std::optional<ano::TimePoint> rings_at_;
     std::uint64_t generation_ = 0;
+    bool ringing_ = false;
 };
 
 /// Calls its function once, between the time it was set to and `slack` later; a slack lets alarms share one wake-up.

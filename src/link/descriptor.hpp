@@ -44,11 +44,13 @@ public:
     bool is_open() const noexcept { return stream_.is_open(); }
     int fd() const noexcept { return fd_; }
 
-    /// Calls `call` each time there is something to read, until stop_reading() or close(). It need not read all.
+    /// Calls `call` each time there is something to read, until stop_reading() or close(). It need not read all. Not from
+    /// `call` itself; while it is reading already, nothing changes.
     void read_with(std::function<void()> call) {
+        if (reading_) return;
         on_readable_ = std::move(call);
         reading_ = true;
-        wait_readable();
+        if (!waits_readable_) wait_readable();
     }
     void stop_reading() noexcept { reading_ = false; }
 
@@ -66,7 +68,7 @@ public:
     void close() noexcept {
         ++generation_;
         reading_ = false;
-        waits_writable_ = false;
+        waits_readable_ = waits_writable_ = false;
         error_code ignored;
         if (stream_.is_open()) stream_.close(ignored);
         fd_ = -1;
@@ -74,8 +76,11 @@ public:
 
 private:
     void wait_readable() {
+        waits_readable_ = true;
         stream_.async_wait(stream_.wait_read, [this, mine = generation_](error_code ec) {
-            if (ec || mine != generation_ || !reading_) return;
+            if (ec || mine != generation_) return;
+            waits_readable_ = false;
+            if (!reading_) return;
             on_readable_();
             if (mine == generation_ && reading_) wait_readable();
         });
@@ -86,6 +91,7 @@ private:
     bool reading_ = false;
     std::uint64_t generation_ = 0;    // of open and close: an answer of an earlier one means nothing
     int fd_ = -1;
+    bool waits_readable_ = false;
     bool waits_writable_ = false;
 };
 

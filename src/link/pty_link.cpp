@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <grp.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <sys/inotify.h>
 #include <sys/stat.h>
@@ -21,6 +22,14 @@ void let_dialout_in(const std::string& device) {
         ::chmod(device.c_str(), 0660);
 }
 
+// A path that is taken by something else than a link to a pseudo-terminal (which an earlier run may have left).
+bool belongs_to_others(const fs::path& path) {
+    std::error_code ec;
+    const fs::file_status there = fs::symlink_status(path, ec);
+    if (!fs::exists(there)) return false;
+    return !fs::is_symlink(there) || fs::read_symlink(path, ec).parent_path() != "/dev/pts";
+}
+
 }  // namespace
 
 StreamLink::Opened PtyLink::open_wire() {
@@ -30,74 +39,83 @@ StreamLink::Opened PtyLink::open_wire() {
         ::ptsname_r(ours.get(), name, sizeof name) != 0)
         return {{}, error_text("no pseudo-terminal", errno)};
     device_ = name;
-    user_side_ = UniqueFd{::open(name, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+    user_side_ = open_user_side();
     if (!user_side_) return {{}, error_text(device_, errno)};
     terminal::make_raw(user_side_.get());
     let_dialout_in(device_);
-    if (std::string error = link_path(device_); !error.empty()) return {{}, std::move(error)};
-    watch_users();
+    const bool watched = watch_users();
+    std::string error = link_path(device_);
+    if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
+    if (!error.empty()) return {{}, std::move(error)};
     return {std::move(ours), {}};
 }
 
-// Replaces a link that an earlier run may have left, and nothing else.
+UniqueFd PtyLink::open_user_side() const {
+    return UniqueFd{::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+}
+
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
     std::error_code ec;
     fs::create_directories(path.parent_path(), ec);
-    if (const auto there = fs::symlink_status(path, ec); fs::exists(there) && !fs::is_symlink(there))
-        return path.string() + " exists and is not a link: it is left alone, choose another path";
-    const fs::path fresh = path.string() + ".new";
+    if (ec) return error_text(path.string(), ec.value());
+    if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
+    const fs::path fresh = path.string() + ".anogate-new";
     fs::remove(fresh, ec);
     fs::create_symlink(device, fresh, ec);
     if (!ec) fs::rename(fresh, path, ec);
     return ec ? error_text(path.string(), ec.value()) : std::string{};
 }
 
-void PtyLink::watch_users() {
+// The events only say when to look: equal ones are merged, so they can't be counted.
+bool PtyLink::watch_users() {
     watch_.close();
-    users_ = 0;
     UniqueFd notify{::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)};
-    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN | IN_CLOSE) < 0) return;
+    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN) < 0) return false;
     watch_.open(std::move(notify));
-    watch_.read_with([this] { count_users(); });
+    watch_.read_with([this] {
+        alignas(inotify_event) char events[4096];
+        while (::read(watch_.fd(), events, sizeof events) > 0) {}
+        look_for_users();
+    });
+    return true;
 }
 
 void PtyLink::came_up() {
-    if (!watch_.is_open()) {    // no way to see users: as if there always were one
+    up_ = static_cast<bool>(user_side_);    // unwatched: as if there always were a user
+    if (up_) context_.host.link_up(*this);
+    else context_.host.link_down(*this, nobody_there());
+}
+
+// While nobody has the other side open, ours says so; what the last user wrote is read first.
+void PtyLink::look_for_users() {
+    pollfd ours{fd(), POLLIN, 0};
+    if (::poll(&ours, 1, 0) < 0) return;
+    const bool used = (ours.revents & POLLHUP) == 0;
+    if (used && !up_) {
         up_ = true;
         context_.host.link_up(*this);
-    } else {
-        context_.host.link_down(*this, "no program has " + settings().pty.path + " open");
     }
+    if (used || ours.revents & POLLIN) resume_reading();
 }
 
-void PtyLink::count_users() {
-    alignas(inotify_event) char buffer[4096];
-    const ssize_t n = ::read(watch_.fd(), buffer, sizeof buffer);
-    for (ssize_t at = 0; at < n;) {
-        inotify_event event;
-        std::memcpy(&event, buffer + at, sizeof event);
-        at += static_cast<ssize_t>(sizeof event + event.len);
-        if (event.mask & IN_OPEN) ++users_;
-        if (event.mask & IN_CLOSE && users_ > 0) --users_;
-    }
-    if (users_ > 0) heard();
-    else if (up_) users_gone();
+void PtyLink::wire_ended(int error) {
+    if (error != EIO) return fail(gone_text(error));
+    pause_reading();
+    if (up_) users_gone();
 }
 
-void PtyLink::heard() {
-    if (up_) return;
-    up_ = true;
-    context_.host.link_up(*this);
-}
-
-// What the last user did not read is not for the next one.
+// What the last user did not read is not for the next one, nor is what he made of the terminal.
 void PtyLink::users_gone() {
     up_ = false;
-    context_.host.link_down(*this, "no program has " + settings().pty.path + " open");
+    context_.host.link_down(*this, nobody_there());
+    end_of_input();
     terminal::discard_output(fd());
-    terminal::discard_input(user_side_.get());
-    terminal::make_raw(user_side_.get());
+    const UniqueFd user_side = open_user_side();
+    if (!user_side) return fail(error_text(device_, errno));
+    terminal::discard_input(user_side.get());
+    terminal::give_back(user_side.get());
+    terminal::make_raw(user_side.get());
 }
 
 void PtyLink::leave_wire(int) {
@@ -108,10 +126,23 @@ void PtyLink::leave_wire(int) {
     user_side_ = UniqueFd{};
 }
 
+void PtyLink::stop_reading() {
+    StreamLink::stop_reading();
+    watch_.stop_reading();
+}
+
 void PtyLink::stop() {
     StreamLink::stop();
     watch_.close();
 }
+
+// When our side closes, what the user has not read is lost.
+std::size_t PtyLink::unsent() const {
+    const UniqueFd user_side = open_user_side();
+    return user_side ? terminal::unread(user_side.get()) : 0;
+}
+
+std::string PtyLink::nobody_there() const { return "no program has " + settings().pty.path + " open"; }
 
 std::string PtyLink::gone_text(int error) const { return error_text(device_, error == 0 ? EIO : error); }
 

@@ -9,25 +9,28 @@ class PtyLink final : public StreamLink {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
         : StreamLink{id, std::move(settings), context}, watch_{context.io} {}
+    void stop_reading() override;
     void stop() override;
+    std::size_t unsent() const override;
     LinkFacts facts() const override;
 
 private:
     Opened open_wire() override;
     void leave_wire(int fd) override;
-    void heard() override;
+    void wire_ended(int error) override;
     std::string gone_text(int error) const override;
     void came_up() override;
 
     std::string link_path(const std::string& device);
-    void watch_users();
-    void count_users();
+    bool watch_users();
+    void look_for_users();
     void users_gone();
+    UniqueFd open_user_side() const;
+    std::string nobody_there() const;
 
-    UniqueFd user_side_;     // kept open, so that a user who closes his does not hang ours up
     std::string device_;     // /dev/pts/N
-    Descriptor watch_;       // inotify on device_
-    int users_ = 0;
+    Descriptor watch_;       // inotify on device_: somebody opened or closed it
+    UniqueFd user_side_;     // held open only where it can't be watched
     bool up_ = false;
 };
 

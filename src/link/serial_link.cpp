@@ -43,8 +43,9 @@ StreamLink::Opened SerialLink::open_wire() {
     return {std::move(fd), {}};
 }
 
+// Closing waits for what the driver still holds: it goes. What is on its way (in a pty: read by nobody yet) stays.
 void SerialLink::leave_wire(int fd) {
-    terminal::discard_output(fd);
+    if (terminal::unsent(fd) > 0) terminal::discard_output(fd);
     terminal::give_back(fd);
     wire_ = -1;
 }

@@ -45,16 +45,24 @@ void StreamLink::try_open() {
     }
     backoff_.came_up(now);
     descriptor_.open(std::move(opened.fd));
-    descriptor_.read_with([this] { read(); });
+    resume_reading();
     came_up();
+}
+
+void StreamLink::resume_reading() {
+    descriptor_.read_with([this] { read(); });
+}
+
+void StreamLink::end_of_input() {
+    expiry_.cancel();
+    channel_->parser.finish();
+    deliver();
 }
 
 void StreamLink::fail(std::string why) {
     leave_wire(descriptor_.fd());
     descriptor_.close();
-    expiry_.cancel();
-    channel_->parser.finish();
-    deliver();
+    end_of_input();
     context_.host.link_down(*this, std::move(why));
     retry_.set(backoff_.retry_at(context_.host.now()));
 }
@@ -64,8 +72,7 @@ void StreamLink::read() {
         const auto room = channel_->parser.prepare();
         const ssize_t n = ::read(descriptor_.fd(), room.data(), room.size());
         if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
-        if (n <= 0) return fail(gone_text(n == 0 ? 0 : errno));
-        heard();
+        if (n <= 0) return wire_ended(n == 0 ? 0 : errno);
         channel_->parser.commit(static_cast<std::size_t>(n), context_.host.now());
         deliver();
         if (!descriptor_.is_open() || static_cast<std::size_t>(n) < room.size()) break;

@@ -25,18 +25,20 @@ protected:
     virtual Opened open_wire() = 0;
     /// Leaves the wire as it should be found; the descriptor is closed right after.
     virtual void leave_wire(int) {}
-    /// Bytes came in; before they are parsed.
-    virtual void heard() {}
-    /// What a read that ends (0 bytes) or fails means to the user.
+    /// What a read that ends (`error` is 0) or fails means to the user.
     virtual std::string gone_text(int error) const = 0;
+    /// A read ended or failed.
+    virtual void wire_ended(int error) { fail(gone_text(error)); }
 
+    void pause_reading() { descriptor_.stop_reading(); }
+    void resume_reading();
+    /// What came after the last whole frame has no rest to hope for.
+    void end_of_input();
     /// The wire is gone: closes it, says why, and tries again later.
     void fail(std::string why);
     virtual void came_up() { context_.host.link_up(*this); }
 
     int fd() const noexcept { return descriptor_.fd(); }
-    bool wire_is_open() const noexcept { return descriptor_.is_open(); }
-    Channel* channel() noexcept { return channel_; }
 
     LinkContext context_;
 

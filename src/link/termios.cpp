@@ -32,6 +32,11 @@ void ask_for_low_latency(int fd) noexcept {
     ::ioctl(fd, TIOCSSERIAL, &serial);
 }
 
+std::size_t bytes_in(int fd, unsigned long queue) noexcept {
+    int bytes = 0;
+    return ::ioctl(fd, queue, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+
 }  // namespace
 
 std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud) {
@@ -57,10 +62,8 @@ void make_raw(int fd) noexcept {
 void claim(int fd) noexcept { ::ioctl(fd, TIOCEXCL); }
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
-std::size_t unsent(int fd) noexcept {
-    int bytes = 0;
-    return ::ioctl(fd, TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
-}
+std::size_t unsent(int fd) noexcept { return bytes_in(fd, TIOCOUTQ); }
+std::size_t unread(int fd) noexcept { return bytes_in(fd, FIONREAD); }
 void discard_output(int fd) noexcept { ::ioctl(fd, TCFLSH, TCOFLUSH); }
 void discard_input(int fd) noexcept { ::ioctl(fd, TCFLSH, TCIFLUSH); }
 

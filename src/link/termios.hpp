@@ -17,6 +17,8 @@ void give_back(int fd) noexcept;
 
 /// Bytes that are written and not yet on the wire; 0 where the driver does not say.
 std::size_t unsent(int fd) noexcept;
+/// Bytes that have arrived and were not read.
+std::size_t unread(int fd) noexcept;
 /// Throws away what is written and not yet on the wire, so that closing does not wait for it.
 void discard_output(int fd) noexcept;
 /// Throws away what has arrived and was not read.

@@ -125,6 +125,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
         stray_.bytes_in += datagram.size();
         return nullptr;
     }
+    channel->heard_at = now;         // the frame it is here for may wait behind a false header
     context_.host.link_up(*this);    // for the new channel
     peers_.push_back(std::make_unique<Peer>(*this, endpoint, *channel));
     if (!silence_.is_set()) silence_.set(now + settings().udp_listen.peer_timeout);

@@ -3,6 +3,9 @@
 #include <ano/frame.hpp>
 
 #include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace support {
@@ -13,6 +16,39 @@ inline Bytes frame(std::uint8_t source, std::uint8_t destination, std::uint8_t i
     Bytes bytes(ano::overhead + data.size());
     bytes.resize(ano::encode(bytes, source, destination, id, data));
     return bytes;
+}
+
+/// "AB FE FF": what the hex digits say.
+inline Bytes hex(std::string_view text) {
+    Bytes bytes;
+    const auto digit = [](char c) { return c <= '9' ? c - '0' : (c | 0x20) - 'a' + 10; };
+    for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+        if (text[i] == ' ') continue;
+        bytes.push_back(static_cast<std::uint8_t>(digit(text[i]) << 4 | digit(text[i + 1])));
+        ++i;
+    }
+    return bytes;
+}
+
+inline Bytes operator+(Bytes a, const Bytes& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+/// The frames that `stream` consists of; `rest` is what follows the last whole one. Nothing is skipped: bytes that are no
+/// frame end the list, and are the rest.
+struct Split {
+    std::vector<Bytes> frames;
+    Bytes rest;
+};
+inline Split split(std::span<const std::uint8_t> stream) {
+    Split result;
+    while (const auto frame = ano::frame_at(stream)) {
+        result.frames.emplace_back(frame->bytes().begin(), frame->bytes().end());
+        stream = stream.subspan(frame->bytes().size());
+    }
+    result.rest.assign(stream.begin(), stream.end());
+    return result;
 }
 
 }    // namespace support

@@ -1,0 +1,178 @@
+// The pty link: a program opens the path as if it were a serial port.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+namespace fs = std::filesystem;
+
+TEST(PtyLink, a_program_at_the_path_and_a_peer_hear_each_other) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
+    EXPECT_EQ(daemon.link("app").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    EXPECT_EQ(fs::read_symlink(dir / "app"), daemon.link("app").at("device").get<std::string>());
+    UdpPeer ground;
+    PortUser app{dir / "app"};
+    ASSERT_TRUE(app.is_open());
+    EXPECT_TRUE(daemon.until_up("app"));
+    app.write(vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 1; }));
+    ground.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return app.heard() == vendor::i_am_an_mcu; }));
+    app.write(vendor::write_parameter);
+    EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::write_parameter; }));
+}
+
+TEST(PtyLink, its_user_closes_and_opens_again_and_hears_nothing_stale) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
+    UdpPeer ground;
+    const auto say = [&](std::uint8_t n) {
+        const auto before = daemon.count("ground", "frames_in");
+        ground.send(daemon.port("ground"), frame(0xDC, 0xFE, 0xF1, {n}));
+        return daemon.until([&] { return daemon.count("ground", "frames_in") == before + 1; });
+    };
+    const std::string device = daemon.link("app").at("device");
+    for (std::uint8_t round = 0; round < 3; ++round) {
+        PortUser app{dir / "app"};
+        ASSERT_TRUE(app.is_open());
+        ASSERT_TRUE(daemon.until_up("app"));
+        ASSERT_TRUE(say(round));
+        EXPECT_TRUE(daemon.until([&] { return !app.heard().empty(); }));
+        EXPECT_EQ(app.heard(), frame(0xDC, 0xFE, 0xF1, {round})) << "round " << int{round};
+        ASSERT_TRUE(say(100)) << "this one is never read";
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "frames_out") == 2u * round + 2; }));
+        app.close();
+        ASSERT_TRUE(daemon.until_waiting("app"));
+        ASSERT_TRUE(say(200)) << "nobody is there";
+        EXPECT_EQ(daemon.count("app", "link_down"), round + 1u);
+        EXPECT_EQ(daemon.link("app").at("device"), device) << "the same terminal";
+    }
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(PtyLink, what_its_user_wrote_before_closing_is_heard) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app")};
+    {
+        PortUser app{dir / "app"};
+        app.write(vendor::who_are_you);
+    }
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 1; }));
+    EXPECT_TRUE(daemon.until_waiting("app"));
+    {
+        PortUser app{dir / "app"};
+        app.write(vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 2; }));
+        app.write(vendor::who_are_you);
+    }
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 3; }));
+}
+
+TEST(PtyLink, is_up_as_long_as_one_of_several_users_is_left) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
+    UdpPeer ground;
+    PortUser first{dir / "app"}, second{dir / "app"}, third{dir / "app"};
+    ASSERT_TRUE(daemon.until_up("app"));
+    first.close();
+    third.close();
+    daemon.run_for(20ms);
+    EXPECT_EQ(daemon.link("app").at("state"), "up");
+    ground.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return second.heard() == vendor::i_am_an_mcu; }));
+    second.close();
+    EXPECT_TRUE(daemon.until_waiting("app"));
+}
+
+TEST(PtyLink, a_user_who_does_not_read_does_not_hold_up_the_others) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), pty("other", dir / "other"), udp_listen("ground")};
+    UdpPeer ground;
+    PortUser stuck{dir / "app"}, other{dir / "other"};
+    ASSERT_TRUE(daemon.until_up("app") && daemon.until_up("other"));
+    const Bytes big = frame(0xDC, 0xFE, 0xF1, Bytes(1000, 1));
+    ASSERT_TRUE(daemon.until([&] {
+        ground.send(daemon.port("ground"), big);
+        other.heard();
+        return daemon.count("app", "queue_full") > 0;
+    }));
+    ASSERT_TRUE(daemon.until([&] {
+        other.heard();
+        return daemon.count("other", "waiting") == 0;
+    }));
+    EXPECT_EQ(daemon.count("other", "queue_full"), 0u);
+    EXPECT_EQ(other.heard().size() / big.size(), daemon.count("ground", "frames_in"));
+    EXPECT_TRUE(daemon.counters_add_up());
+    EXPECT_LT(daemon.stop(), 1s);
+}
+
+TEST(PtyLink, the_path_is_made_with_its_folder_and_gone_at_the_end) {
+    const TempDir dir;
+    {
+        RunningGateway daemon{pty("app", dir / "run/anogate/app")};
+        EXPECT_TRUE(fs::is_symlink(dir / "run/anogate/app"));
+        daemon.stop();
+        EXPECT_FALSE(fs::exists(fs::symlink_status(dir / "run/anogate/app")));
+    }
+}
+
+TEST(PtyLink, a_user_who_reads_gets_what_waits_at_the_end) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
+    UdpPeer ground;
+    PortUser app{dir / "app"};
+    ASSERT_TRUE(daemon.until_up("app"));
+    ground.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "frames_out") == 1; }));
+    bool late = false;    // it reads a little after the signal
+    daemon.stop(500ms, [&] {
+        if (std::exchange(late, true)) app.heard();
+    });
+    EXPECT_EQ(app.heard(), vendor::i_am_an_mcu);
+}
+
+TEST(PtyLink, a_link_that_an_earlier_run_left_is_replaced) {
+    const TempDir dir;
+    fs::create_symlink("/dev/pts/99999", dir / "app");
+    RunningGateway daemon{pty("app", dir / "app")};
+    EXPECT_EQ(fs::read_symlink(dir / "app"), daemon.link("app").at("device").get<std::string>());
+}
+
+TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
+    const TempDir dir;
+    std::ofstream{dir / "app"} << "precious";
+    std::ofstream{dir / "app.new"} << "precious";
+    fs::create_symlink("/dev/null", dir / "port");
+    RunningGateway daemon{pty("app", dir / "app"), pty("port", dir / "port")};
+    EXPECT_EQ(daemon.link("app").at("state"), "waiting");
+    EXPECT_NE(daemon.link("app").at("error").get<std::string>().find("is left alone"), std::string::npos);
+    EXPECT_TRUE(fs::is_regular_file(dir / "app"));
+    EXPECT_EQ(fs::read_symlink(dir / "port"), "/dev/null") << "a link to somebody else's device";
+    EXPECT_NE(daemon.link("port").at("error").get<std::string>().find("is left alone"), std::string::npos);
+    fs::remove(dir / "app");
+    EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); })) << "the way is free now";
+    EXPECT_TRUE(fs::is_regular_file(dir / "app.new"));
+    PortUser app{dir / "app"};
+    EXPECT_TRUE(daemon.until_up("app"));
+}
+
+TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "x";
+    RunningGateway daemon{pty("app", dir / "file/app")};
+    EXPECT_EQ(daemon.link("app").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("app").at("error"), (dir / "file/app") + ": Not a directory");
+}
+
+}    // namespace

@@ -1,0 +1,319 @@
+// Serial ports as they are in the field: pseudo-terminals stand for the devices, everything else is real.
+#include <support/child.hpp>
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+TEST(SerialLink, vendor_bytes_pass_unchanged_both_ways) {
+    const TempDir dir;
+    PtyDevice mcu{dir / "ttyUSB0"};
+    RunningGateway daemon{serial("mcu", mcu.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("mcu"));
+    UdpPeer ground;
+
+    ground.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return mcu.heard() == vendor::who_are_you; }));
+    mcu.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
+    ground.send(daemon.port("ground"), vendor::write_parameter);
+    EXPECT_TRUE(daemon.until([&] { return mcu.heard() == vendor::who_are_you + vendor::write_parameter; }));
+    mcu.write(vendor::written);
+    EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::i_am_an_mcu + vendor::written; }));
+    ground.send(daemon.port("ground"), vendor::command);
+    EXPECT_TRUE(daemon.until([&] {
+        return mcu.heard() == vendor::who_are_you + vendor::write_parameter + vendor::command;
+    }));
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(SerialLink, a_frame_sent_one_byte_at_a_time_arrives_whole) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, b{dir / "b"};
+    RunningGateway daemon{serial("a", a.path()), serial("b", b.path())};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b"));
+    for (std::size_t i = 0; i < vendor::i_am_an_mcu.size(); ++i) {
+        EXPECT_TRUE(b.heard().empty());
+        a.write(std::span{vendor::i_am_an_mcu}.subspan(i, 1));
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("a", "bytes_in") == i + 1; }));
+    }
+    EXPECT_TRUE(daemon.until([&] { return b.heard() == vendor::i_am_an_mcu; }));
+}
+
+TEST(SerialLink, a_device_comes_and_goes_and_nobody_else_notices) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, b{dir / "b"}, fc{dir / "fc"};
+    fc.unplug();
+    RunningGateway daemon{serial("fc", fc.path()), serial("a", a.path()), serial("b", b.path())};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b"));
+    EXPECT_EQ(daemon.link("fc").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("fc").at("error"), fc.path() + " is not there");
+
+    b.write(frame(0xDE, 0xDD, 0xF1));
+    ASSERT_TRUE(daemon.until([&] { return a.heard() == frame(0xDE, 0xDD, 0xF1); })) << "0xDE is known to be at b";
+    Bytes sent;
+    std::uint8_t n = 0;
+    const auto others_flow = [&] {
+        const Bytes next = frame(0xDD, 0xDE, 0xF1, {n++});
+        sent = sent + next;
+        a.write(next);
+        return daemon.until([&] { return b.heard() == sent; }, 1s);
+    };
+    EXPECT_TRUE(others_flow());
+    for (int round = 0; round < 3; ++round) {
+        fc.plug();
+        EXPECT_TRUE(daemon.until([&] { return others_flow() && daemon.link("fc").at("state") == "up"; }));
+        EXPECT_EQ(daemon.link("fc").at("error"), "");
+        const auto frames_before = daemon.count("fc", "frames_in");
+        fc.write(frame(0xDB, 0xDD, 0xF1));
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("fc", "frames_in") > frames_before; })) << "it is heard";
+        a.write(frame(0xDD, 0xDB, 0xF1));
+        EXPECT_TRUE(daemon.until([&] { return fc.read() == frame(0xDD, 0xDB, 0xF1); })) << "it hears";
+        fc.unplug();
+        EXPECT_TRUE(daemon.until([&] { return others_flow() && daemon.link("fc").at("state") == "waiting"; }));
+        EXPECT_NE(daemon.link("fc").at("error"), "");
+    }
+    EXPECT_EQ(daemon.count("fc", "frames_in"), 3u) << "counters of a link never decrease";
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(SerialLink, frames_for_an_unplugged_device_are_counted_and_not_sent_later) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, fc{dir / "fc"};
+    fc.unplug();
+    auto fc_link = serial("fc", fc.path());
+    fc_link.id = 1;
+    RunningGateway daemon{serial("a", a.path()), fc_link};
+    ASSERT_TRUE(daemon.until_up("a"));
+    for (int i = 0; i < 5; ++i) a.write(frame(0xFE, 1, 0xC0, {1, 2, 3}));
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("fc", "link_down") == 5; }));
+    EXPECT_EQ(daemon.count("a", "no_route"), 0u) << "there was a taker, it was down";
+    fc.plug();
+    ASSERT_TRUE(daemon.until_up("fc"));
+    a.write(frame(0xFE, 1, 0xC0, {4, 5, 6}));
+    EXPECT_TRUE(daemon.until([&] { return !fc.heard().empty(); }));
+    EXPECT_EQ(fc.heard(), frame(0xFE, 1, 0xC0, {4, 5, 6}));
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(SerialLink, a_port_that_another_program_has_locked_is_waited_for_and_the_status_names_who) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    Child holder{[&] {
+        const int fd = ::open(fc.path().c_str(), O_RDWR | O_NOCTTY);
+        if (::flock(fd, LOCK_EX | LOCK_NB) != 0 || ::write(ready[1], "", 1) != 1) return 1;
+        ::pause();
+        return 0;
+    }};
+    char byte;
+    ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+    RunningGateway daemon{serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_waiting("fc"));
+    const std::string error = daemon.link("fc").at("error");
+    EXPECT_NE(error.find("in use by"), std::string::npos) << error;
+    EXPECT_NE(error.find("(pid " + std::to_string(holder.pid()) + ")"), std::string::npos) << error;
+    ::kill(holder.pid(), SIGKILL);
+    holder.wait();
+    EXPECT_TRUE(daemon.until_up("fc")) << "it is free now";
+}
+
+TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
+    if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody: root itself opens exclusive ports";
+    const TempDir dir;
+    ::chmod(dir.path().c_str(), 0755);
+    PtyDevice fc{dir / "fc"};
+    ::chmod(fc.terminal().c_str(), 0666);
+    const PortUser holder{fc.path()};
+    ASSERT_EQ(::ioctl(holder.fd(), TIOCEXCL), 0);
+    int busy[2];
+    ASSERT_EQ(::pipe(busy), 0);
+    Child child{[&] {
+        if (!become_nobody()) return 1;
+        RunningGateway daemon{serial("fc", fc.path())};
+        if (!daemon.until([&] { return daemon.link("fc").at("error") == fc.path() + " is in use by another program"; }))
+            return 2;
+        if (::write(busy[1], "", 1) != 1) return 3;
+        return daemon.until_up("fc") ? 0 : 4;
+    }};
+    ::close(busy[1]);
+    char byte;
+    EXPECT_EQ(::read(busy[0], &byte, 1), 1);
+    ::ioctl(holder.fd(), TIOCNXCL);
+    EXPECT_EQ(child.wait(), 0);
+}
+
+TEST(SerialLink, nobody_else_opens_the_port_while_it_is_ours_and_anybody_may_afterwards) {
+    if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody: root itself opens exclusive ports";
+    const TempDir dir;
+    ::chmod(dir.path().c_str(), 0755);
+    PtyDevice fc{dir / "fc"};
+    ::chmod(fc.terminal().c_str(), 0666);
+    const PortUser keeps_it_alive{fc.path()};    // a pty forgets TIOCEXCL with its last user
+    const auto open_as_nobody = [&] {
+        return Child{[&] {
+            if (!become_nobody()) return 1;
+            return ::open(fc.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
+        }}.wait();
+    };
+    RunningGateway daemon{serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    EXPECT_EQ(open_as_nobody(), EBUSY);
+    daemon.stop();
+    EXPECT_EQ(open_as_nobody(), 0);
+}
+
+TEST(SerialLink, closing_must_not_reset_the_board_behind_the_port) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    const PortUser earlier{fc.path()};
+    termios t = fc.settings();
+    t.c_cflag |= HUPCL;    // as most ports come from the system
+    ASSERT_EQ(::tcsetattr(earlier.fd(), TCSANOW, &t), 0);
+    ASSERT_NE(fc.settings().c_cflag & HUPCL, 0u);
+    RunningGateway daemon{serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    EXPECT_EQ(fc.settings().c_cflag & HUPCL, 0u);
+    daemon.stop();
+    EXPECT_EQ(fc.settings().c_cflag & HUPCL, 0u);
+}
+
+TEST(SerialLink, the_line_is_raw_8n1_unless_told_otherwise) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, b{dir / "b"};
+    auto odd = serial("b", b.path());
+    odd.serial.parity = anogate::Parity::odd;
+    odd.serial.stop_bits = 2;
+    RunningGateway daemon{serial("a", a.path()), odd};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b"));
+    const termios raw = a.settings();
+    EXPECT_EQ(raw.c_lflag & (ICANON | ECHO | ISIG | IEXTEN), 0u);
+    EXPECT_EQ(raw.c_iflag & (ICRNL | IXON | IXOFF | INLCR | ISTRIP | PARMRK), 0u);
+    EXPECT_EQ(raw.c_oflag & OPOST, 0u);
+    EXPECT_EQ(raw.c_cflag & (CSTOPB | PARENB | CRTSCTS), 0u);
+    // A pty can't do parity: the kernel shows 8 bits without it whatever was asked for.
+    EXPECT_EQ(raw.c_cflag & CSIZE, static_cast<tcflag_t>(CS8));
+    EXPECT_NE(b.settings().c_cflag & CSTOPB, 0u);
+
+    // Every byte there is, control characters too.
+    Bytes all(256);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
+    a.write(frame(0xDC, 0xFE, 0xF1, all));
+    EXPECT_TRUE(daemon.until([&] { return b.heard() == frame(0xDC, 0xFE, 0xF1, all); }));
+}
+
+class AnyBaud : public testing::TestWithParam<std::uint32_t> {};
+TEST_P(AnyBaud, is_set_and_shown) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    auto link = serial("fc", fc.path());
+    link.serial.baud = GetParam();
+    RunningGateway daemon{link};
+    ASSERT_TRUE(daemon.until_up("fc")) << daemon.link("fc");
+    EXPECT_EQ(daemon.link("fc").at("baud"), GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(SerialLink, AnyBaud, testing::Values(1200, 9600, 115200, 250000, 500000, 921600, 3333333, 5000000));
+
+TEST(SerialLink, a_path_that_is_no_serial_port_is_told_in_words) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "notes";
+    std::filesystem::create_directory(dir / "folder");
+    PtyDevice fc{dir / "fc"};
+    RunningGateway daemon{serial("file", dir / "file"), serial("folder", dir / "folder"), serial("null", "/dev/null"),
+                          serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    EXPECT_EQ(daemon.link("file").at("error"), (dir / "file") + ": this is not a serial port");
+    EXPECT_EQ(daemon.link("null").at("error"), "/dev/null: this is not a serial port");
+    EXPECT_EQ(daemon.link("folder").at("error"), (dir / "folder") + ": Is a directory");
+    std::string kept;
+    std::ifstream{dir / "file"} >> kept;
+    EXPECT_EQ(kept, "notes");
+}
+
+TEST(SerialLink, a_port_without_permission_says_what_to_do) {
+    if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody";
+    const TempDir dir;
+    ::chmod(dir.path().c_str(), 0755);
+    PtyDevice fc{dir / "fc"};
+    ::chmod(fc.terminal().c_str(), 0600);
+    EXPECT_EQ(Child{[&] {
+        if (!become_nobody()) return 1;
+        RunningGateway daemon{serial("fc", fc.path())};
+        const std::string error = daemon.link("fc").at("error");
+        return error.find("dialout") != std::string::npos ? 0 : 2;
+    }}.wait(), 0);
+}
+
+TEST(SerialLink, a_port_that_nobody_reads_does_not_hold_up_the_end) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, stuck{dir / "stuck"};
+    RunningGateway daemon{serial("a", a.path()), serial("stuck", stuck.path())};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("stuck"));
+    const Bytes big = frame(0xDC, 0xFE, 0xF1, Bytes(1000, 0x55));
+    EXPECT_TRUE(daemon.until([&] {
+        a.write(big);
+        return daemon.count("stuck", "waiting") > 10;
+    }));
+    EXPECT_LT(daemon.stop(), 1s);
+}
+
+TEST(SerialLink, what_waits_at_the_end_reaches_a_device_that_reads) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, slow{dir / "slow"};
+    RunningGateway daemon{serial("a", a.path()), serial("slow", slow.path())};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("slow"));
+    Bytes sent;
+    for (std::uint8_t n = 0; n < 100 && daemon.count("slow", "waiting") < 5; ++n) {
+        const Bytes next = frame(0xDC, 0xFE, 0xF1, Bytes(1000, n));
+        ASSERT_EQ(a.write(next), next.size());
+        sent = sent + next;
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("a", "frames_in") == n + 1u; }));
+    }
+    ASSERT_EQ(daemon.count("slow", "waiting"), 5u) << "the kernel's buffer is full";
+    EXPECT_LT(daemon.stop(500ms, [&] { slow.heard(); }), 1s);
+    EXPECT_EQ(slow.heard().size(), sent.size());
+    EXPECT_EQ(slow.heard(), sent);
+}
+
+TEST(SerialLink, what_has_left_stays_sent_when_the_program_ends) {
+    const TempDir dir;
+    PtyDevice a{dir / "a"}, slow{dir / "slow"};
+    RunningGateway daemon{serial("a", a.path()), serial("slow", slow.path())};
+    ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("slow"));
+    a.write(vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("slow", "frames_out") == 1; }));
+    daemon.stop();
+    EXPECT_EQ(slow.heard(), vendor::i_am_an_mcu);
+}
+
+TEST(SerialLink, noise_before_the_device_is_opened_is_not_taken_for_news) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    const PortUser keeps_raw{fc.path()};
+    termios raw = fc.settings();
+    ::cfmakeraw(&raw);
+    ::tcsetattr(fc.fd(), TCSANOW, &raw);
+    fc.write(frame(0xDC, 0xFE, 0x01));
+    RunningGateway daemon{serial("fc", fc.path())};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    fc.write(frame(0xDC, 0xFE, 0x03));
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("fc", "frames_in") > 0; }));
+    daemon.run_for(20ms);
+    EXPECT_EQ(daemon.count("fc", "frames_in"), 1u);
+}
+
+}    // namespace

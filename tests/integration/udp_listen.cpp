@@ -1,0 +1,314 @@
+// The listening UDP link: who becomes a peer, for how long, and what each one gets.
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+std::size_t peers(RunningGateway& daemon, const std::string& link = "ground") {
+    return daemon.link(link).at("channels").size();
+}
+
+const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+// A second listening link is where frames come from that the peers of the first one are to hear.
+struct TwoLinks {
+    RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
+    UdpPeer air;
+    void say(const Bytes& bytes) { air.send(daemon.port("air"), bytes); }
+};
+
+TEST(UdpListenLink, a_peer_is_known_after_one_whole_good_frame_and_not_before) {
+    TwoLinks t;
+    UdpPeer host;
+    const auto port = t.daemon.port("ground");
+    Bytes damaged = telemetry;
+    damaged.back() ^= 1;
+    host.send(port, Bytes{});
+    host.send(port, Bytes(100, 0x55));
+    host.send(port, damaged);
+    host.send(port, std::span{telemetry}.first(10));
+    ASSERT_TRUE(t.daemon.until([&] { return t.daemon.count("ground", "bytes_in") == 100 + damaged.size() + 10; }));
+    EXPECT_EQ(peers(t.daemon), 0u);
+    EXPECT_EQ(t.daemon.count("ground", "bad_check"), 1u);
+    EXPECT_EQ(t.daemon.count("ground", "frames_in"), 0u);
+    EXPECT_TRUE(t.daemon.status().at("routes").empty()) << "no address is learned from junk";
+
+    host.send(port, telemetry);
+    EXPECT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
+    EXPECT_EQ(t.daemon.link("ground").at("channels").at(0).at("peer"), host.local().text());
+    EXPECT_EQ(t.daemon.count("ground", "frames_in"), 1u);
+}
+
+TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
+    TwoLinks t;
+    UdpPeer first, second, third;
+    const auto port = t.daemon.port("ground");
+    for (UdpPeer* p : {&first, &second, &third}) p->send(port, frame(0xFE, 0xDC, 0xE0, {1, 0, 0}));
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 3; }));
+    for (UdpPeer* p : {&first, &second, &third}) p->forget();
+    // Three hosts, all 0xFE: what is for 0xFE is for each of them, once.
+    t.say(telemetry);
+    for (UdpPeer* p : {&first, &second, &third}) EXPECT_TRUE(t.daemon.until([&] { return p->heard() == telemetry; }));
+    const auto link = t.daemon.link("ground");
+    for (const auto& channel : link.at("channels")) {
+        EXPECT_EQ(channel.at("frames_in"), 1);
+        EXPECT_GE(channel.at("frames_out"), 1);
+    }
+    EXPECT_TRUE(t.daemon.counters_add_up());
+}
+
+TEST(UdpListenLink, peers_hear_each_other) {
+    RunningGateway daemon{udp_listen("ground")};
+    UdpPeer fc, host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    fc.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == vendor::i_am_an_mcu; }));
+    host.send(daemon.port("ground"), vendor::write_parameter);
+    EXPECT_TRUE(daemon.until([&] { return fc.heard() == vendor::write_parameter; }));
+    EXPECT_EQ(host.heard(), vendor::i_am_an_mcu) << "never back to where it came from";
+}
+
+TEST(UdpListenLink, a_silent_peer_is_forgotten) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 200ms;
+    RunningGateway daemon{link};
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    EXPECT_FALSE(daemon.route("0xFE").is_null());
+    EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 0; }));
+    EXPECT_TRUE(daemon.route("0xFE").is_null()) << "a host is forgotten with its channel";
+    EXPECT_EQ(daemon.count("ground", "frames_in"), 1u) << "counters of a link never decrease";
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; })) << "and comes back when it speaks";
+    EXPECT_EQ(daemon.count("ground", "frames_in"), 2u);
+}
+
+TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 400ms;
+    RunningGateway daemon{link};
+    UdpPeer host, silent;
+    silent.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    ASSERT_TRUE(daemon.until([&] {
+        host.send(daemon.port("ground"), vendor::who_are_you);
+        daemon.run_for(10ms);
+        return peers(daemon) == 1 && daemon.link("ground").at("channels").at(0).at("peer") == host.local().text();
+    }));
+}
+
+TEST(UdpListenLink, when_all_places_are_taken_the_one_silent_longest_gives_way) {
+    auto link = udp_listen("ground");
+    link.udp_listen.max_peers = 2;
+    RunningGateway daemon{link};
+    UdpPeer first, second, third;
+    const auto say = [&](UdpPeer& peer) {
+        const auto before = daemon.count("ground", "frames_in");
+        peer.send(daemon.port("ground"), vendor::who_are_you);
+        return daemon.until([&] { return daemon.count("ground", "frames_in") == before + 1; });
+    };
+    ASSERT_TRUE(say(first) && say(second) && say(first) && say(third));
+    const auto channels = daemon.link("ground").at("channels");
+    ASSERT_EQ(channels.size(), 2u);
+    for (const auto& channel : channels) EXPECT_NE(channel.at("peer"), second.local().text());
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(UdpListenLink, a_sender_outside_the_allowed_networks_is_refused_and_counted) {
+    auto link = udp_listen("ground");
+    link.udp_listen.allow = {*anogate::Network::parse("10.0.0.0/8")};
+    RunningGateway daemon{link};
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") == 2; }));
+    EXPECT_EQ(peers(daemon), 0u);
+    EXPECT_EQ(daemon.count("ground", "frames_in"), 0u);
+    EXPECT_NE(daemon.link("ground").at("hint").get<std::string>().find("allow"), std::string::npos);
+}
+
+TEST(UdpListenLink, an_allowed_network_or_any_is_let_in) {
+    auto one = udp_listen("one");
+    one.udp_listen.allow = {*anogate::Network::parse("10.0.0.0/8"), *anogate::Network::parse("127.0.0.1")};
+    auto any = udp_listen("any");
+    any.udp_listen.allow_any = true;
+    RunningGateway daemon{one, any, udp_listen("own")};
+    UdpPeer host;
+    for (const char* name : {"one", "any", "own"}) {
+        host.send(daemon.port(name), vendor::who_are_you);
+        EXPECT_TRUE(daemon.until([&] { return peers(daemon, name) == 1; })) << name;
+    }
+}
+
+TEST(UdpListenLink, one_datagram_of_sixty_frames) {
+    TwoLinks t;
+    UdpPeer host;
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
+    Bytes sixty;
+    for (std::uint8_t n = 0; n < 60; ++n) sixty = sixty + frame(0xDC, 0xFE, 0xF1, Bytes(13, n));
+    t.say(sixty);
+    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == sixty; }));
+    EXPECT_EQ(t.daemon.count("air", "frames_in"), 60u);
+}
+
+TEST(UdpListenLink, the_first_datagram_of_a_stranger_counts_with_all_its_frames) {
+    TwoLinks t;
+    UdpPeer host;
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
+    t.say(Bytes(5, 0x42) + telemetry + vendor::i_am_an_mcu);
+    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + vendor::i_am_an_mcu; }));
+}
+
+TEST(UdpListenLink, a_stranger_whose_first_frame_stands_behind_a_false_header_is_a_peer_like_any_other) {
+    auto link = udp_listen("ground");
+    link.udp_listen.max_peers = 2;
+    RunningGateway daemon{link};
+    UdpPeer first, second, odd;
+    first.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    odd.send(daemon.port("ground"), hex("AB 01 02 03 FF 00") + vendor::who_are_you);
+    second.send(daemon.port("ground"), vendor::who_are_you);    // the one silent longest is `first`, not `odd`
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 3; }));
+    const auto channels = daemon.link("ground").at("channels");
+    ASSERT_EQ(channels.size(), 2u);
+    for (const auto& channel : channels) EXPECT_NE(channel.at("peer"), first.local().text());
+}
+
+TEST(UdpListenLink, a_frame_may_be_split_across_two_datagrams) {
+    TwoLinks t;
+    UdpPeer host;
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    t.say(telemetry);
+    ASSERT_TRUE(t.daemon.until([&] { return host.heard() == telemetry; }));
+    t.say(Bytes(telemetry.begin(), telemetry.begin() + 7));
+    t.say(Bytes(telemetry.begin() + 7, telemetry.end()));
+    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + telemetry; }));
+    EXPECT_EQ(t.daemon.count("air", "skipped_bytes"), 0u);
+}
+
+TEST(UdpListenLink, half_a_frame_does_not_spoil_the_next_datagram) {
+    TwoLinks t;
+    UdpPeer host;
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    t.say(telemetry);
+    ASSERT_TRUE(t.daemon.until([&] { return host.heard() == telemetry; }));
+    t.say(Bytes(telemetry.begin(), telemetry.begin() + 7));
+    t.say(vendor::i_am_an_mcu);
+    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + vendor::i_am_an_mcu; }));
+}
+
+TEST(UdpListenLink, the_largest_datagram_there_is) {
+    auto ground = udp_listen("ground"), air = udp_listen("air");
+    ground.max_data = air.max_data = 65535;
+    ground.queue = air.queue = 128 * 1024;
+    RunningGateway daemon{ground, air};
+    UdpPeer host, camera;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    const Bytes image = frame(0xDF, 0xFE, 0xB0, Bytes(65507 - 8, 0xAB));
+    ASSERT_TRUE(camera.send(daemon.port("air"), image));
+    EXPECT_TRUE(daemon.until([&] { return !host.heard().empty(); }));
+    EXPECT_TRUE(host.heard() == image);
+}
+
+TEST(UdpListenLink, a_frame_too_large_for_any_datagram_is_counted_and_the_next_one_leaves) {
+    // Two datagrams bring it in; no datagram can take it out.
+    auto ground = udp_listen("ground"), air = udp_listen("air");
+    ground.max_data = air.max_data = 65535;
+    ground.queue = air.queue = 256 * 1024;
+    RunningGateway daemon{ground, air};
+    UdpPeer host, camera;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    camera.send(daemon.port("air"), telemetry);
+    ASSERT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
+    const Bytes image = frame(0xDF, 0xFE, 0xB0, Bytes(65535, 0x11));
+    camera.send(daemon.port("air"), std::span{image}.first(40000));
+    camera.send(daemon.port("air"), std::span{image}.subspan(40000));
+    camera.send(daemon.port("air"), telemetry);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry + telemetry; }));
+    EXPECT_EQ(daemon.count("ground", "too_big"), 1u);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(UdpListenLink, ipv6) {
+    RunningGateway daemon{udp_listen("six", "[::1]:0"), udp_listen("air")};
+    UdpPeer host{"[::1]:0"}, air;
+    host.send(daemon.port("six"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon, "six") == 1; }));
+    EXPECT_EQ(daemon.link("six").at("channels").at(0).at("peer"), host.local().text());
+    air.send(daemon.port("air"), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == vendor::i_am_an_mcu; }));
+}
+
+TEST(UdpListenLink, the_ipv6_any_address_serves_ipv4_too) {
+    RunningGateway daemon{udp_listen("both", "[::]:0"), udp_listen("air")};
+    UdpPeer four, six{"[::1]:0"}, air;
+    four.send(daemon.port("both"), vendor::who_are_you);
+    six.send(daemon.port("both"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon, "both") == 2; }));
+    EXPECT_EQ(daemon.link("both").at("channels").at(0).at("peer"), four.local().text()) << "as people write it";
+    four.forget();
+    six.forget();
+    air.send(daemon.port("air"), vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return four.heard() == vendor::i_am_an_mcu && six.heard() == vendor::i_am_an_mcu; }));
+}
+
+TEST(UdpListenLink, a_port_in_use_is_waited_for_and_taken_when_it_is_free) {
+    auto holder = std::make_unique<UdpPeer>();
+    const auto port = holder->port();
+    RunningGateway daemon{udp_listen("ground", "127.0.0.1:" + std::to_string(port))};
+    EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("ground").at("error"), "port " + std::to_string(port) + " is in use by another program");
+    holder.reset();
+    ASSERT_TRUE(daemon.until_up("ground"));
+    UdpPeer host;
+    host.send(port, vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+}
+
+TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
+    TwoLinks t;
+    auto gone = std::make_unique<UdpPeer>();
+    UdpPeer host;
+    gone->send(t.daemon.port("ground"), vendor::who_are_you);
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 2; }));
+    host.forget();
+    gone.reset();
+    Bytes expected;
+    for (int i = 0; i < 20; ++i) {
+        t.say(telemetry);
+        expected = expected + telemetry;
+        ASSERT_TRUE(t.daemon.until([&] { return host.heard() == expected; }));
+    }
+    EXPECT_EQ(t.daemon.link("ground").at("state"), "up");
+    EXPECT_TRUE(t.daemon.counters_add_up());
+}
+
+TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
+    auto link = udp_listen("ground");
+    link.udp_listen.max_peers = 4;
+    RunningGateway daemon{link};
+    UdpPeer steady;
+    const auto port = daemon.port("ground");
+    steady.send(port, vendor::who_are_you);
+    for (int i = 0; i < 20000; ++i) {
+        UdpPeer{}.send(port, vendor::who_are_you);
+        if (i % 16 == 0) daemon.io().poll();
+    }
+    steady.send(port, vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") > 19000; }));
+    EXPECT_EQ(peers(daemon), 4u);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+}    // namespace

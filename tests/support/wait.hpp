@@ -1,0 +1,27 @@
+// Waits for a thing to happen, never for a time to pass.
+#pragma once
+#include <chrono>
+#include <functional>
+#include <thread>
+
+namespace support {
+
+/// Long enough for any loaded machine; a test that comes near it has failed.
+inline constexpr std::chrono::seconds patience{10};
+
+/// Asks `holds` until it does or `limit` is over; what it said last. `pause` runs between two questions.
+template <class Pause>
+bool wait_until(const std::function<bool()>& holds, std::chrono::steady_clock::duration limit, Pause pause) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    while (!holds()) {
+        if (std::chrono::steady_clock::now() >= end) return holds();
+        pause();
+    }
+    return true;
+}
+
+inline bool wait_until(const std::function<bool()>& holds, std::chrono::steady_clock::duration limit = patience) {
+    return wait_until(holds, limit, [] { std::this_thread::sleep_for(std::chrono::milliseconds{2}); });
+}
+
+}    // namespace support
