@@ -1,6 +1,7 @@
 #include <ano/parser.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -10,34 +11,59 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t read_room = 4096;
+constexpr std::size_t sums_ahead = 128;
 constexpr Duration datagram_patience = 100ms;
 constexpr Duration overdue_unknown_rate = 1s;
 constexpr Duration overdue_grace = 200ms;
 
 // A frame of the previous version: 0xAA D_ADDR ID LEN(u8) DATA SC AC, the same checks.
 constexpr std::uint8_t v7_head = 0xAA;
-constexpr std::size_t v7_header_size = 4;
-constexpr int v7_looks_per_commit = 4;
+constexpr unsigned v7_header_size = 4;
+constexpr std::size_t v7_bytes_per_commit = 256;
 
-}  // namespace
+// Where the first HEAD from `at` on is; `end` if there is none. Headers may stand close together: the next 8 bytes are
+// looked at here, since a call of memchr for each would cost more than judging it.
+inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept {
+    if constexpr (std::endian::native == std::endian::little) {
+        if (end - at >= 8) {
+            std::uint64_t word;
+            std::memcpy(&word, bytes + at, sizeof word);
+            word ^= 0x0101010101010101u * head;
+            if (const std::uint64_t zeros = (word - 0x0101010101010101u) & ~word & 0x8080808080808080u)
+                return at + static_cast<std::size_t>(std::countr_zero(zeros)) / 8;    // the lowest one is always right
+            at += 8;
+        }
+    }
+    if (at == end) return end;
+    const void* found = std::memchr(bytes + at, head, end - at);
+    return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes) : end;
+}
+
+}    // namespace
 
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
-      capacity_{2 * (overhead + options.max_data) + read_room},
+      capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
       buffer_{new std::uint8_t[capacity_]},
-      sums_{new Checks[capacity_ + 1]} {
-    assert(options.max_data <= largest_data);
-}
+      sums_{new Checks[capacity_ + 1]} {}
 
 std::span<std::uint8_t> FrameParser::prepare() noexcept {
     if (pos_ == end_) {
-        pos_ = end_ = barrier_ = sums_until_ = 0;
+        pos_ = end_ = barrier_ = sums_until_ = sums_end_ = 0;
+        begin_sums(0);
     } else if (pos_ > 0 && capacity_ - end_ < read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
+        if (sums_end_ > pos_) {
+            std::memmove(sums_.get(), sums_.get() + pos_, (sums_end_ - pos_ + 1) * sizeof(Checks));
+            sums_end_ -= pos_;
+        } else {
+            begin_sums(0);
+        }
+        sums_until_ -= std::min(sums_until_, pos_);
         barrier_ -= std::min(barrier_, pos_);
         end_ -= pos_;
-        pos_ = sums_until_ = 0;
+        pos_ = 0;
     }
     return {buffer_.get() + end_, capacity_ - end_};
 }
@@ -48,41 +74,43 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     end_ += n;
     counters_.bytes_in += n;
     last_arrival_ = now;
-    searched_behind_ = false;
-    v7_budget_ = v7_looks_per_commit;
+    none_behind_ = false;
+    v7_budget_ = v7_bytes_per_commit;
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
-    while (pos_ < end_) {
-        const std::uint8_t* at = buffer_.get() + pos_;
-        if (*at != head) {
-            const void* found = std::memchr(at, head, end_ - pos_);
-            skip(found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - at) : end_ - pos_);
-            continue;
-        }
-        const bool no_rest = pos_ < barrier_;
-        switch (judge(pos_, no_rest ? barrier_ : end_)) {
-        case Verdict::good: {
-            const FrameView frame{{at, overhead + data_length(at)}};
-            pos_ += frame.bytes().size();
-            ++counters_.frames_in;
-            candidate_waits_ = false;
-            return frame;
-        }
-        case Verdict::too_long: ++counters_.bad_length; break;
-        case Verdict::bad: ++counters_.bad_check; break;
-        case Verdict::incomplete:
-            if (!no_rest) {
-                wait_for_rest();
-                return std::nullopt;
-            }
-            ++counters_.expired;
-            break;
-        }
-        skip(1);
-    }
+    const bool waited = candidate_waits_;
+    const std::size_t waited_at = pos_;
     candidate_waits_ = false;
-    return std::nullopt;
+    for (std::size_t at = find_head(buffer_.get(), pos_, end_);; at = find_head(buffer_.get(), at + 1, end_)) {
+        if (at == end_) {
+            skip_to(end_);
+            return std::nullopt;
+        }
+        const bool no_rest = at < barrier_;
+        switch (judge(at, no_rest ? barrier_ : end_)) {
+            case Verdict::good: {
+                skip_to(at);
+                const std::uint8_t* bytes = buffer_.get() + at;
+                const FrameView frame{{bytes, overhead + data_length(bytes)}};
+                pos_ = at + frame.bytes().size();
+                v7_ = {};
+                ++counters_.frames_in;
+                return frame;
+            }
+            case Verdict::too_long: ++counters_.bad_length; break;
+            case Verdict::bad: ++counters_.bad_check; break;
+            case Verdict::incomplete:
+                if (no_rest) {
+                    ++counters_.expired;
+                    break;
+                }
+                skip_to(at);
+                candidate_waits_ = true;
+                if (!waited || at != waited_at) candidate_since_ = last_arrival_;
+                return std::nullopt;
+        }
+    }
 }
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
@@ -92,26 +120,27 @@ void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoi
 
 bool FrameParser::expire(TimePoint now) noexcept {
     if (!candidate_waits_) return false;
-    const bool overdue = now >= overdue_at();
-    const bool quiet = now - last_arrival_ >= options_.quiet && !searched_behind_;
-    if (!overdue && !quiet) return false;
-    searched_behind_ = true;
-    if (const std::size_t good = find_good_frame_behind(pos_)) {
-        barrier_ = good;
-    } else if (overdue) {
-        barrier_ = pos_ + 1;
-    } else {
-        return false;
+    const bool overdue = now >= overdue_at(pos_, candidate_since_);
+    const bool quiet = now - last_arrival_ >= options_.quiet;
+    if (quiet && !none_behind_) {
+        if (const std::size_t good = find_good_frame_behind(pos_)) {
+            barrier_ = good;
+            return true;
+        }
+        none_behind_ = true;
     }
-    return true;
+    // While bytes still come, what stands behind this candidate may be a frame on its way.
+    if (overdue) barrier_ = quiet ? first_not_overdue(now) : pos_ + 1;
+    return overdue;
 }
 
 std::optional<TimePoint> FrameParser::deadline() const noexcept {
     if (!candidate_waits_) return std::nullopt;
-    return searched_behind_ ? overdue_at() : std::min(overdue_at(), last_arrival_ + options_.quiet);
+    const TimePoint overdue = overdue_at(pos_, candidate_since_);
+    return none_behind_ ? overdue : std::min(overdue, last_arrival_ + options_.quiet);
 }
 
-FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
+inline FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
     const std::size_t there = limit - at;
     if (there < header_size) return Verdict::incomplete;
     const std::size_t length = data_length(buffer_.get() + at);
@@ -120,84 +149,98 @@ FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexc
     return checks_hold(at, header_size + length) ? Verdict::good : Verdict::bad;
 }
 
-bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
+inline bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     const std::uint8_t* bytes = buffer_.get() + at;
     const Checks told{bytes[length], bytes[length + 1]};
     if (at >= sums_until_) {
         if (checks_of({bytes, length}) == told) return true;
-        sums_end_ = at;
-        sums_[at] = {};
         sums_until_ = at + length;
         return false;
     }
-    if (at + length > sums_until_) sums_until_ = at + length;
-    extend_sums(at + length);
+    if (at > sums_end_) begin_sums(at);
+    if (at + length > sums_end_) extend_sums(at + length);
     // With S the sum of all bytes up to a place and T the sum of all S: sum = S' - S, add = T' - T - length * S.
     const Checks before = sums_[at];
     const Checks behind = sums_[at + length];
-    return static_cast<std::uint8_t>(behind.sum - before.sum) == told.sum &&
-           static_cast<std::uint8_t>(behind.add - before.add - length * before.sum) == told.add;
+    if (static_cast<std::uint8_t>(behind.sum - before.sum) == told.sum &&
+        static_cast<std::uint8_t>(behind.add - before.add - length * before.sum) == told.add)
+        return true;
+    sums_until_ = std::max(sums_until_, at + length);
+    return false;
 }
 
+void FrameParser::begin_sums(std::size_t at) noexcept {
+    sums_end_ = at;
+    sums_[at] = {};
+}
+
+// A little further than asked for, since the next candidate will ask for more.
 void FrameParser::extend_sums(std::size_t to) noexcept {
-    Checks run = sums_[sums_end_];
-    for (; sums_end_ < to; ++sums_end_) {
-        run.sum = static_cast<std::uint8_t>(run.sum + buffer_[sums_end_]);
-        run.add = static_cast<std::uint8_t>(run.add + run.sum);
-        sums_[sums_end_ + 1] = run;
+    to = std::min(to + sums_ahead, end_);
+    const std::uint8_t* bytes = buffer_.get();
+    Checks* sums = sums_.get();
+    unsigned sum = sums[sums_end_].sum;
+    unsigned add = sums[sums_end_].add;
+    for (std::size_t i = sums_end_; i < to; ++i) {
+        sum += bytes[i];
+        add += sum;
+        sums[i + 1] = {static_cast<std::uint8_t>(sum), static_cast<std::uint8_t>(add)};
     }
+    sums_end_ = to;
 }
 
-// 0: there is none. Every place behind the waiting candidate is judged in constant time, from sums that begin at it.
+// 0: there is none. The sums are made for every byte from the waiting candidate on, since any may be asked for again.
 std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
-    if (at >= sums_until_) {
-        sums_end_ = at;
-        sums_[at] = {};
-    }
+    if (at > sums_end_) begin_sums(at);
+    extend_sums(end_);
     sums_until_ = end_;
-    while (++at < end_) {
-        const void* found = std::memchr(buffer_.get() + at, head, end_ - at);
-        if (!found) break;
-        at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get());
+    while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
         if (judge(at, end_) == Verdict::good) return at;
-    }
     return 0;
 }
 
-void FrameParser::skip(std::size_t n) noexcept {
-    counters_.skipped_bytes += n;
-    if (v7_budget_ > 0) {
-        if (const void* found = std::memchr(buffer_.get() + pos_, v7_head, n))
-            look_for_v7(static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get()));
+// Among what stands behind the waiting candidate, where there is no good frame. It came at last_arrival_ at the latest:
+// no more than that is known of it.
+std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
+    std::size_t at = pos_;
+    do at = find_head(buffer_.get(), at + 1, end_);
+    while (at < end_ && now >= overdue_at(at, last_arrival_));
+    return at;
+}
+
+void FrameParser::skip_to(std::size_t at) noexcept {
+    counters_.skipped_bytes += at - pos_;
+    for (; pos_ < at && v7_budget_ > 0; ++pos_, --v7_budget_)
+        if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;
+    if (pos_ < at) v7_ = {};
+    pos_ = at;
+}
+
+bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
+    if (place == 0) {
+        if (byte != v7_head) return false;
+        *this = {};
+        length = v7_header_size;
+    } else if (place == v7_header_size - 1) {
+        length += byte;
     }
-    pos_ += n;
-    candidate_waits_ = false;
+    if (place >= length) {
+        const bool last = place > length;
+        const bool holds = byte == (last ? add : sum);
+        place = last || !holds ? 0 : place + 1;
+        return last && holds;
+    }
+    ++place;
+    sum = static_cast<std::uint8_t>(sum + byte);
+    add = static_cast<std::uint8_t>(add + sum);
+    return false;
 }
 
-void FrameParser::look_for_v7(std::size_t at) noexcept {
-    --v7_budget_;
-    const std::size_t there = end_ - at;
-    if (there < v7_header_size + 2) return;
-    const std::uint8_t* bytes = buffer_.get() + at;
-    const std::size_t length = v7_header_size + bytes[3];
-    if (there < length + 2) return;
-    if (checks_of({bytes, length}) == Checks{bytes[length], bytes[length + 1]}) ++counters_.v7_frames;
+TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const noexcept {
+    if (options_.line_rate == 0) return since + overdue_unknown_rate;
+    const std::size_t wanted =
+        end_ - candidate < header_size ? overhead : overhead + data_length(buffer_.get() + candidate);
+    return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 
-void FrameParser::wait_for_rest() noexcept {
-    if (candidate_waits_) return;
-    candidate_waits_ = true;
-    searched_behind_ = false;
-    candidate_since_ = last_arrival_;
-}
-
-std::size_t FrameParser::wanted() const noexcept {
-    return end_ - pos_ < header_size ? overhead : overhead + data_length(buffer_.get() + pos_);
-}
-
-TimePoint FrameParser::overdue_at() const noexcept {
-    if (options_.line_rate == 0) return candidate_since_ + overdue_unknown_rate;
-    return candidate_since_ + overdue_grace + Duration{std::chrono::seconds{wanted()}} / options_.line_rate;
-}
-
-}  // namespace ano
+}    // namespace ano
