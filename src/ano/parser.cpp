@@ -21,23 +21,49 @@ constexpr std::uint8_t v7_head = 0xAA;
 constexpr unsigned v7_header_size = 4;
 constexpr std::size_t v7_bytes_per_commit = 256;
 
-// Where the first HEAD from `at` on is; `end` if there is none. Headers may stand close together: the next 8 bytes are
-// looked at here, since a call of memchr for each would cost more than judging it.
-inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept {
-    if constexpr (std::endian::native == std::endian::little) {
-        if (end - at >= 8) {
-            std::uint64_t word;
-            std::memcpy(&word, bytes + at, sizeof word);
-            word ^= 0x0101010101010101u * head;
-            if (const std::uint64_t zeros = (word - 0x0101010101010101u) & ~word & 0x8080808080808080u)
-                return at + static_cast<std::size_t>(std::countr_zero(zeros)) / 8;    // the lowest one is always right
-            at += 8;
-        }
+// Goes from HEAD to HEAD in [at, end). Headers may stand close together, so they are taken from a word of 8 bytes, the top
+// bit of each that is a HEAD, without waiting for one to find the next; where there is none, memchr is faster.
+class Heads {
+public:
+    Heads(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept : bytes_{bytes}, end_{end}, behind_{at} {}
+
+    /// `end` when there is no further one.
+    std::size_t next() noexcept {
+        if (found_ == 0 && !load()) return end_;
+        const std::size_t at = word_ + static_cast<std::size_t>(std::countr_zero(found_)) / 8;
+        found_ &= found_ - 1;
+        return at;
     }
-    if (at == end) return end;
-    const void* found = std::memchr(bytes + at, head, end - at);
-    return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes) : end;
-}
+
+private:
+    bool load() noexcept {
+        if (end_ - behind_ >= 8) take(8);
+        if (found_ != 0) return true;
+        if (behind_ == end_) return false;
+        const void* head_at = std::memchr(bytes_ + behind_, head, end_ - behind_);
+        if (head_at == nullptr) return false;
+        behind_ = static_cast<std::size_t>(static_cast<const std::uint8_t*>(head_at) - bytes_);
+        take(std::min<std::size_t>(8, end_ - behind_));
+        return true;
+    }
+
+    void take(std::size_t n) noexcept {
+        constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7F;
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes_ + behind_, n);
+        if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+        word ^= 0x0101010101010101u * head;
+        found_ = ~(((word & low_bits) + low_bits) | word | low_bits);
+        word_ = behind_;
+        behind_ += n;
+    }
+
+    const std::uint8_t* bytes_;
+    std::size_t end_;
+    std::size_t behind_;    // what was looked at ends here
+    std::size_t word_ = 0;
+    std::uint64_t found_ = 0;    // in the word that begins there
+};
 
 }    // namespace
 
@@ -79,38 +105,41 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
-    const bool waited = candidate_waits_;
-    const std::size_t waited_at = pos_;
-    candidate_waits_ = false;
-    for (std::size_t at = find_head(buffer_.get(), pos_, end_);; at = find_head(buffer_.get(), at + 1, end_)) {
-        if (at == end_) {
-            skip_to(end_);
-            return std::nullopt;
-        }
+    if (pos_ == end_) return std::nullopt;
+    const std::uint8_t* const bytes = buffer_.get();
+    Heads heads{bytes, pos_ + 1, end_};
+    std::size_t at = bytes[pos_] == head ? pos_ : heads.next();
+    Verdict verdict = Verdict::incomplete;
+    std::uint64_t bad = 0;
+    std::uint64_t too_long = 0;
+    std::uint64_t expired = 0;
+    for (; at < end_; at = heads.next()) {
         const bool no_rest = at < barrier_;
-        switch (judge(at, no_rest ? barrier_ : end_)) {
-            case Verdict::good: {
-                skip_to(at);
-                const std::uint8_t* bytes = buffer_.get() + at;
-                const FrameView frame{{bytes, overhead + data_length(bytes)}};
-                pos_ = at + frame.bytes().size();
-                v7_ = {};
-                ++counters_.frames_in;
-                return frame;
-            }
-            case Verdict::too_long: ++counters_.bad_length; break;
-            case Verdict::bad: ++counters_.bad_check; break;
-            case Verdict::incomplete:
-                if (no_rest) {
-                    ++counters_.expired;
-                    break;
-                }
-                skip_to(at);
-                candidate_waits_ = true;
-                if (!waited || at != waited_at) candidate_since_ = last_arrival_;
-                return std::nullopt;
-        }
+        verdict = judge(at, no_rest ? barrier_ : end_);
+        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest)) break;
+        bad += verdict == Verdict::bad;
+        too_long += verdict == Verdict::too_long;
+        expired += verdict == Verdict::incomplete;
     }
+    if (at > pos_) {
+        counters_.bad_check += bad;
+        counters_.bad_length += too_long;
+        counters_.expired += expired;
+        skip_to(at);
+        candidate_waits_ = false;
+    }
+    if (at == end_) return std::nullopt;
+    if (verdict == Verdict::incomplete) {
+        if (!candidate_waits_) candidate_since_ = last_arrival_;
+        candidate_waits_ = true;
+        return std::nullopt;
+    }
+    candidate_waits_ = false;
+    const FrameView frame{{bytes + at, overhead + data_length(bytes + at)}};
+    pos_ = at + frame.bytes().size();
+    v7_ = {};
+    ++counters_.frames_in;
+    return frame;
 }
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
@@ -165,7 +194,7 @@ inline bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcep
     if (static_cast<std::uint8_t>(behind.sum - before.sum) == told.sum &&
         static_cast<std::uint8_t>(behind.add - before.add - length * before.sum) == told.add)
         return true;
-    sums_until_ = std::max(sums_until_, at + length);
+    if (at + length > sums_until_) sums_until_ = at + length;
     return false;
 }
 
@@ -194,7 +223,8 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     if (at > sums_end_) begin_sums(at);
     extend_sums(end_);
     sums_until_ = end_;
-    while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
+    Heads heads{buffer_.get(), at + 1, end_};
+    while ((at = heads.next()) < end_)
         if (judge(at, end_) == Verdict::good) return at;
     return 0;
 }
@@ -202,9 +232,9 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
 // Among what stands behind the waiting candidate, where there is no good frame. It came at last_arrival_ at the latest:
 // no more than that is known of it.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
-    std::size_t at = pos_;
-    do at = find_head(buffer_.get(), at + 1, end_);
-    while (at < end_ && now >= overdue_at(at, last_arrival_));
+    Heads heads{buffer_.get(), pos_ + 1, end_};
+    std::size_t at = heads.next();
+    while (at < end_ && now >= overdue_at(at, last_arrival_)) at = heads.next();
     return at;
 }
 

@@ -33,7 +33,7 @@ void parse(benchmark::State& state, const std::function<void(Bytes&, Random&)>& 
             at += n;
         }
     }
-    state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * input.size()));
+    state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(input.size()));
     const auto& c = parser.counters();
     const auto total = static_cast<double>(c.bytes_in);
     state.counters["frames/KiB"] = 1024 * static_cast<double>(c.frames_in) / total;
