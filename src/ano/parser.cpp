@@ -21,11 +21,12 @@ constexpr std::uint8_t v7_head = 0xAA;
 constexpr unsigned v7_header_size = 4;
 constexpr std::size_t v7_bytes_per_commit = 256;
 
-// Goes from HEAD to HEAD in [at, end). Headers may stand close together, so they are taken from a word of 8 bytes, the top
-// bit of each that is a HEAD, without waiting for one to find the next; where there is none, memchr is faster.
+// Goes from HEAD to HEAD in [at, end). Headers may stand close together, so they are taken from a word of 8 bytes, the
+// top bit of each that is a HEAD, without waiting for one to find the next; where there is none, memchr is faster.
 class Heads {
 public:
-    Heads(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept : bytes_{bytes}, end_{end}, behind_{at} {}
+    Heads(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept
+        : bytes_{bytes}, end_{end}, behind_{at} {}
 
     /// `end` when there is no further one.
     std::size_t next() noexcept {

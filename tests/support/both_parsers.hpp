@@ -91,7 +91,7 @@ private:
         const auto& c = parser_.counters();
         check("frames", found_, reference_.frames.size());
         check("frames_in", c.frames_in, reference_.frames.size());
-        check("bytes_in", c.bytes_in, reference_.bytes_in);
+        check("bytes_in", c.bytes_in, reference_.bytes_in());
         check("skipped_bytes", c.skipped_bytes, reference_.skipped);
         check("waiting", parser_.waiting(), reference_.waiting());
         check("bad_check + bad_length + expired", c.bad_check + c.bad_length + c.expired, reference_.refused);

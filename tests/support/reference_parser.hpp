@@ -15,32 +15,31 @@ public:
     explicit ReferenceParser(ano::FrameParser::Options options) : options_{options} {}
 
     std::vector<Bytes> frames;    // every good frame so far
-    std::uint64_t bytes_in = 0;
     std::uint64_t skipped = 0;
     std::uint64_t refused = 0;    // candidates, for whatever reason
 
-    std::size_t waiting() const { return bytes_.size(); }
+    std::uint64_t bytes_in() const { return bytes_.size(); }
+    std::size_t waiting() const { return bytes_.size() - at_; }
 
     void put(const Bytes& bytes, ano::TimePoint now) {
         if (bytes.empty()) return;
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-        bytes_in += bytes.size();
         last_arrival_ = now;
         look();
     }
 
     void begin_datagram(const Bytes& datagram, ano::TimePoint now) {
-        if (bytes_.empty()) return;
+        if (waiting() == 0) return;
         const bool old = now - last_arrival_ >= std::chrono::milliseconds{100};
-        if (old || (!datagram.empty() && what_begins(datagram, 0) == good)) finish();
+        if (old || what_begins(datagram, 0) == good) finish();
     }
 
     void finish() {
-        while (!bytes_.empty()) refuse();
+        while (waiting() > 0) refuse();
     }
 
     void expire(ano::TimePoint now) {
-        while (!bytes_.empty()) {
+        while (waiting() > 0) {
             const bool quiet = now - last_arrival_ >= options_.quiet;
             const bool overdue = now >= overdue_at();
             if (!(overdue || (quiet && good_frame_behind()))) return;
@@ -52,6 +51,7 @@ private:
     enum Kind { good, refusable, incomplete };
 
     Kind what_begins(const Bytes& bytes, std::size_t at) const {
+        if (at == bytes.size()) return incomplete;
         if (bytes[at] != 0xAB) return refusable;
         const std::size_t there = bytes.size() - at;
         if (there < 6) return incomplete;
@@ -68,32 +68,33 @@ private:
     }
 
     bool good_frame_behind() const {
-        for (std::size_t at = 1; at < bytes_.size(); ++at)
+        for (std::size_t at = at_ + 1; at < bytes_.size(); ++at)
             if (what_begins(bytes_, at) == good) return true;
         return false;
     }
 
-    // Gives up the first byte and looks on. A candidate that shows only now has waited since the last byte came at
-    // least.
+    // Gives up the first byte and looks on. Of a candidate that shows only now, it is known that it came with the last
+    // byte at the latest.
     void refuse() {
         drop();
         look();
     }
 
     void drop() {
-        if (bytes_[0] == 0xAB) ++refused;
+        if (bytes_[at_] == 0xAB) ++refused;
         ++skipped;
-        bytes_.erase(bytes_.begin());
+        ++at_;
         waits_ = false;
     }
 
     void look() {
-        while (!bytes_.empty()) {
-            switch (what_begins(bytes_, 0)) {
+        while (waiting() > 0) {
+            switch (what_begins(bytes_, at_)) {
                 case good: {
-                    const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(8 + bytes_[4] + 256u * bytes_[5]);
-                    frames.emplace_back(bytes_.begin(), end);
-                    bytes_.erase(bytes_.begin(), end);
+                    const std::size_t size = 8 + bytes_[at_ + 4] + 256u * bytes_[at_ + 5];
+                    const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
+                    frames.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(size));
+                    at_ += size;
                     waits_ = false;
                     break;
                 }
@@ -109,12 +110,13 @@ private:
     ano::TimePoint overdue_at() const {
         using namespace std::chrono_literals;
         if (options_.line_rate == 0) return since_ + 1s;
-        const std::int64_t length = bytes_.size() < 6 ? 8 : 8 + bytes_[4] + 256 * bytes_[5];
-        return since_ + 200ms + ano::Duration{std::chrono::seconds{length}} / options_.line_rate;
+        const std::int64_t size = waiting() < 6 ? 8 : 8 + bytes_[at_ + 4] + 256 * bytes_[at_ + 5];
+        return since_ + 200ms + ano::Duration{std::chrono::seconds{size}} / options_.line_rate;
     }
 
     ano::FrameParser::Options options_;
-    Bytes bytes_;    // what is neither skipped nor part of a good frame yet
+    Bytes bytes_;           // all that ever came
+    std::size_t at_ = 0;    // what stands before is skipped or part of a good frame
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
