@@ -26,8 +26,8 @@ struct ParserCounters {
     std::uint64_t bad_check{};        // candidates whose checks do not hold
     std::uint64_t bad_length{};       // candidates whose LEN is above max_data
     std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
-    std::uint64_t expired{};          // candidates whose end never came
-    std::uint64_t v7_frames{};        // whole frames of the previous protocol version (HEAD 0xAA) among the skipped bytes
+    std::uint64_t expired{};          // candidates whose end never came, or not before a good frame behind them
+    std::uint64_t v7_frames{};        // frames of the previous protocol version seen among the skipped bytes: a hint, no count
 };
 
 /// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
@@ -52,9 +52,9 @@ public:
     /// Call before the bytes of a datagram are put in. What is left of the one before is kept only if it is younger than
     /// 100 ms and `datagram` does not itself start with a whole good frame.
     void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
-    /// The input ends here: next() no longer waits for the rest of a candidate.
+    /// The input ends here: next() no longer waits for the rest of a candidate. What is committed later begins anew.
     void finish() noexcept { barrier_ = end_; }
-    /// Gives up a candidate that holds good frames back, or whose rest is overdue. True: call next() again.
+    /// Gives up candidates that hold a good frame back or whose rest is overdue. True: call next() again.
     bool expire(TimePoint now) noexcept;
     /// When expire() may next have something to do; nothing while no candidate waits for its rest.
     std::optional<TimePoint> deadline() const noexcept;
@@ -67,17 +67,27 @@ public:
 private:
     enum class Verdict { good, bad, too_long, incomplete };
 
+    // Follows the skipped bytes, however they were cut, through one frame of the previous version at a time.
+    struct V7Matcher {
+        bool take(std::uint8_t byte) noexcept;    // true: it was the last one of such a frame
+
+        unsigned place = 0;
+        unsigned length = 0;
+        std::uint8_t sum = 0;
+        std::uint8_t add = 0;
+    };
+
     Verdict judge(std::size_t at, std::size_t limit) noexcept;
     bool checks_hold(std::size_t at, std::size_t length) noexcept;
     bool checks_hold_by_sums(std::size_t at, std::size_t length) noexcept;
     void step_over_refused() noexcept;
     bool refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept;
+    FrameView take_frame() noexcept;
+    std::size_t next_head(std::size_t from) const noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
-    void skip(std::size_t n) noexcept;
-    void look_for_v7(std::size_t at) noexcept;
-    void wait_for_rest() noexcept;
-    std::size_t wanted() const noexcept;
-    TimePoint overdue_at() const noexcept;
+    std::size_t first_not_overdue(TimePoint now) const noexcept;
+    void skip_to(std::size_t at) noexcept;
+    TimePoint overdue_at(std::size_t candidate, TimePoint since) const noexcept;
 
     Options options_;
     std::size_t capacity_;
@@ -86,16 +96,17 @@ private:
     std::size_t end_ = 0;        // end of the bytes put in
     std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it
 
-    // Kept only behind a refused candidate: with them the checks of any further candidate that begins
-    // before sums_until_ cost constant time.
+    // Kept only behind a refused candidate: with them the checks of any further candidate that begins before
+    // sums_until_ cost constant time.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
-    bool candidate_waits_ = false;
-    bool searched_behind_ = false;
+    bool candidate_waits_ = false;    // the one at pos_
+    bool none_behind_ = false;        // it was searched for good frames behind it since the last byte came
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
-    int v7_budget_ = 0;
+    V7Matcher v7_;
+    std::size_t v7_budget_ = 0;    // bytes of this commit that may still be looked at
     ParserCounters counters_;
 };
 

@@ -17,14 +17,14 @@ constexpr Duration overdue_grace = 200ms;
 
 // A frame of the previous version: 0xAA D_ADDR ID LEN(u8) DATA SC AC, the same checks.
 constexpr std::uint8_t v7_head = 0xAA;
-constexpr std::size_t v7_header_size = 4;
-constexpr int v7_looks_per_commit = 4;
+constexpr unsigned v7_header_size = 4;
+constexpr std::size_t v7_bytes_per_commit = 128;
 
 constexpr std::size_t block = 64;
 constexpr std::uint64_t all_heads = ~std::uint64_t{0};
 
 // A bit for each HEAD among the 64 bytes at `bytes`.
-std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
+std::uint64_t heads_in_block(const std::uint8_t* bytes) noexcept {
     constexpr std::uint64_t ones = 0x0101010101010101;
     constexpr std::uint64_t low = 0x7F * ones;
     std::uint64_t heads = 0;
@@ -44,20 +44,18 @@ std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
-      capacity_{2 * (overhead + options.max_data) + read_room},
-      buffer_{new std::uint8_t[capacity_ + header_size + block]},
-      sums_{capacity_} {
-    assert(options.max_data <= largest_data);
-}
+      capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
+      buffer_{new std::uint8_t[capacity_ + header_size + block]},    // a block of HEADs may be looked at beyond the end
+      sums_{capacity_} {}
 
 std::span<std::uint8_t> FrameParser::prepare() noexcept {
     if (pos_ == end_) {
         pos_ = end_ = barrier_ = sums_until_ = 0;
     } else if (pos_ > 0 && capacity_ - end_ < read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
-        barrier_ -= std::min(barrier_, pos_);
         if (sums_until_ > pos_) sums_.move_front(pos_);
         sums_until_ -= std::min(sums_until_, pos_);
+        barrier_ -= std::min(barrier_, pos_);
         end_ -= pos_;
         pos_ = 0;
     }
@@ -70,42 +68,44 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     end_ += n;
     counters_.bytes_in += n;
     last_arrival_ = now;
-    searched_behind_ = false;
-    v7_budget_ = v7_looks_per_commit;
+    none_behind_ = false;
+    v7_budget_ = v7_bytes_per_commit;
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
     while (pos_ < end_) {
         if (pos_ < sums_until_) step_over_refused();
-        const std::uint8_t* at = buffer_.get() + pos_;
-        if (*at != head) {
-            const void* found = std::memchr(at, head, end_ - pos_);
-            skip(found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - at) : end_ - pos_);
+        if (buffer_[pos_] != head) {
+            skip_to(next_head(pos_));
             continue;
         }
         const bool no_rest = pos_ < barrier_;
         switch (judge(pos_, no_rest ? barrier_ : end_)) {
-        case Verdict::good: {
-            const FrameView frame{{at, overhead + data_length(at)}};
-            pos_ += frame.bytes().size();
-            ++counters_.frames_in;
-            candidate_waits_ = false;
-            return frame;
-        }
+        case Verdict::good: return take_frame();
         case Verdict::too_long: ++counters_.bad_length; break;
         case Verdict::bad: ++counters_.bad_check; break;
         case Verdict::incomplete:
             if (!no_rest) {
-                wait_for_rest();
+                if (!candidate_waits_) candidate_since_ = last_arrival_;
+                candidate_waits_ = true;
                 return std::nullopt;
             }
             ++counters_.expired;
             break;
         }
-        skip(1);
+        skip_to(pos_ + 1);
     }
-    candidate_waits_ = false;
     return std::nullopt;
+}
+
+FrameView FrameParser::take_frame() noexcept {
+    const std::uint8_t* at = buffer_.get() + pos_;
+    const FrameView frame{{at, overhead + data_length(at)}};
+    pos_ += frame.bytes().size();
+    candidate_waits_ = false;
+    v7_ = {};
+    ++counters_.frames_in;
+    return frame;
 }
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
@@ -115,26 +115,27 @@ void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoi
 
 bool FrameParser::expire(TimePoint now) noexcept {
     if (!candidate_waits_) return false;
-    const bool overdue = now >= overdue_at();
-    const bool quiet = now - last_arrival_ >= options_.quiet && !searched_behind_;
-    if (!overdue && !quiet) return false;
-    searched_behind_ = true;
-    if (const std::size_t good = find_good_frame_behind(pos_)) {
-        barrier_ = good;
-    } else if (overdue) {
-        barrier_ = pos_ + 1;
-    } else {
-        return false;
+    const bool overdue = now >= overdue_at(pos_, candidate_since_);
+    const bool quiet = now - last_arrival_ >= options_.quiet;
+    if (quiet && !none_behind_) {
+        if (const std::size_t good = find_good_frame_behind(pos_)) {
+            barrier_ = good;
+            return true;
+        }
+        none_behind_ = true;
     }
-    return true;
+    // While bytes still come, what stands behind this candidate may be a frame on its way.
+    if (overdue) barrier_ = quiet ? first_not_overdue(now) : pos_ + 1;
+    return overdue;
 }
 
 std::optional<TimePoint> FrameParser::deadline() const noexcept {
     if (!candidate_waits_) return std::nullopt;
-    return searched_behind_ ? overdue_at() : std::min(overdue_at(), last_arrival_ + options_.quiet);
+    const TimePoint overdue = overdue_at(pos_, candidate_since_);
+    return none_behind_ ? overdue : std::min(overdue, last_arrival_ + options_.quiet);
 }
 
-FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
+inline FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
     const std::size_t there = limit - at;
     if (there < header_size) return Verdict::incomplete;
     const std::size_t length = data_length(buffer_.get() + at);
@@ -143,7 +144,7 @@ FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexc
     return checks_hold(at, header_size + length) ? Verdict::good : Verdict::bad;
 }
 
-bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
+inline bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     const std::uint8_t* bytes = buffer_.get() + at;
     if (at >= sums_until_) {
         if (checks_of({bytes, length}) == Checks{bytes[length], bytes[length + 1]}) return true;
@@ -165,7 +166,7 @@ bool FrameParser::checks_hold_by_sums(std::size_t at, std::size_t length) noexce
 // Nothing but HEAD, from `begin` to behind the last of 64 LEN fields: 64 candidates of one length, judged side by side.
 bool FrameParser::refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept {
     constexpr std::size_t length = head << 8 | head;
-    if (heads_among(buffer_.get() + begin + header_size) != all_heads) return false;
+    if (heads_in_block(buffer_.get() + begin + header_size) != all_heads) return false;
     if (length > options_.max_data) {
         counters_.bad_length += block;
         return true;
@@ -196,7 +197,7 @@ void FrameParser::step_over_refused() noexcept {
     std::size_t at = pos_;
     bool to_be_judged = false;
     for (std::size_t begin = at; begin < stop && !to_be_judged; begin += block) {
-        std::uint64_t heads = heads_among(bytes + begin);
+        std::uint64_t heads = heads_in_block(bytes + begin);
         if (stop - begin < block) heads &= (std::uint64_t{1} << (stop - begin)) - 1;
         if (heads == all_heads && refuse_block_of_heads(begin, last_sum)) {
             at = begin + block;
@@ -223,58 +224,66 @@ void FrameParser::step_over_refused() noexcept {
     }
     if (at == pos_) return;
     sums_until_ = limit;    // what is there is summed already: no need to sum it again
+    skip_to(at);
+}
+
+// 0: there is none. The sums are made for every byte from the waiting candidate on, since any may be asked for again.
+std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
+    if (at >= sums_until_) sums_.begin(at);
+    sums_.extend({buffer_.get(), end_}, end_);
+    sums_until_ = end_;
+    while ((at = next_head(at + 1)) < end_)
+        if (judge(at, end_) == Verdict::good) return at;
+    return 0;
+}
+
+// Among what stands behind the waiting candidate, where there is no good frame. It came at last_arrival_ at the latest:
+// no more than that is known of it.
+std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
+    std::size_t at = next_head(pos_ + 1);
+    while (at < end_ && now >= overdue_at(at, last_arrival_)) at = next_head(at + 1);
+    return at;
+}
+
+std::size_t FrameParser::next_head(std::size_t from) const noexcept {
+    const void* found = from < end_ ? std::memchr(buffer_.get() + from, head, end_ - from) : nullptr;
+    return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get()) : end_;
+}
+
+void FrameParser::skip_to(std::size_t at) noexcept {
     counters_.skipped_bytes += at - pos_;
+    for (; pos_ < at && v7_budget_ > 0; ++pos_, --v7_budget_)
+        if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;
+    if (pos_ < at) v7_ = {};
     pos_ = at;
     candidate_waits_ = false;
 }
 
-// 0: there is none. Every place behind the waiting candidate is judged in constant time, from sums that begin at it.
-std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
-    if (at >= sums_until_) sums_.begin(at);
-    sums_until_ = end_;
-    while (++at < end_) {
-        const void* found = std::memchr(buffer_.get() + at, head, end_ - at);
-        if (!found) break;
-        at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get());
-        if (judge(at, end_) == Verdict::good) return at;
+bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
+    if (place == 0) {
+        if (byte != v7_head) return false;
+        *this = {};
+        length = v7_header_size;
+    } else if (place == v7_header_size - 1) {
+        length += byte;
     }
-    return 0;
-}
-
-void FrameParser::skip(std::size_t n) noexcept {
-    counters_.skipped_bytes += n;
-    if (v7_budget_ > 0) {
-        if (const void* found = std::memchr(buffer_.get() + pos_, v7_head, n))
-            look_for_v7(static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get()));
+    if (place >= length) {
+        const bool last = place > length;
+        const bool holds = byte == (last ? add : sum);
+        place = last || !holds ? 0 : place + 1;
+        return last && holds;
     }
-    pos_ += n;
-    candidate_waits_ = false;
+    ++place;
+    sum = static_cast<std::uint8_t>(sum + byte);
+    add = static_cast<std::uint8_t>(add + sum);
+    return false;
 }
 
-void FrameParser::look_for_v7(std::size_t at) noexcept {
-    --v7_budget_;
-    const std::size_t there = end_ - at;
-    if (there < v7_header_size + 2) return;
-    const std::uint8_t* bytes = buffer_.get() + at;
-    const std::size_t length = v7_header_size + bytes[3];
-    if (there < length + 2) return;
-    if (checks_of({bytes, length}) == Checks{bytes[length], bytes[length + 1]}) ++counters_.v7_frames;
-}
-
-void FrameParser::wait_for_rest() noexcept {
-    if (candidate_waits_) return;
-    candidate_waits_ = true;
-    searched_behind_ = false;
-    candidate_since_ = last_arrival_;
-}
-
-std::size_t FrameParser::wanted() const noexcept {
-    return end_ - pos_ < header_size ? overhead : overhead + data_length(buffer_.get() + pos_);
-}
-
-TimePoint FrameParser::overdue_at() const noexcept {
-    if (options_.line_rate == 0) return candidate_since_ + overdue_unknown_rate;
-    return candidate_since_ + overdue_grace + Duration{std::chrono::seconds{wanted()}} / options_.line_rate;
+TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const noexcept {
+    if (options_.line_rate == 0) return since + overdue_unknown_rate;
+    const std::size_t wanted =
+        end_ - candidate < header_size ? overhead : overhead + data_length(buffer_.get() + candidate);
+    return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 
 }  // namespace ano

@@ -1,0 +1,154 @@
+// The parser against a reference that is too simple to be wrong, and what must hold for any input.
+#include <support/both_parsers.hpp>
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace std::chrono_literals;
+using support::BothParsers;
+using support::Bytes;
+using support::Random;
+
+namespace {
+
+void append(Bytes& to, const Bytes& bytes) {
+    to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+Bytes random_bytes(Random& random, std::size_t n) {
+    Bytes bytes(n);
+    for (auto& byte : bytes) byte = random.byte();
+    return bytes;
+}
+
+Bytes random_frame(Random& random, std::size_t max_data) {
+    const std::size_t size = random.below(random.one_in(4) ? max_data + 1 : std::min<std::size_t>(max_data, 30) + 1);
+    Bytes data = random_bytes(random, size);
+    for (auto& byte : data)
+        if (random.one_in(8)) byte = ano::head;
+    return support::frame(random.byte(), random.byte(), random.byte(), data);
+}
+
+// What a line may bring: good frames, damaged, cut short and nested ones, false headers, noise, bytes that are nearly
+// all HEAD.
+Bytes random_piece(Random& random, std::size_t max_data) {
+    switch (random.below(9)) {
+        case 0: return random_bytes(random, random.below(60u));
+        case 1: {
+            Bytes bytes = random_frame(random, max_data);
+            bytes[random.below(bytes.size())] ^= static_cast<std::uint8_t>(1u << random.below(8u));
+            return bytes;
+        }
+        case 2: {
+            Bytes bytes = random_frame(random, max_data);
+            bytes.resize(random.below(bytes.size()));
+            return bytes;
+        }
+        case 3: {
+            const auto length = random.below(max_data + max_data / 8 + 2);
+            return {ano::head,
+                    random.byte(),
+                    random.byte(),
+                    random.byte(),
+                    static_cast<std::uint8_t>(length),
+                    static_cast<std::uint8_t>(length >> 8)};
+        }
+        case 4: {
+            Bytes bytes(random.below(40u), ano::head);
+            for (auto& byte : bytes)
+                if (random.one_in(5)) byte = random.below(std::uint8_t{4});
+            return bytes;
+        }
+        case 5: {
+            Bytes inner;
+            while (random.below(3u) > 0 && inner.size() < max_data) append(inner, random_frame(random, max_data / 4));
+            if (inner.size() > max_data) inner.resize(max_data);
+            Bytes bytes = support::frame(1, 2, 0xB1, inner);
+            if (random.one_in(2)) bytes[random.below(bytes.size())] ^= 0x10;
+            if (random.one_in(3)) bytes.resize(random.below(bytes.size()) + 1);
+            return bytes;
+        }
+        default: return random_frame(random, max_data);
+    }
+}
+
+class AnyInput : public testing::TestWithParam<std::size_t> {};    // max_data
+
+TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
+    const std::size_t max_data = GetParam();
+    for (std::uint64_t seed = 0; seed < (max_data > 1000 ? 60 : 300); ++seed) {
+        Random random{seed};
+        const bool datagrams = random.one_in(2);
+        BothParsers both{{.max_data = max_data,
+                          .line_rate = random.of<std::uint32_t>({0, 11520, 50000}),
+                          .quiet = datagrams ? 100ms : 50ms}};
+        for (int step = 0; step < 60 && both.difference.empty(); ++step) {
+            Bytes bytes = random_piece(random, max_data);
+            while (random.one_in(2)) append(bytes, random_piece(random, max_data));
+            if (datagrams) {
+                both.put_datagram(bytes);
+            } else {
+                std::span<const std::uint8_t> rest{bytes};
+                while (!rest.empty()) {
+                    const std::size_t n =
+                        std::min(rest.size(), 1 + random.below(random.of<std::size_t>({1, 7, 70, 5000})));
+                    both.put(rest.first(n));
+                    rest = rest.subspan(n);
+                    if (random.one_in(20)) both.expire();
+                }
+            }
+            both.now += random.of<ano::Duration>({0ms, 1ms, 20ms, 49ms, 50ms, 99ms, 100ms, 250ms, 1100ms});
+            if (random.one_in(3)) both.expire();
+            if (random.one_in(40)) both.finish();
+        }
+        both.finish();
+        ASSERT_EQ(both.difference, "") << "seed " << seed;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(max_data, AnyInput, testing::Values(0, 1, 30, 255, 600, 4096),
+                         [](const auto& test) { return std::to_string(test.param); });
+
+TEST(FrameParser, finds_exactly_the_good_frames_among_noise_without_a_header_however_it_is_cut) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        Random random{seed};
+        std::vector<Bytes> sent;
+        Bytes line;
+        for (int i = 0; i < 50; ++i) {
+            Bytes noise = random_bytes(random, random.below(40u));
+            for (auto& byte : noise)
+                if (byte == ano::head) byte = 0;
+            append(line, noise);
+            sent.push_back(random_frame(random, 300));
+            append(line, sent.back());
+        }
+        BothParsers both{{}};
+        for (std::span<const std::uint8_t> rest{line}; !rest.empty();) {
+            const std::size_t n = std::min(rest.size(), 1 + random.below(random.of<std::size_t>({1, 20, 400})));
+            both.put(rest.first(n));
+            rest = rest.subspan(n);
+        }
+        ASSERT_EQ(both.difference, "") << "seed " << seed;
+        ASSERT_EQ(both.frames(), sent) << "seed " << seed;
+    }
+}
+
+TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_finds) {
+    // With max_data as it is by default, and with so many short candidates that a few are frames by accident.
+    for (const bool many_candidates : {false, true}) {
+        Random random{1};
+        BothParsers both{{}};
+        for (int i = 0; i < 1024; ++i) {
+            Bytes bytes = random_bytes(random, 1024);
+            if (many_candidates)
+                for (auto& byte : bytes) byte = random.of<std::uint8_t>({ano::head, 0, 0, 1});
+            both.put(bytes);
+        }
+        both.finish();
+        ASSERT_EQ(both.difference, "");
+        EXPECT_EQ(both.frames().empty(), !many_candidates);
+    }
+}
+
+}    // namespace
