@@ -82,7 +82,10 @@ private:
 
     static Json address(Bytes ip) {
         std::string text;
-        for (const std::uint8_t byte : ip) text += (text.empty() ? "" : ".") + std::to_string(byte);
+        for (const std::uint8_t byte : ip) {
+            if (!text.empty()) text += '.';
+            text += std::to_string(byte);
+        }
         return text;
     }
 
