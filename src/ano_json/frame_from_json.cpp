@@ -226,17 +226,6 @@ bool has_all(const std::vector<std::string_view>& names, const Json& given) {
     return std::all_of(items.begin(), items.end(), is_given);
 }
 
-// A value that can't be judged is left to the encoder.
-bool selects(const Message& row, const Json& given) {
-    for (const Field& f : row.fields()) {
-        const auto it = given.find(std::string{f.name});
-        if (!f.selects || it == given.end()) continue;
-        const auto value = whole_number(*it);
-        if (value && (*value < f.selects->first || *value > f.selects->last)) return false;
-    }
-    return true;
-}
-
 [[noreturn]] void fail_without_layout(std::span<const Message> layouts, const Json& given) {
     const std::string name{layouts.front().name};
     std::vector<std::string_view> known;
@@ -274,9 +263,11 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
                 fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
         return reader.encode(layout->fields(), {}, layout->size(), given);
     }
-    for (const Message& row : layouts)
-        if (has_all(names_in(row.fields()), given) && selects(row, given))
-            return reader.encode(row.fields(), row.element(), row.fixed_size, given);
+    for (const Message& row : layouts) {
+        if (!has_all(names_in(row.fields()), given)) continue;
+        Data data = reader.encode(row.fields(), row.element(), row.fixed_size, given);
+        if (select_layout(layouts, data) == &row) return data;    // else a mode was given that is another layout's
+    }
     fail_without_layout(layouts, given);
 }
 
