@@ -134,12 +134,11 @@ void FramePrinter::columns(FrameView frame, const Json& json) {
             const Field* f = field_of(reading, name);
             std::string text = shown(value, f);
             if (f != nullptr && !value.is_null() && !f->unit.empty()) text.append(" ").append(f->unit);
-            std::string meaning;
             if (f != nullptr && value.is_number_integer() && value.get<std::int64_t>() >= 0)
-                meaning = f->meaning(value.get<std::uint64_t>());
+                if (const auto meaning = f->meaning(value.get<std::uint64_t>()); !meaning.empty())
+                    text.append(" (").append(meaning).append(")");
             const std::size_t room = f != nullptr && is_number(f->type) ? 9 : 0;
             streams_.out << ' ' << colored(dim, name) << ' ' << colored(bold, padded(text, room));
-            if (!meaning.empty()) streams_.out << " (" << meaning << ')';
         }
     }
     for (const char* key : {"extra", "data"})
