@@ -1,0 +1,177 @@
+// What a frame says, for code that learns at run time which message it is: tools, taps, filters.
+//
+// Flow:    const ano::Reading reading = ano::read(frame);
+//          if (reading) for (const ano::Field& field : reading.fields()) use(field.name, reading.value(field));
+//
+// Code that knows its message when it is compiled: see typed.hpp.
+#pragma once
+#include <ano/flexible.hpp>
+#include <ano/frame.hpp>
+#include <ano/messages.hpp>
+#include <ano/wire.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+
+namespace ano {
+
+struct Nothing {
+    friend constexpr bool operator==(Nothing, Nothing) = default;
+};
+using Bytes = std::span<const std::uint8_t>;
+
+/// Nothing: the sentinel that says "no data". Integers without scale as such, other numbers as double, in the unit of the
+/// field; text up to its first NUL, in whatever encoding the sender uses; the bytes of everything else.
+using Value = std::variant<Nothing, std::int64_t, std::uint64_t, double, std::string_view, Bytes>;
+
+enum class Readable : std::uint8_t {
+    yes,
+    unknown_id,
+    unknown_layout,    // a mode that is not listed, or a flexible message without a configured layout
+    too_short,         // malformed: fewer bytes than the layout has
+};
+
+/// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when it is none.
+constexpr const Message* select_layout(std::span<const Message> layouts, Bytes data) noexcept {
+    const auto matches = [&](const Message& row) {
+        if (row.variant.length != 0 && row.variant.length != data.size()) return false;
+        if (!row.selective) return true;
+        for (const Field& f : row.fields()) {
+            if (!f.selects) continue;
+            if (data.size() < f.offset + f.size()) return false;
+            const std::uint32_t v = f.type == Type::u8 ? data[f.offset] : load<std::uint16_t>(data.data() + f.offset);
+            if (v < f.selects->first || v > f.selects->last) return false;
+        }
+        return true;
+    };
+    for (const Message& row : layouts.subspan(layouts.empty() ? 0 : 1))
+        if (matches(row)) return &row;
+    return !layouts.empty() && matches(layouts.front()) ? &layouts.front() : nullptr;
+}
+
+/// The number that begins at `at`, in the unit of `field`.
+inline double number_at(const Field& field, const std::uint8_t* at) noexcept {
+    return with_type(field.type, [&]<class T>(T) {
+        return static_cast<double>(load<T>(at)) * field.scale.value / field.scale.wire;
+    });
+}
+
+/// The value of one number that begins at `at`.
+inline Value value_at(const Field& field, const std::uint8_t* at) noexcept {
+    return with_type(field.type, [&]<class T>(T) -> Value {
+        const T wire = load<T>(at);
+        if constexpr (std::is_integral_v<T>) {
+            if (field.no_data && static_cast<std::int64_t>(wire) == *field.no_data) return Nothing{};
+            if (field.scale.is_one()) {
+                if constexpr (std::is_same_v<T, std::uint64_t>) return wire;
+                else return static_cast<std::int64_t>(wire);
+            }
+        }
+        return static_cast<double>(wire) * field.scale.value / field.scale.wire;
+    });
+}
+
+/// Refers to the memory of the frame, and to the layouts it was read by.
+class Reading {
+public:
+    constexpr Reading(Readable readable, const Message* message, std::span<const Field> fields, std::size_t fixed_size,
+                      Bytes data) noexcept
+        : fields_{fields}, data_{data}, message_{message}, fixed_size_{fixed_size}, readable_{readable} {}
+
+    /// Only then is there anything but message(), readable() and data().
+    explicit operator bool() const noexcept { return readable_ == Readable::yes; }
+    Readable readable() const noexcept { return readable_; }
+    /// The row; the base layout when no layout fits; null for an id that is not listed.
+    const Message* message() const noexcept { return message_; }
+    Bytes data() const noexcept { return data_; }
+    /// Bytes of DATA that the layout has at least.
+    std::size_t fixed_size() const noexcept { return fixed_size_; }
+
+    std::span<const Field> fields() const noexcept { return fields_; }
+    const Field* field(std::string_view name) const noexcept {
+        for (const Field& f : fields_)
+            if (f.name == name) return &f;
+        return nullptr;
+    }
+
+    /// `field` is one of fields(). An array and a list are given as their bytes.
+    Value value(const Field& field) const noexcept {
+        if (is_number(field.type) && field.count == 1) return value_at(field, data_.data() + field.offset);
+        const Bytes bytes = bytes_of(field);
+        if (field.type != Type::text) return bytes;
+        const auto* first = reinterpret_cast<const char*>(bytes.data());
+        const std::string_view text{first, bytes.size()};
+        return text.substr(0, text.find('\0'));
+    }
+    /// The same as a number, for fields that are one; "no data" is NaN.
+    double number(const Field& field) const noexcept {
+        if (field.no_data && std::holds_alternative<Nothing>(value(field))) return std::nan("");
+        return number_at(field, data_.data() + field.offset);
+    }
+    /// All bytes of a field as they stand on the wire.
+    Bytes bytes_of(const Field& field) const noexcept {
+        return field.is_open() ? data_.subspan(field.offset, open_size()) : data_.subspan(field.offset, field.size());
+    }
+
+    /// The fields of each element of the list that stands last.
+    std::span<const Field> element_fields() const noexcept {
+        return message_ == nullptr ? std::span<const Field>{} : message_->element();
+    }
+    std::size_t element_count() const noexcept {
+        return element_fields().empty() ? 0 : open_size() / message_->element_size;
+    }
+    /// `field` is one of element_fields(), `i` less than element_count().
+    Value element(std::size_t i, const Field& field) const noexcept {
+        return value_at(field, data_.data() + fixed_size_ + i * message_->element_size + field.offset);
+    }
+
+    /// What stands behind the layout: legal, and of no known meaning.
+    Bytes extra() const noexcept {
+        const bool open = !fields_.empty() && fields_.back().is_open();
+        return data_.subspan(fixed_size_ + (open ? open_size() : 0));
+    }
+
+private:
+    std::size_t open_size() const noexcept {
+        const std::size_t rest = data_.size() - fixed_size_;
+        return fields_.back().type == Type::list ? rest - rest % message_->element_size : rest;
+    }
+
+    std::span<const Field> fields_;
+    Bytes data_;
+    const Message* message_;
+    std::size_t fixed_size_;
+    Readable readable_;
+};
+
+/// Reads DATA of `id`. `flexible` are the layouts of flexible messages, looked up by `source`.
+inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr,
+                    std::uint8_t source = 0) noexcept {
+    const auto fitting = [&](const Message* row, std::span<const Field> fields, std::size_t size) {
+        return Reading{data.size() < size ? Readable::too_short : Readable::yes, row, fields, size, data};
+    };
+    const auto layouts = layouts_of(id);
+    if (layouts.empty()) return {Readable::unknown_id, nullptr, {}, 0, data};
+    if (is_flexible(id)) {
+        const FlexibleLayout* layout = flexible == nullptr ? nullptr : flexible->find(id, source);
+        if (layout != nullptr) return fitting(&layouts.front(), layout->fields(), layout->size());
+        return {Readable::unknown_layout, &layouts.front(), {}, 0, data};
+    }
+    const Message* row = select_layout(layouts, data);
+    if (row != nullptr) return fitting(row, row->fields(), row->fixed_size);
+    const Message& base = layouts.front();
+    // Without its selecting field it is malformed, whatever the mode would have been.
+    const bool has_mode = data.size() > base.fields().front().offset;
+    return {has_mode ? Readable::unknown_layout : Readable::too_short, &base, {}, base.fixed_size, data};
+}
+
+inline Reading read(FrameView frame, const FlexibleLayouts* flexible = nullptr) noexcept {
+    return read(frame.id(), frame.data(), flexible, frame.source());
+}
+
+}  // namespace ano

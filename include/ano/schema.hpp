@@ -1,0 +1,304 @@
+// How a row of the message table is written: fields, their types, scales, units and meanings. What is wrong with a row is
+// a compile error that says so.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace ano {
+
+/// What is wrong with a table, as the name of a function that a constant expression can't call: the compiler prints it.
+namespace table_error {
+void two_messages_share_an_id();
+void one_name_stands_for_two_messages();
+void a_field_is_named_twice();
+void a_field_of_open_length_must_be_last();
+void a_list_needs_elements_of_fixed_size();
+void a_name_is_lower_case_letters_digits_and_underscores();
+void a_scale_is_not_zero();
+void a_row_has_too_many_fields();
+void one_value_has_two_meanings();
+void the_wire_type_cannot_hold_this_value();
+void the_first_row_of_a_message_is_its_base_layout();
+void a_layout_needs_a_length_or_a_mode_of_its_own();
+void two_layouts_share_a_label();
+void the_layouts_of_a_message_share_its_traffic_class();
+void no_message_has_this_name();
+void the_message_has_no_such_layout();
+void the_layout_has_no_such_field();
+}  // namespace table_error
+
+enum class Type : std::uint8_t { u8, i8, u16, i16, u32, i32, u64, i64, f32, f64, text, bytes, ip, frames, list };
+
+inline constexpr std::array<std::string_view, 15> type_names{"u8",  "i8",  "u16", "i16",  "u32",   "i32", "u64",   "i64",
+                                                             "f32", "f64", "text", "bytes", "ip", "frames", "list"};
+constexpr std::string_view name_of(Type type) noexcept { return type_names[static_cast<std::size_t>(type)]; }
+
+/// Bytes of one value on the wire; 1 for what is counted in bytes.
+constexpr std::size_t width(Type type) noexcept {
+    switch (type) {
+    case Type::u16:
+    case Type::i16: return 2;
+    case Type::u32:
+    case Type::i32:
+    case Type::f32:
+    case Type::ip: return 4;
+    case Type::u64:
+    case Type::i64:
+    case Type::f64: return 8;
+    default: return 1;
+    }
+}
+constexpr bool is_integer(Type type) noexcept { return type <= Type::i64; }
+constexpr bool is_number(Type type) noexcept { return type <= Type::f64; }
+
+/// A type and how many of it. In a row: `u16`, `u8[8]`, `text[20]`; `text`, `bytes`, `frames` and `list` alone reach to
+/// the end of DATA.
+struct Shape {
+    Type type;
+    std::uint16_t count = 1;    // 0: to the end of DATA
+    consteval Shape operator[](std::uint16_t n) const { return {type, n}; }
+};
+
+/// `wire` on the wire means `value` in the unit: {100, 1} is ×100.
+struct Scale {
+    double wire = 1;
+    double value = 1;
+    constexpr bool is_one() const noexcept { return wire == value; }
+    /// What a wire number is multiplied with, for people; the library divides, which is exact to the last digit.
+    constexpr double factor() const noexcept { return value / wire; }
+    friend constexpr bool operator==(const Scale&, const Scale&) = default;
+};
+
+/// What one value of an enumeration means.
+struct Meaning {
+    std::uint32_t value;
+    std::string_view text;
+};
+using Meanings = std::span<const Meaning>;
+
+/// Values that are documented, in the unit; shown, not enforced.
+struct Range {
+    double first = 0;
+    double last = 0;
+    constexpr explicit operator bool() const noexcept { return first != last; }
+};
+/// The wire value that says "no data".
+struct NoData {
+    std::int64_t wire;
+};
+/// The layout applies only when the field holds one of first to last.
+struct Only {
+    std::uint32_t first;
+    std::uint32_t last;
+};
+struct Note {
+    std::string_view text;
+};
+
+consteval Scale times(double wire, double value = 1) { return {wire, value}; }
+consteval Range range(double first, double last) { return {first, last}; }
+consteval Only only(std::uint32_t value) { return {value, value}; }
+consteval Only only(std::uint32_t first, std::uint32_t last) { return {first, last}; }
+consteval Note note(const char* text) { return {text}; }
+
+struct Field {
+    Type type = Type::u8;
+    std::uint16_t count = 1;     // of values, or of bytes for text and bytes; 0: to the end of DATA
+    std::uint16_t offset = 0;    // in DATA, or in the element of a list
+    Scale scale{};
+    std::optional<std::int64_t> no_data{};
+    std::optional<Only> selects{};    // the values with which this layout is taken
+    std::string_view name{};
+    std::string_view unit{};
+    std::string_view note{};
+    Meanings meanings{};
+    Range range{};
+
+    constexpr Field() = default;
+    template <class... Options>
+    consteval Field(std::string_view field_name, Shape shape, const Options&... options)
+        : type{shape.type}, count{shape.count}, name{field_name} {
+        (set(options), ...);
+        check();
+    }
+
+    constexpr bool is_open() const noexcept { return count == 0; }
+    /// Bytes on the wire; 0 for one of open length.
+    constexpr std::size_t size() const noexcept { return width(type) * count; }
+    /// What `value` means, or nothing.
+    constexpr std::string_view meaning(std::uint64_t value) const noexcept {
+        for (const Meaning& m : meanings)
+            if (m.value == value) return m.text;
+        return {};
+    }
+
+private:
+    consteval void set(const char* text) { unit = text; }
+    consteval void set(Scale s) { scale = s; }
+    consteval void set(Meanings m) { meanings = m; }
+    consteval void set(Range r) { range = r; }
+    consteval void set(NoData n) { no_data = n.wire; }
+    consteval void set(Only o) { selects = o; }
+    consteval void set(Note n) { note = n.text; }
+
+    consteval bool holds(std::int64_t wire) const {
+        if (!is_integer(type)) return false;
+        const bool has_sign = type == Type::i8 || type == Type::i16 || type == Type::i32 || type == Type::i64;
+        const unsigned bits = static_cast<unsigned>(8 * width(type)) - (has_sign ? 1 : 0);
+        if (wire < 0) return has_sign && (bits > 62 || wire >= -(std::int64_t{1} << bits));
+        return bits > 62 || wire < std::int64_t{1} << bits;
+    }
+    consteval void check() const {
+        if (name.empty()) table_error::a_name_is_lower_case_letters_digits_and_underscores();
+        for (const char c : name)
+            if (!(c >= 'a' && c <= 'z') && !(c >= '0' && c <= '9') && c != '_')
+                table_error::a_name_is_lower_case_letters_digits_and_underscores();
+        if (scale.wire == 0 || scale.value == 0) table_error::a_scale_is_not_zero();
+        if (no_data && !holds(*no_data)) table_error::the_wire_type_cannot_hold_this_value();
+        if (selects && ((type != Type::u8 && type != Type::u16) || !holds(selects->last))) table_error::the_wire_type_cannot_hold_this_value();
+        for (std::size_t i = 0; i < meanings.size(); ++i) {
+            if (!holds(meanings[i].value)) table_error::the_wire_type_cannot_hold_this_value();
+            for (std::size_t j = 0; j < i; ++j)
+                if (meanings[i].value == meanings[j].value) table_error::one_value_has_two_meanings();
+        }
+    }
+};
+
+enum class TrafficClass : std::uint8_t { urgent, telemetry, bulk };
+inline constexpr std::array<std::string_view, 3> traffic_class_names{"urgent", "telemetry", "bulk"};
+constexpr std::string_view name_of(TrafficClass c) noexcept { return traffic_class_names[static_cast<std::size_t>(c)]; }
+
+/// Which queued older frame a newer one may take the place of.
+enum class Replaces : std::uint8_t {
+    nothing,
+    same_id,            // of the same source, destination and id
+    same_first_byte,    // and of the same first byte of DATA as well
+};
+
+/// Who answers with a check frame (0x00), and when.
+enum class Acknowledged : std::uint8_t { no, yes, as_write };
+
+/// How a queue treats the frames of a message (protocol text, section 5).
+struct Traffic {
+    TrafficClass traffic_class = TrafficClass::bulk;
+    Replaces replaces = Replaces::nothing;
+    friend constexpr bool operator==(Traffic, Traffic) = default;
+};
+
+/// A second layout of a message: taken at exactly `length` bytes of DATA (0: any), and where its selecting fields match.
+struct Variant {
+    std::string_view label{};
+    std::uint16_t length = 0;
+};
+
+inline constexpr std::size_t most_fields = 12;
+
+/// One row of the table: a message in one of its layouts.
+struct Message {
+    std::uint8_t id = 0;
+    std::uint8_t size = 0;             // fields
+    std::uint8_t elements = 0;         // fields of each element of the list that stands last
+    bool selective = false;            // some field has to hold a certain value
+    std::uint16_t fixed_size = 0;      // bytes of DATA without what is of open length
+    std::uint16_t element_size = 0;    // bytes of each element
+    Traffic traffic{};
+    Acknowledged acknowledged = Acknowledged::no;
+    Variant variant{};    // no label: the base layout
+    std::string_view name{};
+    std::string_view title{};
+    std::array<Field, most_fields> storage{};
+
+    consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
+                      std::initializer_list<Field> list, Variant variant_ = {})
+        : Message{id_, name_, title_, traffic_, Acknowledged::no, list, variant_} {}
+
+    consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
+                      Acknowledged acknowledged_, std::initializer_list<Field> list, Variant variant_ = {})
+        : id{id_}, traffic{traffic_}, acknowledged{acknowledged_}, variant{variant_}, name{name_}, title{title_} {
+        for (const Field& field : list) add(field);
+        if (ends_in_list() && elements == 0) table_error::a_list_needs_elements_of_fixed_size();
+    }
+
+    constexpr std::span<const Field> fields() const noexcept { return {storage.data(), size}; }
+    /// The fields of each element of the list that stands last; empty when there is none.
+    constexpr std::span<const Field> element() const noexcept { return {storage.data() + size, elements}; }
+    constexpr bool is_base() const noexcept { return variant.label.empty(); }
+    constexpr bool is_open() const noexcept { return size > 0 && storage[size - 1u].is_open(); }
+    constexpr bool ends_in_list() const noexcept { return size > 0 && storage[size - 1u].type == Type::list; }
+    constexpr const Field* field(std::string_view field_name) const noexcept {
+        for (const Field& f : fields())
+            if (f.name == field_name) return &f;
+        return nullptr;
+    }
+
+private:
+    // What stands behind a list is one of its elements.
+    consteval void add(const Field& field) {
+        const std::size_t n = std::size_t{size} + elements;
+        if (n == most_fields) table_error::a_row_has_too_many_fields();
+        for (std::size_t i = 0; i < n; ++i)
+            if (storage[i].name == field.name) table_error::a_field_is_named_twice();
+        storage[n] = field;
+        if (ends_in_list()) {
+            if (!is_number(field.type) || field.count != 1) table_error::a_list_needs_elements_of_fixed_size();
+            storage[n].offset = element_size;
+            element_size = static_cast<std::uint16_t>(element_size + field.size());
+            ++elements;
+        } else {
+            if (is_open()) table_error::a_field_of_open_length_must_be_last();
+            storage[n].offset = fixed_size;
+            fixed_size = static_cast<std::uint16_t>(fixed_size + field.size());
+            selective = selective || field.selects.has_value();
+            ++size;
+        }
+    }
+};
+
+/// Where the rows of each id stand.
+struct MessageIndex {
+    std::array<std::uint8_t, 256> first{};
+    std::array<std::uint8_t, 256> count{};    // 0: the id is not listed
+};
+
+/// Checks a whole table and indexes it.
+consteval MessageIndex index_messages(std::span<const Message> rows) {
+    MessageIndex index;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Message& row = rows[i];
+        auto& count = index.count[row.id];
+        auto& first = index.first[row.id];
+        for (std::size_t j = 0; j < i; ++j)
+            if (rows[j].name == row.name && rows[j].id != row.id) table_error::one_name_stands_for_two_messages();
+        if (count == 0) {
+            if (!row.is_base()) table_error::the_first_row_of_a_message_is_its_base_layout();
+            first = static_cast<std::uint8_t>(i);
+        } else {
+            const Message& base = rows[first];
+            if (row.is_base() || row.name != base.name || first + count != i) table_error::two_messages_share_an_id();
+            if (row.traffic != base.traffic) table_error::the_layouts_of_a_message_share_its_traffic_class();
+            if (row.variant.length == 0 && !row.selective) table_error::a_layout_needs_a_length_or_a_mode_of_its_own();
+            for (std::size_t j = first; j < i; ++j)
+                if (rows[j].variant.label == row.variant.label) table_error::two_layouts_share_a_label();
+        }
+        ++count;
+    }
+    return index;
+}
+
+/// A name as a template argument: as<"euler">(frame).
+template <std::size_t N>
+struct Name {
+    char text[N]{};
+    consteval Name(const char (&s)[N]) {
+        for (std::size_t i = 0; i < N; ++i) text[i] = s[i];
+    }
+    constexpr std::string_view view() const noexcept { return {text, N - 1}; }
+};
+
+}  // namespace ano

@@ -1,0 +1,19 @@
+// Layouts of flexible messages from a configuration:
+//
+//   "flexible": [{"id": "0xF1", "source": 30, "fields": [{"name": "a", "type": "i16", "scale": 0.01, "unit": "V"}]}]
+#pragma once
+#include <ano/flexible.hpp>
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace ano {
+
+/// Adds the layouts of `array`, which stands at `pointer`, to `layouts`: `id` (0xF1 to 0xFA, or the name), `source` (only
+/// frames from there; left out: from anywhere), `fields` with `name`, `type`, and optionally `scale` (value = what is on
+/// the wire × scale, default 1) and `unit`. Every fault is told; a layout with one is left out.
+std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
+
+}  // namespace ano

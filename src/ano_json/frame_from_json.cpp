@@ -1,0 +1,362 @@
+#include <ano/reading.hpp>
+#include <ano_json/frame_json.hpp>
+#include <ano_json/hex.hpp>
+#include <ano_json/nearest.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+namespace ano {
+namespace {
+
+using Data = std::vector<std::uint8_t>;
+
+// Thrown inside this file only.
+[[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
+
+std::string step(std::string_view key) {
+    std::string text = "/";
+    for (const char c : key) {
+        if (c == '~') text += "~0";
+        else if (c == '/') text += "~1";
+        else text += c;
+    }
+    return text;
+}
+
+std::string shown(const Json& json) {
+    std::string text = json.is_string() ? in_quotes(json.get_ref<const std::string&>())
+                                        : json.dump(-1, ' ', true, Json::error_handler_t::replace);
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return text;
+}
+
+/// "i16, -327.68 to 327.67 °"
+std::string carried(const Field& f) {
+    std::string text{name_of(f.type)};
+    if (!f.scale.is_one()) {
+        const auto [least, most] = limits_of(f);
+        text += ", " + number_text(least) + " to " + number_text(most);
+    } else if (is_integer(f.type)) {
+        text += with_type(f.type, []<class T>(T) {
+            return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " +
+                   std::to_string(std::numeric_limits<T>::max());
+        });
+    }
+    if (!f.unit.empty()) text.append(" ").append(f.unit);
+    return text;
+}
+
+std::optional<Number> number_of(const Json& json) {
+    if (json.is_number_unsigned()) return Number{json.get<std::uint64_t>()};
+    if (json.is_number_integer()) return Number{json.get<std::int64_t>()};
+    if (json.is_number_float()) return Number{json.get<double>()};
+    if (json.is_string()) return parse_number(json.get_ref<const std::string&>());
+    return std::nullopt;
+}
+
+std::optional<std::uint64_t> whole_number(const Json& json) {
+    const auto number = number_of(json);
+    if (!number) return std::nullopt;
+    return std::visit(
+        [](auto n) -> std::optional<std::uint64_t> {
+            if constexpr (std::is_floating_point_v<decltype(n)>) {
+                if (!(n >= 0 && n < 1e18 && n == std::trunc(n))) return std::nullopt;
+            } else if (std::cmp_less(n, 0)) {
+                return std::nullopt;
+            }
+            return static_cast<std::uint64_t>(n);
+        },
+        *number);
+}
+
+std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise) {
+    const auto it = object.find(key);
+    if (it == object.end()) return otherwise;
+    const auto value = whole_number(*it);
+    if (!value || *value > 255) fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255");
+    return static_cast<std::uint8_t>(*value);
+}
+
+Data hex_at(const Json& json, const std::string& pointer, std::string_view name) {
+    if (json.is_string())
+        if (auto bytes = from_hex(json.get_ref<const std::string&>())) return std::move(*bytes);
+    fail(pointer, std::string{name} + ": " + shown(json) + " is not hex digits in pairs");
+}
+
+Data encode_frame(const Json& json, const JsonOptions& options, bool inside_a_tunnel, const std::string& pointer);
+
+class FieldReader {
+public:
+    FieldReader(std::string_view message, const JsonOptions& options, bool inside_a_tunnel)
+        : message_{message}, options_{options}, inside_a_tunnel_{inside_a_tunnel} {}
+
+    /// DATA in the layout of `fields`; `given` names none but these.
+    Data encode(std::span<const Field> fields, std::span<const Field> element, std::size_t size, const Json& given) {
+        data_.assign(size, 0);
+        for (const Field& f : fields) {
+            if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, step(f.name));
+            const auto it = given.find(std::string{f.name});
+            if (it != given.end()) put(f, element, *it);
+            if (f.type != Type::frames) continue;
+            if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, step("data"), "data"));
+        }
+        return std::move(data_);
+    }
+
+private:
+    void put(const Field& f, std::span<const Field> element, const Json& json) {
+        const std::string pointer = step(f.name);
+        switch (f.type) {
+        case Type::text: return put_bytes(f, text(f, json), json);
+        case Type::bytes: return put_bytes(f, hex_at(json, pointer, f.name), json);
+        case Type::ip: return put_address(f, json);
+        case Type::list: return put_elements(f, element, json);
+        case Type::frames: return put_frames(f, json);
+        default: break;
+        }
+        if (f.count == 1) return put_number(f, json, data_.data() + f.offset, pointer);
+        if (!json.is_array() || json.size() > f.count)
+            fail(pointer, label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
+        for (std::size_t i = 0; i < json.size(); ++i)
+            put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + step(std::to_string(i)));
+    }
+
+    void put_number(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) {
+        if (json.is_null()) {
+            if (!store_no_data(f, at)) fail(pointer, label(f) + "it has no value that says \"no data\"");
+            return;
+        }
+        const auto number = number_of(json);
+        if (!number) fail(pointer, label(f) + shown(json) + " is not a number");
+        switch (store_number(f, *number, at)) {
+        case Stored::ok: return;
+        case Stored::not_whole: fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
+        case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
+        }
+    }
+
+    Data text(const Field& f, const Json& json) const {
+        if (!json.is_string()) fail(step(f.name), label(f) + shown(json) + " is not text");
+        const auto encoded = from_utf8(json.get_ref<const std::string&>(), options_.encoding);
+        if (!encoded) {
+            const char* name = options_.encoding == Encoding::gbk ? "GBK" : "UTF-8";
+            fail(step(f.name), label(f) + shown(json) + " can't be written in " + name);
+        }
+        if (encoded->find('\0') != std::string::npos) fail(step(f.name), label(f) + "text can't hold a NUL");
+        return {encoded->begin(), encoded->end()};
+    }
+
+    void put_bytes(const Field& f, const Data& bytes, const Json& json) {
+        if (f.is_open()) return append(bytes);
+        if (bytes.size() > f.size())
+            fail(step(f.name), label(f) + shown(json) + " is " + std::to_string(bytes.size()) + " bytes, it holds " +
+                                   std::to_string(f.size()));
+        std::copy(bytes.begin(), bytes.end(), data_.begin() + f.offset);
+    }
+
+    void put_address(const Field& f, const Json& json) {
+        const auto wrong = [&] { fail(step(f.name), label(f) + shown(json) + " is not an address like 192.168.0.1"); };
+        if (!json.is_string()) wrong();
+        std::string_view rest = json.get_ref<const std::string&>();
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::string_view part = rest.substr(0, i < 3 ? rest.find('.') : rest.npos);
+            const bool is_decimal = !part.empty() && part.size() <= 3 &&
+                                    std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
+            const int value = is_decimal ? std::stoi(std::string{part}) : 256;
+            if (value > 255 || (i < 3 && part.size() == rest.size())) wrong();
+            data_[f.offset + i] = static_cast<std::uint8_t>(value);
+            rest.remove_prefix(std::min(rest.size(), part.size() + 1));
+        }
+    }
+
+    void put_elements(const Field& list, std::span<const Field> element, const Json& json) {
+        const std::string pointer = step(list.name);
+        if (!json.is_array()) fail(pointer, label(list) + shown(json) + " is not an array");
+        for (std::size_t i = 0; i < json.size(); ++i) {
+            const std::string here = pointer + step(std::to_string(i));
+            if (!json[i].is_object()) fail(here, label(list) + shown(json[i]) + " is not an object");
+            std::vector<std::string_view> names;
+            for (const Field& f : element) names.push_back(f.name);
+            for (const auto& [key, value] : json[i].items())
+                if (std::find(names.begin(), names.end(), key) == names.end())
+                    fail(here + step(key), label(list) + "no field " + in_quotes(key) + did_you_mean(key, names));
+            const std::size_t at = data_.size();
+            data_.resize(at + element.back().offset + element.back().size());
+            for (const Field& f : element)
+                if (const auto it = json[i].find(std::string{f.name}); it != json[i].end())
+                    put_number(f, *it, data_.data() + at + f.offset, here + step(f.name));
+        }
+    }
+
+    void put_frames(const Field& f, const Json& json) {
+        if (json.is_string()) return append(hex_at(json, step(f.name), f.name));
+        if (!json.is_array()) fail(step(f.name), label(f) + shown(json) + " is not an array of frames");
+        if (inside_a_tunnel_)
+            fail(step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
+        for (std::size_t i = 0; i < json.size(); ++i)
+            append(encode_frame(json[i], options_, true, step(f.name) + step(std::to_string(i))));
+    }
+
+    void append(const Data& bytes) { data_.insert(data_.end(), bytes.begin(), bytes.end()); }
+
+    /// "euler rol: "
+    std::string label(const Field& f) const { return std::string{message_} + " " + std::string{f.name} + ": "; }
+
+    std::string_view message_;
+    const JsonOptions& options_;
+    bool inside_a_tunnel_;
+    Data data_;
+};
+
+std::vector<std::string_view> names_in(std::span<const Field> fields) {
+    std::vector<std::string_view> names;
+    for (const Field& f : fields) {
+        names.push_back(f.name);
+        if (f.type == Type::frames) names.push_back("data");    // what is no whole frame
+    }
+    return names;
+}
+
+bool has_all(const std::vector<std::string_view>& names, const Json& given) {
+    const auto is_given = [&](const auto& item) { return std::find(names.begin(), names.end(), item.key()) != names.end(); };
+    const auto items = given.items();
+    return std::all_of(items.begin(), items.end(), is_given);
+}
+
+[[noreturn]] void fail_without_layout(std::span<const Message> layouts, const Json& given) {
+    const std::string name{layouts.front().name};
+    std::vector<std::string_view> known;
+    for (const Message& row : layouts)
+        for (const std::string_view field : names_in(row.fields())) known.push_back(field);
+    for (const auto& [key, value] : given.items())
+        if (std::find(known.begin(), known.end(), key) == known.end())
+            fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, known));
+    std::string modes;
+    for (const Message& row : layouts)
+        for (const Field& f : row.fields()) {
+            const auto it = given.find(std::string{f.name});
+            if (!f.selects || it == given.end() || !has_all(names_in(row.fields()), given)) continue;
+            modes += modes.empty() ? std::string{f.name} + ": " + shown(*it) + " is none of " : ", ";
+            modes += std::to_string(f.selects->first);
+            if (f.selects->last != f.selects->first) modes += " to " + std::to_string(f.selects->last);
+        }
+    if (!modes.empty()) fail("", name + " " + modes);
+    fail("", name + " has no layout with all of these fields");
+}
+
+Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options,
+                   bool inside_a_tunnel) {
+    const auto layouts = layouts_of(id);
+    if (layouts.empty()) fail("", "id " + std::to_string(id) + " is not listed: only its data can be given");
+    if (!given.is_object()) fail("", shown(given) + " is not an object of fields");
+    FieldReader reader{layouts.front().name, options, inside_a_tunnel};
+    if (is_flexible(id)) {
+        const std::string name{layouts.front().name};
+        const FlexibleLayout* layout = options.flexible == nullptr ? nullptr : options.flexible->find(id, source);
+        if (layout == nullptr) fail("", name + " has no layout in the configuration: only its data can be given");
+        const auto names = names_in(layout->fields());
+        for (const auto& [key, value] : given.items())
+            if (std::find(names.begin(), names.end(), key) == names.end())
+                fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
+        return reader.encode(layout->fields(), {}, layout->size(), given);
+    }
+    for (const Message& row : layouts) {
+        if (!has_all(names_in(row.fields()), given)) continue;
+        Data data = reader.encode(row.fields(), row.element(), row.fixed_size, given);
+        if (select_layout(layouts, data) == &row) return data;    // else a mode was given that is another layout's
+    }
+    fail_without_layout(layouts, given);
+}
+
+std::uint8_t id_of(const Json& json) {
+    const auto name = json.find("name");
+    const auto id = json.find("id");
+    if (name == json.end()) {
+        if (id == json.end()) fail("", "a frame needs a name or an id");
+        return byte_at(json, "id", 0);
+    }
+    if (!name->is_string()) fail("/name", "name: " + shown(*name) + " is not text");
+    const auto found = message_id(name->get_ref<const std::string&>());
+    if (const auto* fault = std::get_if<JsonFault>(&found)) fail("/name", fault->what);
+    const std::uint8_t named = std::get<std::uint8_t>(found);
+    if (id != json.end() && byte_at(json, "id", 0) != named)
+        fail("/id", "id: " + shown(*id) + " is not the id of " + name->get<std::string>() + ", which is " +
+                        std::to_string(named));
+    return named;
+}
+
+Data data_of(const Json& json, std::uint8_t id, std::uint8_t source, const JsonOptions& options, bool inside_a_tunnel) {
+    if (const auto data = json.find("data"); data != json.end()) return hex_at(*data, "/data", "data");
+    Data bytes;
+    const auto fields = json.find("fields");
+    try {
+        bytes = encode_fields(id, source, fields == json.end() ? Json::object() : *fields, options, inside_a_tunnel);
+    } catch (JsonFault& fault) {
+        fault.pointer.insert(0, "/fields");
+        throw;
+    }
+    if (const auto extra = json.find("extra"); extra != json.end()) {
+        const Data behind = hex_at(*extra, "/extra", "extra");
+        bytes.insert(bytes.end(), behind.begin(), behind.end());
+    }
+    return bytes;
+}
+
+Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_tunnel) {
+    constexpr std::string_view keys[]{"from", "to", "id", "name", "fields", "extra", "data", "time", "link"};
+    if (!json.is_object()) fail("", shown(json) + " is not an object");
+    for (const auto& [key, value] : json.items())
+        if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))
+            fail(step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
+    const std::uint8_t id = id_of(json);
+    const std::uint8_t from = byte_at(json, "from", 254);
+    const std::uint8_t to = byte_at(json, "to", 255);
+    const Data data = data_of(json, id, from, options, inside_a_tunnel);
+    if (data.size() > largest_data)
+        fail("", std::to_string(data.size()) + " bytes of DATA are more than the 65535 a frame can carry");
+    Data frame(overhead + data.size());
+    encode(frame, from, to, id, data);
+    return frame;
+}
+
+Data encode_frame(const Json& json, const JsonOptions& options, bool inside_a_tunnel, const std::string& pointer) {
+    try {
+        return encode_object(json, options, inside_a_tunnel);
+    } catch (JsonFault& fault) {
+        fault.pointer.insert(0, pointer);
+        throw;
+    }
+}
+
+}  // namespace
+
+std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options) {
+    try {
+        return encode_frame(json, options, false, "");
+    } catch (JsonFault& fault) {
+        return std::move(fault);
+    }
+}
+
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
+                                                                 const JsonOptions& options) {
+    try {
+        return encode_fields(id, source, fields, options, false);
+    } catch (JsonFault& fault) {
+        return std::move(fault);
+    }
+}
+
+std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {
+    if (const Message* message = find_message(word)) return message->id;
+    if (const auto number = whole_number(Json(std::string{word})); number && *number <= 255)
+        return static_cast<std::uint8_t>(*number);
+    std::vector<std::string_view> names;
+    for (const Message& row : messages) names.push_back(row.name);
+    return JsonFault{"", "there is no message " + in_quotes(word) + did_you_mean(word, names)};
+}
+
+}  // namespace ano

@@ -1,0 +1,49 @@
+// A frame as JSON, and back.
+//
+//   {"from": 220, "to": 254, "id": 3, "name": "euler", "fields": {"rol": 1.23, ...}, "extra": "hex", "data": "hex"}
+//
+// `extra` is what stands behind the layout. `data` stands alone when the frame has no known layout, and beside `fields`
+// where they can't give the bytes back exactly; it wins when encoding, so every frame survives the way there and back.
+#pragma once
+#include <ano/flexible.hpp>
+#include <ano/frame.hpp>
+#include <ano_json/text.hpp>
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ano {
+
+/// Keys stand in the order of the table.
+using Json = nlohmann::ordered_json;
+
+struct JsonOptions {
+    const FlexibleLayouts* flexible = nullptr;    // layouts of flexible messages
+    Encoding encoding = Encoding::utf8;           // of text on the wire
+};
+
+/// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
+Json frame_to_json(FrameView frame, const JsonOptions& options = {});
+
+/// What is wrong with the JSON of a frame.
+struct JsonFault {
+    std::string pointer;    // where: "/fields/rol"
+    std::string what;       // for people, one line; names the field
+};
+
+/// The whole frame, HEAD to AC. `from` is 254 and `to` is 255 where not given; `name` or `id` must be. In place of a
+/// number there may be a text that says one as C would ("0xDC"). The keys `time` and `link` of a tap are passed over.
+std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options = {});
+
+/// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).
+/// `source` is looked at for flexible messages only.
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
+                                                                 const JsonOptions& options = {});
+
+/// The id of the message that is called so, or of the number that `word` is; else a fault with the nearest name.
+std::variant<std::uint8_t, JsonFault> message_id(std::string_view word);
+
+}  // namespace ano

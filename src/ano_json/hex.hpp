@@ -1,0 +1,20 @@
+// Bytes as hexadecimal digits.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ano {
+
+/// "ab01", without spaces.
+std::string hex(std::span<const std::uint8_t> bytes);
+/// "AB 01".
+std::string spaced_hex(std::span<const std::uint8_t> bytes);
+
+/// Digits in pairs, capital or not, white space between pairs; nothing when `text` is anything else.
+std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text);
+
+}  // namespace ano

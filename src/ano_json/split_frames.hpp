@@ -1,0 +1,43 @@
+// The frames that stand in a piece of memory, and what stands between them.
+#pragma once
+#include <ano/parser.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace ano {
+
+/// Calls `on_frame(FrameView)` for each good frame and `on_gap(offset, bytes)` for what belongs to none, in the order in
+/// which they stand. Linear time.
+template <class OnFrame, class OnGap>
+void split_frames(std::span<const std::uint8_t> bytes, OnFrame&& on_frame, OnGap&& on_gap) {
+    FrameParser::Options options;
+    options.max_data = std::min(bytes.size(), largest_data);
+    FrameParser parser{options};
+    std::size_t put_in = 0;
+    std::size_t at = 0;       // end of what was told
+    std::size_t good = 0;     // bytes of good frames
+    const auto gap_until = [&](std::size_t end) {
+        if (end > at) on_gap(at, bytes.subspan(at, end - at));
+        at = end;
+    };
+    while (put_in < bytes.size()) {
+        const auto room = parser.prepare();
+        const std::size_t n = std::min(room.size(), bytes.size() - put_in);
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(put_in), n, room.begin());
+        parser.commit(n, TimePoint{});
+        put_in += n;
+        if (put_in == bytes.size()) parser.finish();
+        while (const auto frame = parser.next()) {
+            gap_until(good + static_cast<std::size_t>(parser.counters().skipped_bytes));
+            on_frame(*frame);
+            good += frame->bytes().size();
+            at += frame->bytes().size();
+        }
+    }
+    gap_until(bytes.size());
+}
+
+}  // namespace ano

@@ -1,0 +1,166 @@
+#include <ano_json/text.hpp>
+
+#include <iconv.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace ano {
+namespace {
+
+constexpr std::string_view replacement = "\xEF\xBF\xBD";    // U+FFFD
+
+// Bytes of the UTF-8 character that `text` begins with; 0 when it begins with none. `bad` is then how many bytes of it
+// can't be the beginning of another one.
+std::size_t utf8_length(std::string_view text, std::size_t& bad) {
+    const auto at = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+    bad = 1;
+    const std::uint8_t first = at(0);
+    if (first < 0x80) return 1;
+    if (first < 0xC2 || first > 0xF4) return 0;
+    const std::size_t length = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+    // Overlong forms, surrogates and what is above U+10FFFF show in the second byte.
+    std::uint8_t low = 0x80;
+    std::uint8_t high = 0xBF;
+    if (first == 0xE0) low = 0xA0;
+    if (first == 0xED) high = 0x9F;
+    if (first == 0xF0) low = 0x90;
+    if (first == 0xF4) high = 0x8F;
+    for (std::size_t i = 1; i < length; ++i) {
+        if (i == text.size() || at(i) < low || at(i) > high) return 0;
+        bad = i + 1;
+        low = 0x80;
+        high = 0xBF;
+    }
+    return length;
+}
+
+class Converter {
+public:
+    Converter(const char* to, const char* from) : handle_{iconv_open(to, from)} {
+        if (failed()) throw std::runtime_error("this system can't convert GBK text (on Debian: libc-gconv-modules-extra)");
+    }
+    ~Converter() { iconv_close(handle_); }
+    Converter(const Converter&) = delete;
+    Converter& operator=(const Converter&) = delete;
+
+    // Converts what it can to the end of `out` and removes it from `in`. False: `in` begins with what it can't convert.
+    bool convert(std::string_view& in, std::string& out) {
+        while (true) {
+            std::array<char, 512> room;
+            char* from = const_cast<char*>(in.data());    // iconv does not write to it
+            std::size_t left = in.size();
+            char* to = room.data();
+            std::size_t free = room.size();
+            const bool done = iconv(handle_, &from, &left, &to, &free) != static_cast<std::size_t>(-1);
+            const int error = errno;
+            out.append(room.data(), room.size() - free);
+            in.remove_prefix(in.size() - left);
+            if (done) return true;
+            if (error != E2BIG) return false;
+        }
+    }
+
+private:
+    bool failed() const { return reinterpret_cast<std::intptr_t>(handle_) == -1; }
+    iconv_t handle_;
+};
+
+}  // namespace
+
+std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding) {
+    std::string_view in{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    std::string out;
+    if (encoding == Encoding::gbk) {
+        Converter converter{"UTF-8", "GBK"};
+        while (!converter.convert(in, out)) {
+            out += replacement;
+            in.remove_prefix(1);
+        }
+        return out;
+    }
+    while (!in.empty()) {
+        std::size_t bad = 0;
+        const std::size_t length = utf8_length(in, bad);
+        out += length > 0 ? in.substr(0, length) : replacement;
+        in.remove_prefix(length > 0 ? length : bad);
+    }
+    return out;
+}
+
+std::optional<std::string> from_utf8(std::string_view text, Encoding encoding) {
+    for (std::size_t i = 0, bad = 0; i < text.size();) {
+        const std::size_t length = utf8_length(text.substr(i), bad);
+        if (length == 0) return std::nullopt;
+        i += length;
+    }
+    if (encoding == Encoding::utf8) return std::string{text};
+    std::string out;
+    if (!Converter{"GBK", "UTF-8"}.convert(text, out)) return std::nullopt;
+    return out;
+}
+
+std::optional<Number> parse_number(std::string_view text) {
+    const bool minus = text.starts_with('-');
+    std::string_view digits = text.substr(minus || text.starts_with('+') ? 1 : 0);
+    const bool is_hex = digits.starts_with("0x") || digits.starts_with("0X");
+    if (is_hex) digits.remove_prefix(2);
+    if (digits.empty() || digits.front() == '-' || digits.front() == '+') return std::nullopt;
+    const char* const end = digits.data() + digits.size();
+
+    std::uint64_t whole = 0;
+    const auto integer = std::from_chars(digits.data(), end, whole, is_hex ? 16 : 10);
+    if (integer.ptr == end && integer.ec == std::errc{}) {
+        if (!minus) return Number{whole};
+        if (whole <= std::uint64_t{1} << 63) return Number{static_cast<std::int64_t>(0 - whole)};
+        return Number{-static_cast<double>(whole)};
+    }
+    if (is_hex) return std::nullopt;
+    double value = 0;
+    const auto real = std::from_chars(digits.data(), end, value);
+    if (real.ptr != end || real.ec != std::errc{}) return std::nullopt;
+    return Number{minus ? -value : value};
+}
+
+std::string number_text(double value) {
+    std::array<char, 32> room;
+    const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;
+    return {room.data(), end};
+}
+
+double widened(float value) {
+    std::array<char, 32> room;
+    const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;
+    double wide = 0;
+    std::from_chars(room.data(), end, wide);
+    return static_cast<float>(wide) == value ? wide : static_cast<double>(value);
+}
+
+std::string in_quotes(std::string_view text, char mark) {
+    const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
+    std::string out(1, mark);
+    for (std::size_t i = 0; i < valid.size(); ++i) {
+        const auto byte = static_cast<std::uint8_t>(valid[i]);
+        const auto next = static_cast<std::uint8_t>(i + 1 < valid.size() ? valid[i + 1] : 0);
+        std::array<char, 8> code{};
+        if (valid[i] == mark || valid[i] == '\\') {
+            out += {'\\', valid[i]};
+        } else if (byte < 0x20 || byte == 0x7F) {
+            std::snprintf(code.data(), code.size(), "\\u%04x", byte);
+            out += code.data();
+        } else if (byte == 0xC2 && next < 0xA0) {    // U+0080 to U+009F: terminals obey them too
+            std::snprintf(code.data(), code.size(), "\\u%04x", next);
+            out += code.data();
+            ++i;
+        } else {
+            out += valid[i];
+        }
+    }
+    return out + mark;
+}
+
+}  // namespace ano

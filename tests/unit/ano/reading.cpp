@@ -1,0 +1,102 @@
+#include <ano/reading.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <variant>
+
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+
+namespace {
+
+using namespace ano;
+using support::frame;
+
+TEST(Reading, walks_the_fields_in_their_order) {
+    const auto bytes = frame(0xDC, 0xFE, 0x03, {0x7B, 0x00, 0x85, 0xFF, 0x00, 0x80, 2});
+    const Reading reading = read(FrameView{bytes});
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading.message()->name, "euler");
+    ASSERT_EQ(reading.fields().size(), 4u);
+    EXPECT_EQ(reading.fields()[0].name, "rol");
+    EXPECT_EQ(std::get<double>(reading.value(reading.fields()[0])), 1.23);
+    EXPECT_EQ(std::get<std::int64_t>(reading.value(*reading.field("fusion_sta"))), 2);
+    EXPECT_EQ(reading.number(*reading.field("yaw")), -327.68);
+    EXPECT_EQ(reading.field("roll"), nullptr);
+    EXPECT_TRUE(reading.extra().empty());
+}
+
+TEST(Reading, says_why_there_are_no_fields) {
+    const support::Bytes some(6);
+    EXPECT_EQ(read(0x77, some).readable(), Readable::unknown_id);
+    EXPECT_EQ(read(0x77, some).message(), nullptr);
+    EXPECT_EQ(read(0x03, some).readable(), Readable::too_short);
+    EXPECT_EQ(read(0x03, some).message()->name, "euler");
+    EXPECT_EQ(read(0x03, some).fixed_size(), 7u);
+    const support::Bytes mode7{7, 0, 0, 0, 0, 0};
+    EXPECT_EQ(read(0x34, mode7).readable(), Readable::unknown_layout);
+    EXPECT_EQ(read(0x51, mode7).readable(), Readable::unknown_layout);
+    EXPECT_EQ(read(0xF0, mode7).readable(), Readable::unknown_layout);
+    EXPECT_EQ(read(0x34, Bytes{}).readable(), Readable::too_short);
+    EXPECT_EQ(read(0xF1, some).readable(), Readable::unknown_layout);
+}
+
+TEST(Reading, keeps_what_stands_behind_the_layout) {
+    const support::Bytes data{1, 2, 3, 4, 5};
+    const Reading reading = read(0x0D, data);
+    ASSERT_TRUE(reading);
+    EXPECT_TRUE(reading.message()->is_base());
+    ASSERT_EQ(reading.extra().size(), 1u);
+    EXPECT_EQ(reading.extra()[0], 5);
+}
+
+TEST(Reading, of_a_list_has_its_whole_elements_and_the_rest_as_extra) {
+    const support::Bytes data{100, 0x39, 0x30, 1, 0, 0x10, 0x27, 2, 0, 9, 8, 7};
+    const Reading reading = read(0x34, data);
+    ASSERT_TRUE(reading);
+    ASSERT_EQ(reading.element_count(), 2u);
+    ASSERT_EQ(reading.element_fields().size(), 2u);
+    EXPECT_EQ(std::get<double>(reading.element(0, reading.element_fields()[0])), 123.45);
+    EXPECT_EQ(std::get<double>(reading.element(1, reading.element_fields()[0])), 100.0);
+    EXPECT_EQ(std::get<std::int64_t>(reading.element(1, reading.element_fields()[1])), 2);
+    EXPECT_EQ(reading.extra().size(), 3u);
+}
+
+TEST(Reading, prefers_the_mode_to_the_length) {
+    const support::Bytes data{100, 1, 0, 2, 0, 9, 9};    // as long as the field variant
+    EXPECT_EQ(read(0x34, data).message()->variant.label, "scan");
+}
+
+TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {
+    const support::Bytes data{0, 0, 0, 0x80, 1, 0, 0, 0, 2, 0, 0, 0};
+    const Reading reading = read(0x32, data);
+    EXPECT_TRUE(std::holds_alternative<Nothing>(reading.value(reading.fields()[0])));
+    EXPECT_TRUE(std::isnan(reading.number(reading.fields()[0])));
+    EXPECT_EQ(reading.number(reading.fields()[1]), 1.0);
+}
+
+// On the heap at exactly its size, so that a sanitizer sees a byte read behind it.
+TEST(Reading, of_any_id_and_any_length_stays_within_its_data) {
+    support::Random random{1};
+    for (unsigned id = 0; id < 256; ++id) {
+        for (std::size_t size = 0; size < 48; ++size) {
+            const auto data = std::make_unique<std::uint8_t[]>(size);
+            for (std::size_t i = 0; i < size; ++i)
+                data[i] = random.one_in(2) ? random.of<std::uint8_t>({0, 1, 2, 16, 100}) : random.byte();
+            const Reading reading = read(static_cast<std::uint8_t>(id), {data.get(), size});
+            if (!reading) continue;
+            std::size_t seen = 0;
+            for (const Field& f : reading.fields()) {
+                seen += reading.bytes_of(f).size();
+                std::visit([](const auto& v) { static_cast<void>(v); }, reading.value(f));
+            }
+            for (std::size_t i = 0; i < reading.element_count(); ++i)
+                for (const Field& f : reading.element_fields()) reading.element(i, f);
+            EXPECT_EQ(seen + reading.extra().size(), size) << id;
+        }
+    }
+}
+
+}    // namespace

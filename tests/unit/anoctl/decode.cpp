@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include <support/anoctl.hpp>
+#include <support/temporary.hpp>
+#include <support/vectors.hpp>
+
+namespace {
+
+using support::anoctl;
+
+const std::string log_hex = "AB DB FE A0 0C 00 02 74 65 73 74 46 75 6E 20 4F 4B 21 F6 1C";
+
+std::string raw(const std::string& hex) {
+    const auto bytes = ano::from_hex(hex).value();
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST(Decode, hex_in_one_argument_or_many) {
+    const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
+    EXPECT_EQ(anoctl({"decode", log_hex}).out, line);
+    std::vector<std::string> words{"decode"};
+    for (std::size_t i = 0; i < log_hex.size(); i += 3) words.push_back(log_hex.substr(i, 2));
+    EXPECT_EQ(anoctl(words).out, line);
+    EXPECT_EQ(anoctl(words).exit, 0);
+    EXPECT_EQ(anoctl(words).err, "");
+}
+
+TEST(Decode, bytes_from_standard_input_and_from_a_file) {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.file("frames.bin", raw(log_hex) + raw(log_hex));
+    const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
+    EXPECT_EQ(anoctl({"decode", file}).out, line + line);
+    EXPECT_EQ(anoctl({"decode", "-"}, raw(log_hex)).out, line);
+    EXPECT_EQ(anoctl({"decode"}, raw(log_hex)).out, line);
+}
+
+TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
+    std::string bytes;
+    std::string expected;
+    std::string hex;
+    for (const auto& v : support::golden_vectors()) {
+        bytes.append(v.bytes.begin(), v.bytes.end());
+        hex += ano::spaced_hex(v.bytes) + "\n";
+    }
+    const auto decoded = anoctl({"decode", "--json", "-"}, bytes);
+    EXPECT_EQ(decoded.exit, 1);    // some are malformed
+    const auto encoded = anoctl({"encode", "-"}, decoded.out);
+    EXPECT_EQ(encoded.exit, 0) << encoded.err;
+    EXPECT_EQ(encoded.out, hex);
+    EXPECT_EQ(anoctl({"encode", "--raw", "-"}, decoded.out).out, bytes);
+}
+
+TEST(Decode, tells_the_offset_of_what_is_damaged) {
+    std::string broken = raw(log_hex);
+    broken[10] = 'X';
+    const auto result = anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
+    EXPECT_EQ(result.exit, 1);
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
+    EXPECT_EQ(result.err,
+              "anoctl: offset 0: 3 bytes of no frame: no frame begins there\n"
+              "anoctl: offset 23: 20 bytes of no frame: the check bytes do not hold\n"
+              "anoctl: offset 63: 9 bytes of no frame: a frame that is cut short\n");
+}
+
+TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {
+    const auto result = anoctl({"encode", "euler", "--data", "0102", "--raw"});
+    const auto decoded = anoctl({"decode", "-"}, result.out);
+    EXPECT_EQ(decoded.exit, 1);
+    EXPECT_EQ(decoded.out, "0xFE 0xFF 0x03 euler data=\"0102\"\n");
+    EXPECT_EQ(decoded.err, "anoctl: offset 0: malformed euler: 2 bytes of data, it has 7 at least\n");
+}
+
+TEST(Decode, an_unknown_id_is_fine) {
+    const auto decoded = anoctl({"decode", "-"}, anoctl({"encode", "0x77", "--data", "01", "--raw"}).out);
+    EXPECT_EQ(decoded.exit, 0);
+    EXPECT_EQ(decoded.out, "0xFE 0xFF 0x77 - data=\"01\"\n");
+}
+
+TEST(Decode, bad_input_gets_words_and_the_right_exit_code) {
+    EXPECT_EQ(anoctl({"decode", "AB D"}).exit, 2);
+    EXPECT_EQ(anoctl({"decode", "ABC"}).err, "anoctl: odd number of hex digits (3): a byte is two\n");
+    EXPECT_EQ(anoctl({"decode", "/no/such/file"}).exit, 2);
+    EXPECT_NE(anoctl({"decode", "/no/such/file"}).err.find("'/no/such/file'"), std::string::npos);
+    EXPECT_EQ(anoctl({"decode", "-"}, "").exit, 1);
+    EXPECT_EQ(anoctl({"decode", "-"}, std::string(10000, '\xAB')).exit, 1);
+    EXPECT_EQ(anoctl({"decode", "-"}, std::string(100000, '\0')).out, "");
+    EXPECT_EQ(anoctl({"decode", "/"}).exit, 1);
+    EXPECT_EQ(anoctl({"decode", "--jsn"}).exit, 2);
+}
+
+TEST(Decode, reads_gbk_when_asked) {
+    const auto frame = anoctl({"encode", "--raw", "--encoding", "gbk", "log", "str=解锁"});
+    EXPECT_EQ(frame.out.size(), 13u);
+    EXPECT_EQ(anoctl({"decode", "-", "--encoding", "gbk"}, frame.out).out,
+              "0xFE 0xFF 0xA0 log color=0 str=\"解锁\" data=\"00bde2cbf8\"\n");
+}
+
+TEST(Decode, knows_flexible_layouts_from_a_configuration) {
+    const support::TemporaryFolder folder;
+    const std::string config = folder.file("anogate.json", R"({// layouts
+        "links": [], "flexible": [{"id": "0xF1", "fields": [{"name": "volts", "type": "i16", "scale": 0.01, "unit": "V"}]}]})");
+    const auto frame = anoctl({"encode", "--config", config, "flexible1", "volts=-1.5", "--raw"});
+    EXPECT_EQ(frame.exit, 0) << frame.err;
+    EXPECT_EQ(anoctl({"decode", "--config", config}, frame.out).out, "0xFE 0xFF 0xF1 flexible1 volts=-1.5\n");
+    EXPECT_EQ(anoctl({"decode"}, frame.out).out, "0xFE 0xFF 0xF1 flexible1 data=\"6aff\"\n");
+    const std::string faulty = folder.file("faulty.json", R"({"flexible": [{"id": 5, "fields": []}]})");
+    const auto refused = anoctl({"decode", "--config", faulty, log_hex});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_NE(refused.err.find("/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"), std::string::npos);
+    EXPECT_EQ(anoctl({"decode", "--config", folder.path("none"), log_hex}).exit, 2);
+    EXPECT_EQ(anoctl({"decode", "--config", folder.file("no.json", "{"), log_hex}).exit, 2);
+}
+
+TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
+    const auto mode = anoctl({"encode", "--raw", "mode", "sflag=2", "--from", "0xDC", "--to", "254"});
+    EXPECT_EQ(anoctl({"decode"}, mode.out, true).out,
+              "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
+              "cid 0         cmd0 0         cmd1 0        \n");
+    const auto colored = anoctl({"decode"}, mode.out, true, true).out;
+    EXPECT_NE(colored.find("\x1b["), std::string::npos);
+    const auto euler = anoctl({"encode", "--raw", "euler", "rol=1.5"});
+    EXPECT_NE(anoctl({"decode"}, euler.out, true).out.find("rol 1.5 °"), std::string::npos);
+    const auto hostile = anoctl({"encode", "--raw", "log", "str=\x1b[2J\xC2\x9B"});
+    EXPECT_EQ(anoctl({"decode"}, hostile.out, true).out.find('\x1b'), std::string::npos);
+    EXPECT_EQ(anoctl({"decode"}, hostile.out).out, "0xFE 0xFF 0xA0 log color=0 str=\"\\u001b[2J\\u009b\"\n");
+}
+
+}    // namespace

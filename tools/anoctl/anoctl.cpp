@@ -1,0 +1,59 @@
+#include "anoctl.hpp"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <exception>
+#include <ostream>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+
+std::span<const Subcommand> subcommands() noexcept {
+    static constexpr std::array<Subcommand, 4> all{{
+        {"decode", "Shows the frames in bytes", add_decode},
+        {"encode", "Makes a frame", add_encode},
+        {"messages", "Shows the messages of the protocol", add_messages},
+        {"monitor", "Shows the frames that come in by a link", add_monitor},
+    }};
+    return all;
+}
+
+int run(int argc, const char* const* argv, Streams& streams) {
+    CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
+    app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
+    app.require_subcommand(1);
+    std::vector<std::pair<CLI::App*, Run>> runs;
+    for (const Subcommand& s : subcommands()) {
+        CLI::App* options = app.add_subcommand(s.name, s.description);
+        runs.emplace_back(options, s.add(*options));
+    }
+    const auto complain = [&](const std::exception& e, int code) {
+        streams.out.flush();
+        streams.err << "anoctl: " << e.what() << std::endl;
+        return code;
+    };
+    try {
+        app.parse(argc, argv);
+        for (const auto& [options, run] : runs) {
+            if (!options->parsed()) continue;
+            const int code = run(streams);
+            if (!streams.out.flush()) throw Failure{"the output can't be written"};
+            return code;
+        }
+        return usage;
+    } catch (const CLI::Success& e) {
+        app.exit(e, streams.out, streams.err);
+        return fine;
+    } catch (const CLI::ParseError& e) {
+        complain(e, usage);
+        streams.err << "Run with --help for more information.\n";
+        return usage;
+    } catch (const UsageError& e) {
+        return complain(e, usage);
+    } catch (const std::exception& e) {
+        return complain(e, failed);
+    }
+}
+
+}  // namespace anoctl

@@ -1,0 +1,58 @@
+// The command-line tool: one file a subcommand, one row in the table of subcommands.
+#pragma once
+#include <functional>
+#include <iosfwd>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace anoctl {
+
+enum Exit : int {
+    fine = 0,
+    failed = 1,    // the work: nothing decoded, no answer, refused
+    usage = 2,
+};
+
+/// Where a subcommand reads and writes.
+struct Streams {
+    int in;    // a file descriptor: live input is read as it comes
+    std::ostream& out;
+    std::ostream& err;
+    bool terminal = false;          // `out` is one: columns
+    bool color = false;             // and colours
+    bool in_is_terminal = false;    // somebody would have to type
+};
+
+/// What the user gave can't be meant: one line on `err`, exit 2.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+/// The work can't be done: one line on `err`, exit 1.
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+using Run = std::function<int(Streams&)>;
+
+struct Subcommand {
+    const char* name;
+    const char* description;
+    Run (*add)(CLI::App& options);    // declares its options; what it returns is run when the subcommand is chosen
+};
+
+Run add_decode(CLI::App& options);
+Run add_encode(CLI::App& options);
+Run add_messages(CLI::App& options);
+Run add_monitor(CLI::App& options);
+
+std::span<const Subcommand> subcommands() noexcept;
+
+/// The whole program but for its process. Returns what it exits with.
+int run(int argc, const char* const* argv, Streams& streams);
+
+}  // namespace anoctl

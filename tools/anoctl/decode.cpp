@@ -1,0 +1,180 @@
+// anoctl decode [HEX|FILE|-]: bytes to frames.
+#include "anoctl.hpp"
+#include "frame_printer.hpp"
+
+#include <ano/parser.hpp>
+#include <ano_json/hex.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace ano;
+using Bytes = std::span<const std::uint8_t>;
+
+/// Shows frames as their bytes come in, and what stands between them.
+class Decoder {
+public:
+    Decoder(Streams& streams, const FrameOptions& options)
+        : streams_{streams}, printer_{streams, options}, parser_{[] {
+              FrameParser::Options o;
+              o.max_data = largest_data;
+              return o;
+          }()} {}
+
+    void put_in(Bytes bytes) {
+        while (!bytes.empty()) {
+            const auto room = parser_.prepare();
+            const std::size_t n = std::min(room.size(), bytes.size());
+            std::copy_n(bytes.begin(), n, room.begin());
+            parser_.commit(n, Clock::now());
+            bytes = bytes.subspan(n);
+            show();
+        }
+    }
+    /// Bytes as they come, until there are no more.
+    void read_all(int fd, const std::string& name) {
+        std::vector<std::uint8_t> buffer(65536);
+        while (true) {
+            if (!wait_for_input(fd)) continue;
+            const ssize_t n = ::read(fd, buffer.data(), buffer.size());
+            if (n < 0 && errno == EINTR) continue;
+            if (n < 0) throw Failure{name + ": " + std::strerror(errno)};
+            if (n == 0) return;
+            put_in({buffer.data(), static_cast<std::size_t>(n)});
+            streams_.out.flush();
+        }
+    }
+    /// The end of the input. Returns what to exit with.
+    int finish() {
+        parser_.finish();
+        show();
+        const std::uint64_t end = parser_.counters().bytes_in;
+        gap_until(end);
+        if (parser_.counters().frames_in == 0 && end == 0) complain() << "no bytes\n";
+        return damaged_ || parser_.counters().frames_in == 0 ? failed : fine;
+    }
+
+private:
+    // False: nothing came, but a candidate that held frames back was given up.
+    bool wait_for_input(int fd) {
+        const auto deadline = parser_.deadline();
+        if (!deadline) return true;
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - Clock::now()).count();
+        pollfd input{fd, POLLIN, 0};
+        if (poll(&input, 1, static_cast<int>(std::max<std::int64_t>(left, 0))) != 0) return true;
+        if (parser_.expire(Clock::now())) show();
+        streams_.out.flush();
+        return false;
+    }
+    void show() {
+        while (const auto frame = parser_.next()) {
+            gap_until(good_ + parser_.counters().skipped_bytes);
+            printer_.print(*frame);
+            if (const std::string wrong = malformation(*frame, printer_.layouts()); !wrong.empty()) {
+                complain() << "offset " << told_ << ": " << wrong << '\n';
+                damaged_ = true;
+            }
+            good_ += frame->bytes().size();
+            told_ += frame->bytes().size();
+        }
+    }
+    void gap_until(std::uint64_t end) {
+        const ParserCounters& now = parser_.counters();
+        if (end > told_) {
+            const std::uint64_t bytes = end - told_;
+            complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes")
+                       << " of no frame: " << cause(now) << '\n';
+            damaged_ = true;
+        }
+        told_ = end;
+        before_ = now;
+    }
+    const char* cause(const ParserCounters& now) const {
+        if (now.v7_frames > before_.v7_frames) return "frames of protocol version 7 (0xAA) among them";
+        if (now.bad_check > before_.bad_check) return "the check bytes do not hold";
+        if (now.expired > before_.expired) return "a frame that is cut short";
+        return "no frame begins there";
+    }
+    std::ostream& complain() {
+        streams_.out.flush();
+        return streams_.err << "anoctl: ";
+    }
+
+    Streams& streams_;
+    FramePrinter printer_;
+    FrameParser parser_;
+    std::uint64_t told_ = 0;    // everything before this offset was told
+    std::uint64_t good_ = 0;    // bytes of good frames
+    ParserCounters before_;     // at the last gap
+    bool damaged_ = false;
+};
+
+struct Decode {
+    std::vector<std::string> input;
+    FrameOptions frames;
+
+    int run(Streams& streams) const {
+        Decoder decoder{streams, frames};
+        std::string joined;
+        for (const std::string& word : input) joined += word + " ";
+        const bool from_stdin = input.empty() || (input.size() == 1 && input[0] == "-");
+        if (from_stdin) {
+            if (input.empty() && streams.in_is_terminal) throw UsageError{"give hex digits, a file, or - for standard input"};
+            decoder.read_all(streams.in, "standard input");
+        } else if (const auto bytes = from_hex(joined)) {
+            decoder.put_in(*bytes);
+        } else {
+            read_file(decoder);
+        }
+        return decoder.finish();
+    }
+
+private:
+    void read_file(Decoder& decoder) const {
+        const std::string& path = input[0];
+        const int fd = input.size() == 1 ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
+        if (fd < 0) throw UsageError{complaint()};
+        const std::unique_ptr<const int, void (*)(const int*)> closer{&fd, [](const int* p) { close(*p); }};
+        decoder.read_all(fd, path);
+    }
+    std::string complaint() const {
+        std::size_t digits = 0;
+        for (const std::string& word : input) {
+            for (const char c : word) {
+                if (std::isxdigit(static_cast<unsigned char>(c))) ++digits;
+                else if (!std::isspace(static_cast<unsigned char>(c)))
+                    return input.size() > 1 || errno == ENOENT
+                               ? in_quotes(word) + " is neither hex digits nor a file (a byte is two digits, without 0x)"
+                               : in_quotes(word) + ": " + std::strerror(errno);
+            }
+        }
+        return digits % 2 == 1 ? "odd number of hex digits (" + std::to_string(digits) + "): a byte is two"
+                               : "hex digits of one byte stand apart: a byte is two together";
+    }
+};
+
+}  // namespace
+
+Run add_decode(CLI::App& options) {
+    const auto self = std::make_shared<Decode>();
+    options.add_option("input", self->input, "Hex digits, a file of bytes, or - for bytes on standard input")
+        ->option_text("[HEX|FILE|-]");
+    FrameOptions::add(options, self->frames);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}  // namespace anoctl

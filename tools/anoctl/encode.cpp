@@ -1,0 +1,149 @@
+// anoctl encode NAME FIELD=VALUE...: values to a frame.
+#include "anoctl.hpp"
+#include "frame_printer.hpp"
+
+#include <ano/reading.hpp>
+#include <ano_json/hex.hpp>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace ano;
+
+std::string everything(int fd) {
+    std::string text;
+    std::vector<char> buffer(65536);
+    while (true) {
+        const ssize_t n = ::read(fd, buffer.data(), buffer.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw Failure{std::string{"standard input: "} + std::strerror(errno)};
+        if (n == 0) return text;
+        text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+}
+
+Json parsed(std::string_view text, const std::string& what) {
+    try {
+        return Json::parse(text);
+    } catch (const nlohmann::json::exception& e) {
+        throw UsageError{what + ": it is not JSON: " + e.what()};
+    }
+}
+
+struct Encode {
+    std::string name;
+    std::vector<std::string> fields;
+    std::string from = "254";
+    std::string to = "255";
+    std::optional<std::string> data;
+    bool raw = false;
+    FrameOptions frames;
+
+    int run(Streams& streams) const {
+        const FlexibleLayouts layouts = frames.layouts();
+        const JsonOptions options{&layouts, frames.encoding};
+        if (name == "-") return encode_lines(streams, options);
+        write(streams, encoded(frame(), options, ""));
+        return fine;
+    }
+
+private:
+    // What `decode --json` prints: one object a line.
+    int encode_lines(Streams& streams, const JsonOptions& options) const {
+        if (!fields.empty() || data) throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
+        std::istringstream input{everything(streams.in)};
+        std::string line;
+        for (std::size_t number = 1; std::getline(input, line); ++number) {
+            if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+            const std::string where = "line " + std::to_string(number);
+            write(streams, encoded(parsed(line, where), options, where + ": "));
+        }
+        return fine;
+    }
+
+    Json frame() const {
+        Json json{{"from", from}, {"to", to}};
+        const auto id = message_id(name);
+        if (const auto* fault = std::get_if<JsonFault>(&id)) throw UsageError{fault->what};
+        json["id"] = std::get<std::uint8_t>(id);
+        if (data) json["data"] = *data;
+        if (data && !fields.empty()) throw UsageError{"--data is the whole of DATA: no FIELD=VALUE beside it"};
+        Json given = Json::object();
+        for (const std::string& word : fields) {
+            const std::size_t equals = word.find('=');
+            if (equals == std::string::npos || equals == 0) throw UsageError{in_quotes(word) + " is not FIELD=VALUE"};
+            const std::string field = word.substr(0, equals);
+            if (given.contains(field)) throw UsageError{in_quotes(field) + " is given twice"};
+            given[field] = value(std::get<std::uint8_t>(id), field, word.substr(equals + 1));
+        }
+        if (!given.empty() || !data) json["fields"] = std::move(given);
+        return json;
+    }
+
+    static Field field_called(std::uint8_t id, const std::string& name) {
+        for (const Message& row : layouts_of(id))
+            if (const Field* f = row.field(name)) return *f;
+        return {};
+    }
+    // Numbers stay text: the encoder reads them as C writes them.
+    static Json value(std::uint8_t id, const std::string& name, const std::string& text) {
+        const Field field = field_called(id, name);
+        if (field.type == Type::text || field.type == Type::bytes || field.type == Type::ip) return text;
+        if (text.starts_with('[')) return parsed(text, name);
+        if (is_number(field.type) && field.count == 1 && text == "null") return nullptr;
+        if (!is_number(field.type) || field.count == 1) return text;
+        Json list = Json::array();    // 1,4,7
+        std::istringstream parts{text};
+        for (std::string part; std::getline(parts, part, ',');) list.push_back(part);
+        return list;
+    }
+
+    static std::vector<std::uint8_t> encoded(const Json& json, const JsonOptions& options, const std::string& where) {
+        auto frame = frame_from_json(json, options);
+        if (const auto* fault = std::get_if<JsonFault>(&frame)) throw UsageError{where + fault->what};
+        return std::move(std::get<0>(frame));
+    }
+    void write(Streams& streams, const std::vector<std::uint8_t>& bytes) const {
+        if (raw) {
+            for (const std::uint8_t byte : bytes) streams.out.put(static_cast<char>(byte));
+        } else if (frames.json) {
+            streams.out << Json{{"hex", hex(bytes)}}.dump() << '\n';
+        } else {
+            streams.out << spaced_hex(bytes) << '\n';
+        }
+    }
+};
+
+}  // namespace
+
+Run add_encode(CLI::App& options) {
+    const auto self = std::make_shared<Encode>();
+    options.add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
+        ->required()
+        ->option_text("NAME");
+    options.add_option("fields", self->fields, "Values in the unit of the field; what is left out is 0 or empty")
+        ->option_text("FIELD=VALUE...");
+    options.add_option("--from", self->from, "Who sends it (default 254)")->option_text("ADDRESS");
+    options.add_option("--to", self->to, "Who it is for (default 255: everybody)")->option_text("ADDRESS");
+    options.add_option("--data", self->data, "The whole of DATA in hex digits, in place of fields")->option_text("HEX");
+    auto* raw = options.add_flag("--raw", self->raw, "Bytes in place of hex digits");
+    FrameOptions::add(options, self->frames);
+    raw->excludes("--json");
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}  // namespace anoctl

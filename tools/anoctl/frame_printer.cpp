@@ -1,0 +1,162 @@
+#include "frame_printer.hpp"
+
+#include <ano/address.hpp>
+#include <ano/reading.hpp>
+#include <ano_json/flexible_json.hpp>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <ostream>
+#include <string_view>
+
+namespace anoctl {
+namespace {
+
+using namespace ano;
+
+constexpr const char* bold = "\x1b[1m";
+constexpr const char* dim = "\x1b[2m";
+constexpr const char* red = "\x1b[31m";
+constexpr const char* cyan = "\x1b[36m";
+
+std::string hex_byte(std::uint8_t byte) {
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "0x%02X", byte);
+    return text.data();
+}
+
+std::string padded(std::string text, std::size_t columns) {
+    std::size_t characters = 0;
+    for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    if (characters < columns) text.append(columns - characters, ' ');
+    return text;
+}
+
+std::string shown(const Json& value) {
+    if (value.is_string()) return in_quotes(value.get_ref<const std::string&>(), '"');
+    if (value.is_number_float()) return number_text(value.get<double>());
+    return value.dump(-1, ' ', true);
+}
+
+// Bytes and addresses need no quotation marks.
+std::string shown(const Json& value, const Field* field) {
+    const bool bare = field != nullptr && (field->type == Type::bytes || field->type == Type::ip) && value.is_string();
+    return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : shown(value);
+}
+
+const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
+
+// "14:03:07.123"
+std::string clock_text(double time) {
+    const auto seconds = static_cast<std::time_t>(time);
+    std::tm local{};
+    localtime_r(&seconds, &local);
+    std::array<char, 40> text{};
+    std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
+                  static_cast<int>((time - static_cast<double>(seconds)) * 1000));
+    return text.data();
+}
+
+}  // namespace
+
+void FrameOptions::add(CLI::App& options, FrameOptions& self) {
+    options.add_flag("--json", self.json, "One JSON object a line");
+    const std::map<std::string, Encoding> encodings{{"utf8", Encoding::utf8}, {"gbk", Encoding::gbk}};
+    options.add_option("--encoding", self.encoding, "What text on the wire is written in: utf8 (default) or gbk")
+        ->transform(CLI::CheckedTransformer(encodings, CLI::ignore_case))
+        ->option_text("utf8|gbk");
+    options.add_option("--config", self.config, "A gateway's configuration, for its layouts of flexible messages")
+        ->option_text("FILE");
+}
+
+FlexibleLayouts FrameOptions::layouts() const {
+    FlexibleLayouts layouts;
+    if (config.empty()) return layouts;
+    std::ifstream file{config};
+    if (!file) throw UsageError{"--config " + config + ": it can't be read"};
+    const std::string text{std::istreambuf_iterator<char>{file}, {}};
+    nlohmann::json whole;
+    try {
+        whole = nlohmann::json::parse(text, nullptr, true, true);
+    } catch (const nlohmann::json::exception& e) {
+        throw UsageError{"--config " + config + ": it is not JSON: " + e.what()};
+    }
+    if (!whole.is_object()) throw UsageError{"--config " + config + ": it is not an object"};
+    if (!whole.contains("flexible")) return layouts;
+    for (const JsonFault& fault : add_flexible(whole["flexible"], "/flexible", layouts))
+        throw UsageError{"--config " + config + ": " + fault.pointer + ": " + fault.what};
+    return layouts;
+}
+
+FramePrinter::FramePrinter(Streams& streams, const FrameOptions& options)
+    : streams_{streams}, json_{options.json}, layouts_{options.layouts()}, options_{&layouts_, options.encoding} {}
+
+void FramePrinter::print(FrameView frame, const std::string& link, double time) {
+    Json json = frame_to_json(frame, options_);
+    if (json_) {
+        if (!link.empty()) {
+            json["time"] = time;
+            json["link"] = link;
+        }
+        streams_.out << json.dump() << '\n';
+        return;
+    }
+    if (!link.empty()) streams_.out << colored(dim, clock_text(time)) << ' ' << link << ' ';
+    if (streams_.terminal) columns(frame, json);
+    else plain(frame, json);
+}
+
+// 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: what stands behind the id is what `encode` takes.
+void FramePrinter::plain(FrameView frame, const Json& json) {
+    const Reading reading = read(frame, &layouts_);
+    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
+                 << json.value("name", "-");
+    if (json.contains("fields"))
+        for (const auto& [name, value] : json["fields"].items())
+            streams_.out << ' ' << name << '=' << shown(value, field_of(reading, name));
+    for (const char* key : {"extra", "data"})
+        if (json.contains(key)) streams_.out << ' ' << key << '=' << shown(json[key]);
+    streams_.out << '\n';
+}
+
+void FramePrinter::columns(FrameView frame, const Json& json) {
+    const Reading reading = read(frame, &layouts_);
+    const auto who = [](std::uint8_t a) { return hex_byte(a) + " " + std::string{address::who(a)}; };
+    streams_.out << padded(who(frame.source()), 22) << " → " << padded(who(frame.destination()), 22) << ' '
+                 << colored(dim, hex_byte(frame.id())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
+    if (json.contains("fields")) {
+        for (const auto& [name, value] : json["fields"].items()) {
+            const Field* f = field_of(reading, name);
+            std::string text = shown(value, f);
+            if (f != nullptr && !value.is_null() && !f->unit.empty()) text.append(" ").append(f->unit);
+            if (f != nullptr && value.is_number_integer() && value.get<std::int64_t>() >= 0)
+                if (const auto meaning = f->meaning(value.get<std::uint64_t>()); !meaning.empty())
+                    text.append(" (").append(meaning).append(")");
+            const std::size_t room = f != nullptr && is_number(f->type) ? 9 : 0;
+            streams_.out << ' ' << colored(dim, name) << ' ' << colored(bold, padded(text, room));
+        }
+    }
+    for (const char* key : {"extra", "data"})
+        if (json.contains(key)) streams_.out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
+    const std::string wrong = malformation(frame, layouts_);
+    if (!wrong.empty()) streams_.out << ' ' << colored(red, wrong);
+    streams_.out << '\n';
+}
+
+std::string FramePrinter::colored(const char* color, const std::string& text) const {
+    return streams_.color ? color + text + "\x1b[0m" : text;
+}
+
+std::string malformation(FrameView frame, const FlexibleLayouts& layouts) {
+    const Reading reading = read(frame, &layouts);
+    if (reading.readable() != Readable::too_short) return {};
+    return "malformed " + std::string{reading.message()->name} + ": " + std::to_string(frame.data().size()) +
+           " bytes of data, it has " + std::to_string(reading.fixed_size()) + " at least";
+}
+
+}  // namespace anoctl

@@ -1,0 +1,49 @@
+// A frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
+#pragma once
+#include "anoctl.hpp"
+
+#include <ano/flexible.hpp>
+#include <ano_json/frame_json.hpp>
+
+#include <memory>
+#include <string>
+
+namespace anoctl {
+
+/// The options of every subcommand that shows or makes frames.
+struct FrameOptions {
+    bool json = false;
+    ano::Encoding encoding = ano::Encoding::utf8;
+    std::string config;    // where the layouts of flexible messages come from
+
+    /// `self` lives as long as the run.
+    static void add(CLI::App& options, FrameOptions& self);
+    /// Throws UsageError when `config` can't be read.
+    ano::FlexibleLayouts layouts() const;
+};
+
+class FramePrinter {
+public:
+    FramePrinter(Streams& streams, const FrameOptions& options);
+    FramePrinter(const FramePrinter&) = delete;
+    FramePrinter& operator=(const FramePrinter&) = delete;
+
+    /// One line. `link`, when not empty, says where the frame came from, and `time` when (seconds since 1970).
+    void print(ano::FrameView frame, const std::string& link = {}, double time = 0);
+    const ano::FlexibleLayouts& layouts() const noexcept { return layouts_; }
+
+private:
+    void plain(ano::FrameView frame, const ano::Json& json);
+    void columns(ano::FrameView frame, const ano::Json& json);
+    std::string colored(const char* color, const std::string& text) const;
+
+    Streams& streams_;
+    bool json_;
+    ano::FlexibleLayouts layouts_;
+    ano::JsonOptions options_;
+};
+
+/// What is wrong with DATA of a frame, in a clause; empty when it is fine or of no known message.
+std::string malformation(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
+
+}  // namespace anoctl

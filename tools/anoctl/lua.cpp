@@ -1,0 +1,308 @@
+// The rows as a Lua table, and the engine that walks it.
+#include "reference.hpp"
+
+#include <ano/messages.hpp>
+#include <ano_json/text.hpp>
+
+#include <ostream>
+#include <string>
+#include <string_view>
+
+namespace anoctl {
+namespace {
+
+using namespace ano;
+
+constexpr const char* head_text = R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
+-- Use: tshark -X lua_script:FILE, or copy it to Wireshark's folder of personal Lua plugins.
+
+local ano = Proto("ano", "ANO V8")
+
+-- Every layout: id, name, title, exact length (0: any), size of the fixed part, source (flexible messages), fields.
+-- A field: name, filter name, type, count (0: to the end), offset, wire and value of the scale, and what else it has.
+local rows = {
+)lua";
+
+constexpr const char* engine = R"lua(}
+
+local width = {u8 = 1, i8 = 1, u16 = 2, i16 = 2, u32 = 4, i32 = 4, u64 = 8, i64 = 8, f32 = 4, f64 = 8,
+               text = 1, bytes = 1, ip = 4, frames = 1, list = 1}
+local integer = {u8 = "uint8", i8 = "int8", u16 = "uint16", i16 = "int16", u32 = "uint32", i32 = "int32",
+                 u64 = "uint64", i64 = "int64"}
+
+local header = {
+    source = ProtoField.uint8("ano.source", "Source", base.HEX),
+    destination = ProtoField.uint8("ano.destination", "Destination", base.HEX),
+    id = ProtoField.uint8("ano.id", "Id", base.HEX),
+    name = ProtoField.string("ano.name", "Name"),
+    length = ProtoField.uint16("ano.length", "Length"),
+    sum = ProtoField.uint8("ano.sum", "Sum check", base.HEX),
+    add = ProtoField.uint8("ano.add", "Additional check", base.HEX),
+    extra = ProtoField.bytes("ano.extra", "Extra"),
+    data = ProtoField.bytes("ano.data", "Data"),
+    junk = ProtoField.bytes("ano.junk", "Bytes of no frame"),
+}
+local malformed = ProtoExpert.new("ano.malformed", "Fewer bytes than the layout has", expert.group.MALFORMED,
+                                  expert.severity.ERROR)
+local all_fields = {}
+for _, field in pairs(header) do all_fields[#all_fields + 1] = field end
+
+local function is_scaled(f) return f.wire ~= f.value end
+
+local function declare(f)
+    if f.type == "frames" or f.type == "list" then return end
+    if f.type == "text" then f.proto = ProtoField.string(f.filter, f.name)
+    elseif f.type == "bytes" then f.proto = ProtoField.bytes(f.filter, f.name)
+    elseif f.type == "ip" then f.proto = ProtoField.ipv4(f.filter, f.name)
+    elseif is_scaled(f) or not integer[f.type] then f.proto = ProtoField.double(f.filter, f.name)
+    else f.proto = ProtoField[integer[f.type]](f.filter, f.name, base.DEC, f.meanings) end
+    all_fields[#all_fields + 1] = f.proto
+end
+
+local by_id = {}
+for _, row in ipairs(rows) do
+    for _, f in ipairs(row.fields) do declare(f) end
+    for _, f in ipairs(row.element or {}) do declare(f) end
+    by_id[row.id] = by_id[row.id] or {}
+    table.insert(by_id[row.id], row)
+end
+ano.fields = all_fields
+ano.experts = {malformed}
+
+local function load(range, t)
+    if t == "i8" then return range:int() end
+    if t == "f32" or t == "f64" then return range:le_float() end
+    if t == "u64" then return range:le_uint64() end
+    if t == "i64" then return range:le_int64() end
+    if t == "i16" or t == "i32" then return range:le_int() end
+    return range:le_uint()
+end
+
+local function add_number(tree, f, range)
+    local wire = load(range, f.type)
+    if f.no_data and wire == f.no_data then
+        tree:add(range, f.name .. ": no data")
+        return
+    end
+    local item
+    if is_scaled(f) then item = tree:add(f.proto, range, wire * f.value / f.wire)
+    elseif integer[f.type] then item = tree:add_le(f.proto, range)
+    else item = tree:add(f.proto, range, wire) end
+    if f.unit then item:append_text(" " .. f.unit) end
+end
+
+local function add_text(tree, f, range)
+    local text = range:raw()
+    local nul = text:find("\0", 1, true)
+    local size = nul and nul - 1 or #text
+    if size > 0 then tree:add(f.proto, range, range(0, size):string(ENC_UTF_8))
+    else tree:add(f.proto, range, "") end
+end
+
+local dissect_frames
+
+local function add_field(tree, row, f, data, pinfo, inside)
+    local size = f.count == 0 and data:len() - f.offset or width[f.type] * f.count
+    if size == 0 then return end
+    local range = data(f.offset, size)
+    if f.type == "text" then add_text(tree, f, range)
+    elseif f.type == "bytes" or f.type == "ip" then tree:add(f.proto, range)
+    elseif f.type == "frames" then
+        if inside then tree:add(header.data, range) else dissect_frames(range, pinfo, tree, true) end
+    elseif f.type == "list" then
+        for at = 0, size - row.element_size, row.element_size do
+            local point = tree:add(range(at, row.element_size), f.name)
+            for _, e in ipairs(row.element) do add_number(point, e, range(at + e.offset, width[e.type])) end
+        end
+    else
+        for at = 0, size - width[f.type], width[f.type] do add_number(tree, f, range(at, width[f.type])) end
+    end
+end
+
+local function fits(row, source, data, length)
+    if row.source and row.source ~= source then return false end
+    if row.length ~= 0 and row.length ~= length then return false end
+    for _, f in ipairs(row.fields) do
+        if f.first then
+            if length < f.offset + width[f.type] then return false end
+            local value = data(f.offset, width[f.type]):le_uint()
+            if value < f.first or value > f.last then return false end
+        end
+    end
+    return true
+end
+
+-- The base layout stands first and is asked last.
+local function select(id, source, data, length)
+    local layouts = by_id[id] or {}
+    for i = 2, #layouts do
+        if fits(layouts[i], source, data, length) then return layouts[i] end
+    end
+    if layouts[1] and fits(layouts[1], source, data, length) then return layouts[1] end
+end
+
+local function behind(row, length)
+    local last = row.fields[#row.fields]
+    if not last or last.count ~= 0 then return length - row.size end
+    return last.type == "list" and (length - row.size) % row.element_size or 0
+end
+
+local function dissect_frame(frame, pinfo, tree, inside)
+    local id, length = frame(3, 1):uint(), frame(4, 2):le_uint()
+    local layouts = by_id[id]
+    local name = layouts and layouts[1].name or string.format("0x%02X", id)
+    local item = tree:add(ano, frame, string.format("ANO V8 %s, 0x%02X to 0x%02X", name, frame(1, 1):uint(), frame(2, 1):uint()))
+    item:add(header.source, frame(1, 1))
+    item:add(header.destination, frame(2, 1))
+    item:add(header.id, frame(3, 1))
+    if layouts then item:add(header.name, frame(3, 1), name) end
+    item:add_le(header.length, frame(4, 2))
+    local data = length > 0 and frame(6, length):tvb() or nil
+    local row = select(id, frame(1, 1):uint(), data, length)
+    if row and #row.fields > 0 and length >= row.size then
+        local extra = behind(row, length)
+        for _, f in ipairs(row.fields) do
+            if data then
+                local whole = f.type == "list" and extra > 0 and data(0, length - extra):tvb() or data
+                add_field(item, row, f, whole, pinfo, inside)
+            end
+        end
+        if extra > 0 then item:add(header.extra, frame(6 + length - extra, extra)) end
+    else
+        if length > 0 then item:add(header.data, frame(6, length)) end
+        if row and length < row.size then item:add_proto_expert_info(malformed) end
+    end
+    item:add(header.sum, frame(6 + length, 1))
+    item:add(header.add, frame(7 + length, 1))
+    return name
+end
+
+-- The length of the whole frame at `at` of the bytes `raw`, if both checks hold.
+local function frame_length(raw, at)
+    if #raw - at < 8 or raw:byte(at + 1) ~= 0xAB then return end
+    local length = raw:byte(at + 5) + 256 * raw:byte(at + 6) + 8
+    if at + length > #raw then return end
+    local sum, add = 0, 0
+    for i = at + 1, at + length - 2 do
+        sum = (sum + raw:byte(i)) % 256
+        add = (add + sum) % 256
+    end
+    if raw:byte(at + length - 1) == sum and raw:byte(at + length) == add then return length end
+end
+
+-- Names of the frames found.
+dissect_frames = function(range, pinfo, tree, inside)
+    local raw, at, told, names = range:raw(), 0, 0, {}
+    while at < #raw do
+        local length = frame_length(raw, at)
+        if length then
+            if at > told then tree:add(header.junk, range(told, at - told)) end
+            names[#names + 1] = dissect_frame(range(at, length), pinfo, tree, inside)
+            at = at + length
+            told = at
+        else
+            at = at + 1
+        end
+    end
+    if at > told then tree:add(header.junk, range(told, at - told)) end
+    return names
+end
+
+function ano.dissector(tvb, pinfo, tree)
+    if tvb:len() == 0 then return 0 end
+    pinfo.cols.protocol = "ANO V8"
+    pinfo.cols.info = table.concat(dissect_frames(tvb(), pinfo, tree, false), ", ")
+    return tvb:len()
+end
+
+for _, port in ipairs({12333, 6669, 6670}) do DissectorTable.get("udp.port"):add(port, ano) end
+ano:register_heuristic("udp", function(tvb, pinfo, tree)
+    if tvb:len() == 0 or not frame_length(tvb():raw(), 0) then return false end
+    ano.dissector(tvb, pinfo, tree)
+    return true
+end)
+)lua";
+
+std::string lua_text(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') out += {'\\', c};
+        else if (byte < 0x20 || byte == 0x7F) out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
+        else out += c;
+    }
+    return out + '"';
+}
+
+// Wireshark takes ASCII letters, digits, '-', '_' and '.' in a filter name.
+std::string filter_part(std::string_view name, std::size_t position) {
+    std::string out;
+    for (const char c : name) {
+        const bool ok = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+        if (ok) out += c;
+        else if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
+    }
+    return out.size() == name.size() ? out : "value" + std::to_string(position);
+}
+
+void write_field(std::ostream& out, const Field& f, const std::string& filter) {
+    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \"" << name_of(f.type)
+        << "\", count = " << f.count << ", offset = " << f.offset << ", wire = " << number_text(f.scale.wire)
+        << ", value = " << number_text(f.scale.value);
+    if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
+    if (f.no_data) out << ", no_data = " << *f.no_data;
+    if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;
+    if (!f.meanings.empty()) {
+        out << ",\n         meanings = {";
+        for (const Meaning& m : f.meanings) out << '[' << m.value << "] = " << lua_text(m.text) << ", ";
+        out << '}';
+    }
+    out << "},\n";
+}
+
+void write_fields(std::ostream& out, std::span<const Field> fields, const std::string& prefix) {
+    for (std::size_t i = 0; i < fields.size(); ++i)
+        write_field(out, fields[i], prefix + "." + filter_part(fields[i].name, i + 1));
+}
+
+void write_row(std::ostream& out, const Message& row) {
+    std::string prefix = "ano." + std::string{row.name};
+    if (!row.is_base()) prefix += "." + std::string{row.variant.label};
+    out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
+        << ", length = " << row.variant.length << ", size = " << row.fixed_size << ", fields = {\n";
+    write_fields(out, row.fields(), prefix);
+    out << "    }";
+    if (!row.element().empty()) {
+        out << ", element_size = " << row.element_size << ", element = {\n";
+        write_fields(out, row.element(), prefix);
+        out << "    }";
+    }
+    out << "},\n";
+}
+
+void write_layout(std::ostream& out, const FlexibleLayout& layout) {
+    const Message& row = *find_message(layout.id());
+    std::string prefix = "ano." + std::string{row.name};
+    out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", length = 0, size = " << layout.size();
+    if (layout.source()) {
+        prefix += "." + std::to_string(*layout.source());
+        out << ", source = " << +*layout.source();
+    }
+    out << ", fields = {\n";
+    write_fields(out, layout.fields(), prefix);
+    out << "    }},\n";
+}
+
+}  // namespace
+
+void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
+    out << head_text;
+    for (const Message& row : messages) write_row(out, row);
+    // The layout of a source is asked before the one for all.
+    for (const bool with_source : {true, false})
+        for (const FlexibleLayout& layout : flexible.all())
+            if (layout.source().has_value() == with_source) write_layout(out, layout);
+    out << engine;
+}
+
+}  // namespace anoctl

@@ -1,0 +1,81 @@
+// anoctl messages: the table itself.
+#include "anoctl.hpp"
+#include "frame_printer.hpp"
+#include "reference.hpp"
+
+#include <ano/messages.hpp>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace ano;
+
+void write_row(std::ostream& out, const Message& row, bool color) {
+    std::array<char, 64> start{};
+    std::snprintf(start.data(), start.size(), "0x%02X %-16.*s %-9.*s", row.id, static_cast<int>(row.name.size()),
+                  row.name.data(), static_cast<int>(name_of(row.traffic.traffic_class).size()),
+                  name_of(row.traffic.traffic_class).data());
+    out << start.data() << ' ' << row.title << (color ? "\x1b[2m" : "") << ':';
+    for (const Field& f : row.fields()) out << ' ' << f.name;
+    if (row.fields().empty()) out << " as configured";
+    out << (color ? "\x1b[0m" : "") << '\n';
+}
+
+struct Messages {
+    std::vector<std::string> names;
+    bool markdown = false, json = false, lua = false;
+    std::string config;
+
+    int run(Streams& streams) const {
+        FrameOptions options;
+        options.config = config;
+        if (markdown) write_markdown(streams.out);
+        else if (lua) write_lua(streams.out, options.layouts());
+        else
+            for (const Message& row : chosen()) {
+                if (json) streams.out << describe(row).dump() << '\n';
+                else write_row(streams.out, row, streams.color);
+            }
+        return fine;
+    }
+
+private:
+    std::vector<Message> chosen() const {
+        if (names.empty()) return {messages.begin(), messages.end()};
+        std::vector<Message> rows;
+        for (const std::string& name : names) {
+            const auto id = message_id(name);
+            if (const auto* fault = std::get_if<JsonFault>(&id)) throw UsageError{fault->what};
+            const auto layouts = layouts_of(std::get<std::uint8_t>(id));
+            if (layouts.empty()) throw UsageError{"id " + name + " is not listed"};
+            rows.insert(rows.end(), layouts.begin(), layouts.end());
+        }
+        return rows;
+    }
+};
+
+}  // namespace
+
+Run add_messages(CLI::App& options) {
+    const auto self = std::make_shared<Messages>();
+    options.add_option("names", self->names, "Only these messages, by name or id")->option_text("[NAME...]");
+    auto* markdown = options.add_flag("--markdown", self->markdown, "The protocol reference");
+    auto* json = options.add_flag("--json", self->json, "One JSON object a layout, one a line");
+    auto* lua = options.add_flag("--lua", self->lua, "A Wireshark dissector: tshark -X lua_script:FILE");
+    options.add_option("--config", self->config, "With --lua: a gateway's configuration, for its flexible messages")
+        ->option_text("FILE");
+    markdown->excludes(json)->excludes(lua);
+    json->excludes(lua);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}  // namespace anoctl

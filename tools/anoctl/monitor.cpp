@@ -1,0 +1,209 @@
+// anoctl monitor LINK: the frames that come in by a link of our own.
+#include "anoctl.hpp"
+#include "frame_printer.hpp"
+
+#include <daemon/config.hpp>
+#include <link/asio.hpp>
+#include <link/kinds.hpp>
+
+#include <CLI/CLI.hpp>
+#include <bitset>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace anogate;
+
+constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
+constexpr Duration stream_quiet = std::chrono::milliseconds{50};
+
+using IdSet = std::bitset<256>;
+
+struct Filter {
+    IdSet ids, from, to;
+
+    bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
+};
+
+/// The one link's gateway: shows what it receives, sends nothing.
+class Monitor final : public LinkHost {
+public:
+    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
+        : filter_{filter},
+          left_{count},
+          streams_{streams},
+          printer_{streams, frames},
+          link_{make_link(LinkId{0}, settings, {io_, alarms_, *this, batch_})} {}
+
+    int run() {
+        asio::signal_set signals{io_, SIGINT, SIGTERM};
+        signals.async_wait([this](error_code ec, int) {
+            if (!ec) stop();
+        });
+        link_->start();
+        io_.run();
+        complain() << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown of " << seen_ << ", " << skipped()
+                   << " bytes of no frame\n";
+        return fine;
+    }
+
+private:
+    Channel* open_channel(Link& link, std::string peer) override {
+        std::size_t i = 0;
+        while (i < channels_.size() && channels_[i]) ++i;
+        if (i == most_channels) return nullptr;
+        if (i == channels_.size()) channels_.emplace_back();
+        const LinkSettings& s = link.settings();
+        const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
+        channels_[i].reset(new Channel{static_cast<ChannelId>(i), link.id(), std::move(peer),
+                                       ano::FrameParser{{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet}},
+                                       Outbox{{s.queue, s.max_data}}, {}, now_, {}, {}});
+        return channels_[i].get();
+    }
+    void close_channel(Channel& channel) override {
+        gone_skipped_ += channel.parser.counters().skipped_bytes;
+        channels_[index(channel.id)].reset();
+    }
+    void receive(Channel& channel, ano::FrameView frame) override {
+        channel.heard_at = now_;
+        ++seen_;
+        if (done_ || !filter_.takes(frame)) return;
+        const auto time = std::chrono::system_clock::now().time_since_epoch();
+        const std::string& where = channel.peer.empty() ? link_->name() : channel.peer;
+        printer_.print(frame, where, std::chrono::duration<double>(time).count());
+        ++shown_;
+        if (left_ > 0 && --left_ == 0) finish_soon();
+    }
+    void flush() override {
+        if (!streams_.out.flush()) finish_soon();
+    }
+    void link_up(Link& link) override {
+        std::string facts;
+        for (const auto& [name, value] : link.facts()) {
+            facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
+            std::visit([&](const auto& v) { facts += text_of(v); }, value);
+        }
+        if (!up_) complain() << link.name() << " is up" << facts << std::endl;
+        up_ = true;
+        why_.clear();
+    }
+    void link_down(Link& link, std::string why) override {
+        if (why != why_) complain() << link.name() << ": waiting: " << why << std::endl;
+        up_ = false;
+        why_ = std::move(why);
+    }
+    TimePoint now() override { return now_ = Clock::now(); }
+
+    static std::string text_of(const std::string& text) { return text; }
+    static std::string text_of(std::int64_t number) { return std::to_string(number); }
+
+    // A link is not closed while it calls us.
+    void finish_soon() {
+        if (done_) return;
+        done_ = true;
+        asio::post(io_, [this] { stop(); });
+    }
+    void stop() {
+        done_ = true;
+        link_->stop_reading();
+        link_->stop();
+        io_.stop();
+    }
+    std::uint64_t skipped() const {
+        std::uint64_t bytes = gone_skipped_ + link_->stray().skipped_bytes;
+        for (const auto& channel : channels_)
+            if (channel) bytes += channel->parser.counters().skipped_bytes;
+        return bytes;
+    }
+    std::ostream& complain() {
+        streams_.out.flush();
+        return streams_.err << "anoctl: ";
+    }
+
+    asio::io_context io_{1};
+    AlarmClock alarms_{io_};
+    DatagramBatch batch_;
+    Filter filter_;
+    std::uint64_t left_;    // 0: no end
+    Streams& streams_;
+    FramePrinter printer_;
+    std::vector<std::unique_ptr<Channel>> channels_;
+    std::unique_ptr<Link> link_;
+    TimePoint now_{};
+    bool up_ = false;
+    bool done_ = false;
+    std::string why_;
+    std::uint64_t seen_ = 0;
+    std::uint64_t shown_ = 0;
+    std::uint64_t gone_skipped_ = 0;
+};
+
+struct MonitorOptions {
+    std::string link;
+    std::vector<std::string> ids, from, to;
+    std::uint64_t count = 0;
+    FrameOptions frames;
+
+    int run(Streams& streams) const {
+        const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
+        return Monitor{link_settings(), filter, count, streams, frames}.run();
+    }
+
+private:
+    LinkSettings link_settings() const {
+        anogate::Draft draft;
+        read_link(link, "", draft);
+        finish(draft);
+        if (!draft.errors.empty()) {
+            const ConfigError& first = draft.errors.front();
+            throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};
+        }
+        return draft.settings.links.at(0);
+    }
+    static IdSet ids_of(const std::vector<std::string>& words) {
+        if (words.empty()) return IdSet{}.set();
+        IdSet set;
+        for (const std::string& word : words) {
+            const auto id = ano::message_id(word);
+            if (const auto* fault = std::get_if<ano::JsonFault>(&id)) throw UsageError{"--id: " + fault->what};
+            set.set(std::get<std::uint8_t>(id));
+        }
+        return set;
+    }
+    static IdSet addresses_of(const char* option, const std::vector<std::string>& words) {
+        if (words.empty()) return IdSet{}.set();
+        IdSet set;
+        for (const std::string& word : words) {
+            const auto number = ano::parse_number(word);
+            const auto* address = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
+            if (address == nullptr || *address > 255)
+                throw UsageError{std::string{option} + ": " + ano::in_quotes(word) + " is not an address from 0 to 255"};
+            set.set(static_cast<std::size_t>(*address));
+        }
+        return set;
+    }
+};
+
+}  // namespace
+
+Run add_monitor(CLI::App& options) {
+    const auto self = std::make_shared<MonitorOptions>();
+    options.add_option("link", self->link, "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
+        ->required()
+        ->option_text("LINK");
+    options.add_option("--id", self->ids, "Only these messages, by name or id")->option_text("ID...");
+    options.add_option("--from", self->from, "Only from these addresses")->option_text("ADDRESS...");
+    options.add_option("--to", self->to, "Only to these addresses")->option_text("ADDRESS...");
+    options.add_option("--count", self->count, "Ends after so many frames were shown")->option_text("N");
+    FrameOptions::add(options, self->frames);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}  // namespace anoctl
