@@ -49,6 +49,7 @@ public:
 
     friend constexpr IdSet operator|(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ | b.bits_, 0}; }
     friend constexpr IdSet operator&(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ & b.bits_, 0}; }
+    friend constexpr IdSet operator~(IdSet a) noexcept { return IdSet{~a.bits_, 0}; }
     friend constexpr IdSet operator-(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ & ~b.bits_, 0}; }
     constexpr IdSet& operator|=(IdSet other) noexcept { return *this = *this | other; }
     constexpr IdSet& operator-=(IdSet other) noexcept { return *this = *this - other; }
