@@ -49,7 +49,7 @@ public:
         ++(counters_.*cause);
     }
 
-    /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether it is urgent.
+    /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether an urgent one waits.
     struct Next {
         std::size_t size = 0;
         bool urgent = false;
@@ -103,10 +103,10 @@ private:
         std::uint32_t size;
         std::uint32_t key;    // what a newer one must share to replace it
         TrafficClass traffic;
-        bool replaceable;        // it stands in a bucket
-        std::uint64_t number;    // in the order of push()
-        std::uint64_t turn;      // the number of the first of its kind that it stands for
-        ano::TimePoint stale_at;
+        bool replaceable;          // it stands in a bucket
+        std::uint64_t number;      // in the order of push()
+        std::uint64_t turn;        // the number of the first of its kind that it stands for
+        ano::Duration stale_at;    // since the clock's epoch
     };
     // Which frame of each class is next, and the bytes that a class sent while lower ones waited and did not.
     struct Schedule {

@@ -20,8 +20,8 @@ namespace anogate {
 class Pacer {
 public:
     struct Options {
-        std::uint32_t rate = 0;    // bytes/s, above 0; a UART with 8N1 carries baud / 10
-        ano::Duration latency = std::chrono::milliseconds{20};
+        std::uint32_t rate = 0;                                   // bytes/s, above 0; a UART with 8N1 carries baud / 10
+        ano::Duration latency = std::chrono::milliseconds{20};    // up to 1 s
     };
     explicit constexpr Pacer(const Options& options) noexcept : options_{options} { assert(options.rate > 0); }
 
@@ -40,6 +40,7 @@ public:
     }
     /// When allowance() is next above 0 for `size` bytes, if nothing is sent before.
     constexpr ano::TimePoint next_at(std::size_t size) const noexcept {
+        if (done_at_ == ano::TimePoint::min()) return done_at_;    // nothing was ever given
         const ano::Duration ahead = std::max(ano::Duration::zero(), options_.latency - time_of(size));
         return done_at_ - std::min(ahead, options_.latency / 2);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <type_traits>
 
 namespace anogate {
 namespace {
@@ -38,6 +39,7 @@ Outbox::Outbox(const Options& options)
       capacity_{2 * options.bytes},
       arena_{new std::uint8_t[capacity_]},
       entries_{new Entry[options.bytes / ano::overhead + 2]} {
+    static_assert(std::is_trivially_default_constructible_v<Entry>);    // or all of them would be touched here
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }
 
@@ -69,7 +71,7 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     entry.replaceable = replaceable;
     entry.number = number;
     entry.turn = turn;
-    entry.stale_at = stale_at;
+    entry.stale_at = stale_at.time_since_epoch();
     std::memcpy(arena_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     bytes_ += bytes.size();
@@ -84,12 +86,13 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
 }
 
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
-    if (begun_ != none) return {entries_[begun_].size - partly_sent_, entries_[begun_].traffic == TrafficClass::urgent};
     Schedule plan = schedule();
     drop_stale(plan, now);
+    const bool urgent_waits = plan.next[urgent] != none;
+    if (begun_ != none)
+        return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == TrafficClass::urgent};
     const std::size_t traffic = choose(plan);
-    if (traffic == traffic_classes) return {};
-    return {entries_[plan.next[traffic]].size, traffic == urgent};
+    return {traffic < traffic_classes ? entries_[plan.next[traffic]].size : 0, urgent_waits};
 }
 
 std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now,
@@ -253,7 +256,7 @@ void Outbox::drop(Index i, std::uint64_t SendCounters::*cause) noexcept {
 
 void Outbox::drop_stale(Schedule& plan, ano::TimePoint now) noexcept {
     for (Index& next : plan.next) {
-        while (next != none && entries_[next].stale_at <= now) {
+        while (next != none && entries_[next].stale_at <= now.time_since_epoch()) {
             const Index stale = next;
             next = entries_[stale].in_class.behind;
             drop(stale, &SendCounters::stale);

@@ -84,5 +84,6 @@ TEST(Pacer, reset_forgets_what_was_given) {
     Pacer pacer = ten_a_ms();
     pacer.sent(1000, start);
     pacer.reset();
+    EXPECT_LT(pacer.next_at(20), start);
     EXPECT_EQ(pacer.allowance(20, false, start), 200u);
 }
