@@ -94,7 +94,8 @@ private:
     void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
     ChannelSet heard_from(std::uint8_t address, TimePoint now);
     ChannelSet channels_of(LinkSet links) const;
-    Route to_links(LinkSet links, Via via) const;
+    void decide(Route& route, std::uint8_t destination, TimePoint now);
+    void to_links(Route& route, LinkSet links) const;
     void keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const;
     LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
     LinkSet mates(LinkId link) const;

@@ -65,35 +65,45 @@ void Router::went_down(ChannelId channel, TimePoint now) {
 
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
     learn(from, source, now);
-    heard_link_[index(link_of_[index(from)])] = now;
     Route route;
-    if (destination == address::broadcast) {
-        route = {broadcast_, {}, Via::broadcast};
-    } else if (destination == address::unassigned) {
-        return {};
-    } else if (destination == own_id_) {
-        ++own_frames_;
-        return {{}, {}, Via::own};
-    } else if (const LinkSet links = port(destination); !links.empty()) {
-        route = to_links(links, Via::port);
-    } else if (!pinned_[destination].empty()) {
-        route = to_links(pinned_[destination], Via::pinned);
-    } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
-        route = {heard, {}, Via::learned};
-    } else if (unknown_ == Unknown::flood) {
-        route = {flooded_, {}, Via::unknown};
-    } else if (unknown_ == Unknown::link) {
-        route = to_links(unknown_links_, Via::unknown);
-    }
-    route.channels.erase(from);
     route.new_conflict = new_conflicts_.any();
-    if (grouped_) keep_one_of_each_group(route, link_of_[index(from)], now);
-    const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.size() > 1;
-    if (spread)
-        route.guarded |= route.channels;
-    else
-        route.guarded.clear();
+    decide(route, destination, now);
+    route.channels.erase(from);
+    if (grouped_) {
+        heard_link_[index(link_of_[index(from)])] = now;
+        keep_one_of_each_group(route, link_of_[index(from)], now);
+    }
+    const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several();
+    route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
     return route;
+}
+
+// Who gets it, wherever it came from.
+void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
+    if (destination == address::broadcast) {
+        route.via = Via::broadcast;
+        route.channels = broadcast_;
+    } else if (destination == address::unassigned) {
+        return;
+    } else if (destination == own_id_) {
+        route.via = Via::own;
+        ++own_frames_;
+    } else if (const LinkSet links = port(destination); !links.empty()) {
+        route.via = Via::port;
+        to_links(route, links);
+    } else if (!pinned_[destination].empty()) {
+        route.via = Via::pinned;
+        to_links(route, pinned_[destination]);
+    } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
+        route.via = Via::learned;
+        route.channels = heard;
+    } else if (unknown_ == Unknown::flood) {
+        route.via = Via::unknown;
+        route.channels = flooded_;
+    } else if (unknown_ == Unknown::link) {
+        route.via = Via::unknown;
+        to_links(route, unknown_links_);
+    }
 }
 
 Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
@@ -176,11 +186,10 @@ ChannelSet Router::channels_of(LinkSet links) const {
     return channels;
 }
 
-Route Router::to_links(LinkSet links, Via via) const {
-    Route route{channels_of(links), {}, via};
+void Router::to_links(Route& route, LinkSet links) const {
+    route.channels = channels_of(links);
     for (const LinkId link : links)
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
-    return route;
 }
 
 // The other links of its group.
