@@ -14,8 +14,12 @@ enum class ChannelId : std::uint8_t {};
 inline constexpr std::size_t most_links = 64;
 inline constexpr std::size_t most_channels = 64;
 
-constexpr std::size_t index(LinkId id) noexcept { return static_cast<std::size_t>(id); }
-constexpr std::size_t index(ChannelId id) noexcept { return static_cast<std::size_t>(id); }
+constexpr std::size_t index(LinkId id) noexcept {
+    return static_cast<std::size_t>(id);
+}
+constexpr std::size_t index(ChannelId id) noexcept {
+    return static_cast<std::size_t>(id);
+}
 
 /// Up to 64 ids in one word; iterates in ascending order.
 template <class Id>
@@ -40,6 +44,7 @@ public:
 
     constexpr bool empty() const noexcept { return bits_ == 0; }
     constexpr std::size_t size() const noexcept { return static_cast<std::size_t>(std::popcount(bits_)); }
+    constexpr bool has_several() const noexcept { return (bits_ & (bits_ - 1)) != 0; }
     constexpr bool contains(Id id) const noexcept { return (bits_ >> index(id) & 1) != 0; }
     constexpr void insert(Id id) noexcept { bits_ |= IdSet{id}.bits_; }
     constexpr void erase(Id id) noexcept { bits_ &= ~IdSet{id}.bits_; }
@@ -49,6 +54,7 @@ public:
 
     friend constexpr IdSet operator|(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ | b.bits_, 0}; }
     friend constexpr IdSet operator&(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ & b.bits_, 0}; }
+    friend constexpr IdSet operator~(IdSet a) noexcept { return IdSet{~a.bits_, 0}; }
     friend constexpr IdSet operator-(IdSet a, IdSet b) noexcept { return IdSet{a.bits_ & ~b.bits_, 0}; }
     constexpr IdSet& operator|=(IdSet other) noexcept { return *this = *this | other; }
     constexpr IdSet& operator-=(IdSet other) noexcept { return *this = *this - other; }
@@ -62,4 +68,4 @@ private:
 using LinkSet = IdSet<LinkId>;
 using ChannelSet = IdSet<ChannelId>;
 
-}  // namespace anogate
+}    // namespace anogate

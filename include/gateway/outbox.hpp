@@ -1,12 +1,16 @@
 // What waits to leave by one channel: bounded, whole frames only, every drop counted by cause.
 //
-// Flow:    outbox.push(frame)                                   // from the router
-//          outbox.gather(pieces)                                // when the wire can take something
+// Flow:    outbox.push(frame, treatment, now)              // from the router
+//          outbox.gather(pieces, now, budget)              // when the wire can take something
 //          outbox.sent(bytes), or outbox.sent_frame() / outbox.drop_frame(cause) for datagrams
+//          outbox.set_congested()                          // when the wire took no more and frames still wait
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/time.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/treatment.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,65 +18,147 @@
 
 namespace anogate {
 
-/// First in, first out. A full outbox drops its oldest, but never a frame of which a part has left already. Neither throws
-/// nor allocates after construction; constant time a frame, amortised.
+/// How long a frame may wait.
+struct AgeLimits {
+    ano::Duration control = std::chrono::milliseconds{200};
+    ano::Duration telemetry = std::chrono::seconds{1};
+    ano::Duration rest = std::chrono::seconds{5};
+    bool operator==(const AgeLimits&) const = default;
+};
+
+/// Urgent frames leave first, then telemetry, then bulk, but whenever a class sends, those below it that wait keep a
+/// tenth of the bytes. Within a class, first in, first out. A frame of which a part has left is never dropped but by
+/// close(). Neither throws nor allocates after construction; constant time a frame, amortised.
 class Outbox {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;    // bound of what waits; at least overhead + max_data
+        std::size_t bytes = 32 * 1024;    // bound of what waits; at least overhead + max_data, at most 1 GiB
         std::size_t max_data = 4096;      // frames with more DATA are counted too_big
+        AgeLimits age{};
     };
     explicit Outbox(const Options& options);
 
-    /// A frame to leave; its bytes are copied. While closed, it is counted link_down.
-    void push(ano::FrameView frame) noexcept;
+    /// A frame to leave; its bytes are copied. While closed, it is counted link_down. When full, the oldest of the
+    /// lowest class gives way, which may be the frame itself; of the room, too, a tenth is kept for the classes below.
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+    /// The same for a frame of the lowest class that never grows stale.
+    void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max()); }
+    /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
+    void refuse(std::uint64_t SendCounters::*cause) noexcept {
+        ++counters_.offered;
+        ++(counters_.*cause);
+    }
 
-    /// What leaves next, in order, one piece a frame; the first piece is the rest of a frame when a part of it has left.
-    /// Returns how many pieces were filled in; they stay valid until the next call of another member.
-    std::size_t gather(std::span<std::span<const std::uint8_t>> pieces) const noexcept;
+    /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether an urgent one waits.
+    struct Next {
+        std::size_t size = 0;
+        bool urgent = false;
+    };
+    Next next(ano::TimePoint now) noexcept;
+    /// What leaves next, in order, one piece a frame; the first piece is the rest of a frame when a part of it has
+    /// left. Drops what is stale at `now`. At most `budget` bytes, never a part of a frame that has not begun. Returns
+    /// how many pieces were filled in; they stay valid until the next call of another member.
+    std::size_t gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now = ano::TimePoint::min(),
+                       std::size_t budget = SIZE_MAX) noexcept;
     /// A stream took `bytes` of what gather() gave.
     void sent(std::size_t bytes) noexcept;
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
     /// The first frame of what gather() gave can't be sent, for `cause`. Not for one that has begun to leave.
     void drop_frame(std::uint64_t SendCounters::*cause) noexcept;
+    /// The wire takes no more for now: until nothing waits, newer frames replace those they may replace.
+    void set_congested() noexcept { congested_ = frames_ > 0; }
 
     /// The wire is there. An outbox starts closed.
     void open() noexcept { open_ = true; }
     /// The wire is gone: what waits is counted link_down.
     void close() noexcept;
 
+    void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
     bool is_open() const noexcept { return open_; }
+    bool congested() const noexcept { return congested_; }
     bool empty() const noexcept { return frames_ == 0; }
     std::size_t waiting() const noexcept { return frames_; }
     std::size_t waiting_bytes() const noexcept { return bytes_; }
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    // A frame is Entry and bytes side by side: frames stand in `arena_` in their order, between `begin_` and `end_`.
-    struct Entry {
-        std::uint32_t at;
-        std::uint32_t size;
+    using Index = std::uint32_t;
+    static constexpr Index none = UINT32_MAX;
+    static constexpr std::size_t bucket_count = 256;
+
+    struct Neighbours {
+        Index before;
+        Index behind;
     };
-    Entry& front() noexcept { return entries_[first_]; }
-    void remove_front() noexcept;
-    void drop_oldest() noexcept;
-    void make_room(std::size_t size) noexcept;
+    struct List {
+        Index first = none;
+        Index last = none;
+    };
+    struct Entry {
+        Neighbours in_class;
+        Neighbours in_arena;
+        Neighbours in_bucket;
+        std::uint32_t at;    // where its bytes stand
+        std::uint32_t size;
+        std::uint32_t key;    // what a newer one must share to replace it
+        TrafficClass traffic;
+        bool replaceable;          // it stands in a bucket
+        std::uint64_t number;      // in the order of push()
+        std::uint64_t turn;        // the number of the first of its kind that it stands for
+        ano::Duration stale_at;    // since the clock's epoch
+    };
+    // Which frame of each class is next, and the bytes that a class sent while lower ones waited and did not.
+    struct Schedule {
+        std::array<Index, traffic_classes> next;
+        std::array<std::uint64_t, traffic_classes - 1> owed;
+    };
+
+    template <Neighbours Entry::*in>
+    void append(List& list, Index i) noexcept;
+    template <Neighbours Entry::*in>
+    void unlink(List& list, Index i) noexcept;
+
+    void store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at) noexcept;
+    std::uint64_t supersede(std::uint32_t key) noexcept;
+    bool make_room(std::size_t size, TrafficClass traffic) noexcept;
+    std::size_t gives_way(std::size_t size, TrafficClass traffic) const noexcept;
+    std::size_t queued_below(TrafficClass traffic) const noexcept;
+    std::size_t reserve() const noexcept { return options_.bytes / 10; }
     void compact() noexcept;
+    Index new_entry() noexcept;
+    void unqueue(Index i) noexcept;
+    void release(Index i) noexcept;
+    void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
+    void drop_stale(Schedule& schedule, ano::TimePoint now) noexcept;
+    Schedule schedule() const noexcept;
+    std::size_t choose(const Schedule& schedule) const noexcept;
+    void advance(Schedule& schedule, std::size_t traffic) const noexcept;
+    Index take_first() noexcept;
+    List& bucket(std::uint32_t key) noexcept { return buckets_[key * 0x9E3779B1u >> 24]; }
 
     Options options_;
-    std::size_t capacity_;       // of the arena: twice the bound, so that compacting is rare
-    std::size_t most_entries_;
-    std::unique_ptr<std::uint8_t[]> arena_;
+    std::size_t capacity_;                     // of the arena: twice the bound, so that compacting is rare
+    std::unique_ptr<std::uint8_t[]> arena_;    // both left uninitialised: pages never used cost nothing
     std::unique_ptr<Entry[]> entries_;
-    std::size_t first_ = 0;      // entries_[first_, last_) wait
-    std::size_t last_ = 0;
-    std::size_t end_ = 0;        // where the next frame's bytes go
+    Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
+    Index free_ = none;      // of those, the free ones
+    std::size_t end_ = 0;    // where the next frame's bytes go
+
+    std::array<List, traffic_classes> queues_{};
+    std::array<std::size_t, traffic_classes> queued_bytes_{};
+    std::array<std::uint64_t, traffic_classes - 1> owed_{};
+    List in_arena_;                               // every frame, in the order of its bytes
+    std::array<List, bucket_count> buckets_{};    // what may be replaced, by hash of its key, oldest first
+
+    Index begun_ = none;             // the frame of which a part has left; it stands in no queue
+    std::size_t partly_sent_ = 0;    // and how much of it has
     std::size_t frames_ = 0;
     std::size_t bytes_ = 0;
-    std::size_t partly_sent_ = 0;    // bytes of the first frame that have left
+    std::uint64_t pushed_ = 0;
     bool open_ = false;
+    bool congested_ = false;
     SendCounters counters_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -17,12 +17,16 @@ namespace anogate {
 enum class Via : std::uint8_t { nobody, own, broadcast, port, pinned, learned, unknown };
 std::string_view text(Via via) noexcept;
 
-/// Where one frame goes: to every channel of `channels`, and to `absent`, links that were meant but have no channel now.
+/// Where one frame goes: to every channel of `channels`, and to `absent`, links that were meant but have no channel
+/// now.
 struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
     bool new_conflict = false;    // the source showed up on two links: Router::take_new_conflict() has it
+    /// Where a frame that was spread may come back: what the loop guard is to remember. Empty for one that had one
+    /// place.
+    ChannelSet guarded{};
 };
 
 /// Two links heard the same source at the same time: two devices with one id.
@@ -40,10 +44,13 @@ public:
         std::uint8_t port_id = 0;    // 0: none
         bool flood = true;
         bool broadcast = true;
+        std::uint8_t group = 0;    // 1 to 64: links of one number lead to the same place; 0: none
     };
 
     /// A device that spoke by another channel this lately has not moved: both get its frames.
     static constexpr Duration moved_after = std::chrono::seconds{3};
+    /// When no link of a group was heard for this long, none is known to work: all of them get its frames.
+    static constexpr Duration group_silence = std::chrono::seconds{1};
 
     explicit Router(const GatewaySettings& settings);
 
@@ -58,6 +65,10 @@ public:
     void close(ChannelId channel);
     /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is no conflict.
     void went_down(ChannelId channel, TimePoint now);
+    /// The wire behind it is there again.
+    void came_up(ChannelId channel) { down_.erase(channel); }
+    /// What was sent by this link did not arrive (a refusal): its group looks for another until it is heard again.
+    void doubt(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
     /// Learns `source` as behind `from` and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
@@ -69,7 +80,9 @@ public:
     /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
-    LinkSet port(std::uint8_t address) const { return address <= ano::address::last_port_id ? ports_[address] : LinkSet{}; }
+    LinkSet port(std::uint8_t address) const {
+        return address <= ano::address::last_port_id ? ports_[address] : LinkSet{};
+    }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
     /// The next conflict that began and was not taken yet; for the log.
@@ -81,7 +94,11 @@ private:
     void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
     ChannelSet heard_from(std::uint8_t address, TimePoint now);
     ChannelSet channels_of(LinkSet links) const;
-    Route to_links(LinkSet links, Via via) const;
+    void decide(Route& route, std::uint8_t destination, TimePoint now);
+    void to_links(Route& route, LinkSet links) const;
+    void keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const;
+    LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
+    LinkSet mates(LinkId link) const;
     TimePoint& heard(std::uint8_t address, ChannelId channel) { return heard_[address][index(channel)]; }
 
     Duration forget_after_;
@@ -93,14 +110,23 @@ private:
     std::array<LinkSet, ano::address::last_port_id + 1> ports_{};
     std::array<LinkSet, 256> pinned_{};
 
+    std::array<LinkSet, most_links + 1> groups_{};    // by number; [0] is unused
+    bool grouped_ = false;                            // any link has a group
+    std::array<TimePoint, most_links> heard_link_ = [] {
+        std::array<TimePoint, most_links> all;
+        all.fill(TimePoint::min());
+        return all;
+    }();
+
     std::array<LinkId, most_channels> link_of_{};
     std::array<TimePoint, most_channels> down_at_{};
     std::array<ChannelSet, most_links> channels_of_link_{};
-    ChannelSet flooded_;        // channels whose link takes floods
-    ChannelSet broadcast_;      // channels whose link takes broadcasts
+    ChannelSet flooded_;      // channels whose link takes floods
+    ChannelSet broadcast_;    // channels whose link takes broadcasts
+    ChannelSet down_;         // channels whose wire is gone
 
-    // Where an address was heard and when. Exact times rather than generations of sets: no sweep, and a frame touches the
-    // word of its two addresses and one time for each channel that heard them.
+    // Where an address was heard and when. Exact times rather than generations of sets: no sweep, and a frame touches
+    // the word of its two addresses and one time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, most_channels>, 256> heard_{};
 
@@ -109,4 +135,4 @@ private:
     std::uint64_t own_frames_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <optional>
 
 namespace anogate {
 namespace {
@@ -63,25 +64,27 @@ public:
         stream_.socket().close(ignored);
     }
 
-    asio::awaitable<void> run() {
-        error_code ec;
-        for (;;) {
-            http::request_parser<http::string_body> request;
-            request.header_limit(most_header);
-            request.body_limit(most_body);
-            stream_.expires_after(patience);
-            co_await http::async_read(stream_, buffer_, request, asio::redirect_error(asio::use_awaitable, ec));
-            if (ec) break;
-            http::response<http::string_body> response = answer(request.get());
-            const bool keep_alive = response.keep_alive();
-            stream_.expires_after(patience);
-            co_await http::async_write(stream_, response, asio::redirect_error(asio::use_awaitable, ec));
-            if (ec || !keep_alive) break;
-        }
-        stream_.socket().shutdown(Local::socket::shutdown_send, ec);
+    void read() {
+        request_.emplace();
+        request_->header_limit(most_header);
+        request_->body_limit(most_body);
+        stream_.expires_after(patience);
+        http::async_read(stream_, buffer_, *request_, [self = shared_from_this()](error_code ec, std::size_t) {
+            if (!ec) self->write();
+        });
     }
 
 private:
+    void write() {
+        response_ = answer(request_->get());
+        stream_.expires_after(patience);
+        http::async_write(stream_, response_, [self = shared_from_this()](error_code ec, std::size_t) {
+            if (ec) return;
+            if (self->response_.keep_alive()) return self->read();
+            self->stream_.socket().shutdown(Local::socket::shutdown_send, ec);
+        });
+    }
+
     http::response<http::string_body> answer(const http::request<http::string_body>& request) const {
         http::response<http::string_body> response{http::status::ok, request.version()};
         const std::string target{request.target().data(), request.target().size()};
@@ -107,6 +110,8 @@ private:
     Control& control_;
     beast::basic_stream<Local> stream_;
     beast::flat_buffer buffer_;
+    std::optional<http::request_parser<http::string_body>> request_;
+    http::response<http::string_body> response_;
 };
 
 std::string Control::start(const std::string& path) {
@@ -132,33 +137,35 @@ std::string Control::start(const std::string& path) {
     }
     path_ = path;
     let_group_in(path);
-    asio::co_spawn(io_, accept(), asio::detached);
+    accept();
     return {};
 }
 
-asio::awaitable<void> Control::accept() {
-    for (;;) {
-        error_code ec;
-        Local::socket socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
-        if (!acceptor_.is_open()) co_return;
-        if (ec) {    // out of descriptors, mostly: wait for some to come free
-            asio::steady_timer pause{io_, std::chrono::seconds{1}};
-            co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-            if (!acceptor_.is_open()) co_return;
-            continue;
+void Control::accept() {
+    acceptor_.async_accept([this](error_code ec, Local::socket socket) {
+        if (!acceptor_.is_open()) return;
+        if (ec) {    // out of descriptors, mostly: some may come free
+            pause_.expires_after(std::chrono::seconds{1});
+            pause_.async_wait([this](error_code stopped) {
+                if (!stopped && acceptor_.is_open()) accept();
+            });
+            return;
         }
         std::erase_if(sessions_, [](const auto& s) { return s.second.expired(); });
-        if (sessions_.size() >= most_sessions) continue;    // closes it
-        auto session = std::make_shared<Session>(*this, std::move(socket));
-        sessions_[next_session_++] = session;
-        asio::co_spawn(io_, session->run(), [session](std::exception_ptr) {});
-    }
+        if (sessions_.size() < most_sessions) {    // one more than that is closed at once
+            auto session = std::make_shared<Session>(*this, std::move(socket));
+            sessions_[next_session_++] = session;
+            session->read();
+        }
+        accept();
+    });
 }
 
 void Control::stop() {
     if (!acceptor_.is_open()) return;
     error_code ignored;
     acceptor_.close(ignored);
+    pause_.cancel();
     for (auto& [number, session] : sessions_)
         if (const auto alive = session.lock()) alive->close();
     sessions_.clear();

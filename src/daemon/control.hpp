@@ -14,7 +14,7 @@ public:
     /// Answers a GET with a JSON text.
     using Answer = std::function<std::string()>;
 
-    explicit Control(asio::io_context& io) : io_{io}, acceptor_{io} {}
+    explicit Control(asio::io_context& io) : acceptor_{io}, pause_{io} {}
     ~Control() { stop(); }
 
     /// Before start(): what GET `path` answers.
@@ -28,10 +28,10 @@ public:
 
 private:
     class Session;
-    asio::awaitable<void> accept();
+    void accept();
 
-    asio::io_context& io_;
     asio::local::stream_protocol::acceptor acceptor_;
+    asio::steady_timer pause_;
     std::map<std::string, Answer> answers_;
     std::map<std::uint64_t, std::weak_ptr<Session>> sessions_;
     std::uint64_t next_session_ = 0;

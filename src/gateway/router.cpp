@@ -10,13 +10,13 @@ namespace address = ano::address;
 
 std::string_view text(Via via) noexcept {
     switch (via) {
-    case Via::nobody: return "nobody";
-    case Via::own: return "own";
-    case Via::broadcast: return "broadcast";
-    case Via::port: return "port";
-    case Via::pinned: return "pinned";
-    case Via::learned: return "learned";
-    case Via::unknown: return "unknown";
+        case Via::nobody: return "nobody";
+        case Via::own: return "own";
+        case Via::broadcast: return "broadcast";
+        case Via::port: return "port";
+        case Via::pinned: return "pinned";
+        case Via::learned: return "learned";
+        case Via::unknown: return "unknown";
     }
     return "";
 }
@@ -27,10 +27,14 @@ Router::Router(const GatewaySettings& settings)
 }
 
 LinkId Router::add_link(const LinkRule& rule) {
-    assert(links_.size() < most_links && rule.port_id <= address::last_port_id);
+    assert(links_.size() < most_links && rule.port_id <= address::last_port_id && rule.group <= most_links);
     const auto id = static_cast<LinkId>(links_.size());
     links_.push_back(rule);
     if (address::is_port_id(rule.port_id)) ports_[rule.port_id].insert(id);
+    if (rule.group != 0) {
+        groups_[rule.group].insert(id);
+        grouped_ = true;
+    }
     return id;
 }
 
@@ -50,35 +54,56 @@ void Router::close(ChannelId channel) {
     channels_of_link_[index(link_of_[index(channel)])].erase(channel);
     flooded_.erase(channel);
     broadcast_.erase(channel);
+    down_.erase(channel);
     for (ChannelSet& known : known_) known.erase(channel);
 }
 
-void Router::went_down(ChannelId channel, TimePoint now) { down_at_[index(channel)] = now; }
+void Router::went_down(ChannelId channel, TimePoint now) {
+    down_at_[index(channel)] = now;
+    down_.insert(channel);
+}
 
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
     learn(from, source, now);
     Route route;
-    if (destination == address::broadcast) {
-        route = {broadcast_, {}, Via::broadcast};
-    } else if (destination == address::unassigned) {
-        return {};
-    } else if (destination == own_id_) {
-        ++own_frames_;
-        return {{}, {}, Via::own};
-    } else if (const LinkSet links = port(destination); !links.empty()) {
-        route = to_links(links, Via::port);
-    } else if (!pinned_[destination].empty()) {
-        route = to_links(pinned_[destination], Via::pinned);
-    } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
-        route = {heard, {}, Via::learned};
-    } else if (unknown_ == Unknown::flood) {
-        route = {flooded_, {}, Via::unknown};
-    } else if (unknown_ == Unknown::link) {
-        route = to_links(unknown_links_, Via::unknown);
-    }
-    route.channels.erase(from);
     route.new_conflict = new_conflicts_.any();
+    decide(route, destination, now);
+    route.channels.erase(from);
+    if (grouped_) {
+        heard_link_[index(link_of_[index(from)])] = now;
+        keep_one_of_each_group(route, link_of_[index(from)], now);
+    }
+    const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several();
+    route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
     return route;
+}
+
+// Who gets it, wherever it came from.
+void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
+    if (destination == address::broadcast) {
+        route.via = Via::broadcast;
+        route.channels = broadcast_;
+    } else if (destination == address::unassigned) {
+        return;
+    } else if (destination == own_id_) {
+        route.via = Via::own;
+        ++own_frames_;
+    } else if (const LinkSet links = port(destination); !links.empty()) {
+        route.via = Via::port;
+        to_links(route, links);
+    } else if (!pinned_[destination].empty()) {
+        route.via = Via::pinned;
+        to_links(route, pinned_[destination]);
+    } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
+        route.via = Via::learned;
+        route.channels = heard;
+    } else if (unknown_ == Unknown::flood) {
+        route.via = Via::unknown;
+        route.channels = flooded_;
+    } else if (unknown_ == Unknown::link) {
+        route.via = Via::unknown;
+        to_links(route, unknown_links_);
+    }
 }
 
 Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
@@ -118,10 +143,12 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
 
     const LinkId link = link_of_[index(from)];
     LinkSet links = link;
+    const LinkSet same_place = mates(link);
     for (const ChannelId channel : known) {
         const TimePoint at = heard(source, channel);
         if (now - at < moved_after && at > down_at_[index(channel)]) links.insert(link_of_[index(channel)]);
     }
+    links -= same_place;
     if (links.size() > 1) note_conflict(source, links, now);
 }
 
@@ -145,8 +172,10 @@ ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) {
     ChannelSet lately;
     for (const ChannelId channel : known) {
         const Duration age = now - heard(a, channel);
-        if (age >= forget_after_) known.erase(channel);
-        else if (age < moved_after) lately.insert(channel);
+        if (age >= forget_after_)
+            known.erase(channel);
+        else if (age < moved_after)
+            lately.insert(channel);
     }
     return lately.empty() ? known : lately;
 }
@@ -157,11 +186,52 @@ ChannelSet Router::channels_of(LinkSet links) const {
     return channels;
 }
 
-Route Router::to_links(LinkSet links, Via via) const {
-    Route route{channels_of(links), {}, via};
+void Router::to_links(Route& route, LinkSet links) const {
+    route.channels = channels_of(links);
     for (const LinkId link : links)
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
-    return route;
 }
 
-}  // namespace anogate
+// The other links of its group.
+LinkSet Router::mates(LinkId link) const {
+    return groups_[links_[index(link)].group] - link;
+}
+
+// A frame leaves a group by one link, and never the group it came from but by the link itself (to its other peers). A
+// port id means that port.
+void Router::keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const {
+    if (route.via == Via::port) return;
+    route.channels -= channels_of(mates(from));
+    route.absent -= mates(from);
+    const ChannelSet willing = route.via == Via::broadcast                               ? broadcast_
+                               : route.via == Via::unknown && unknown_ == Unknown::flood ? flooded_
+                                                                                         : ~ChannelSet{};
+    for (const LinkSet group : groups_) {
+        if (group.empty() || group.contains(from)) continue;
+        const ChannelSet members = channels_of(group);
+        if ((route.channels & members).empty() && (route.absent & group).empty()) continue;
+        const ChannelSet chosen = channels_of(best_of(group, members & willing, now)) & willing;
+        route.channels = (route.channels - members) | chosen;
+        route.guarded |= members;
+        if (!chosen.empty()) route.absent -= group;
+    }
+}
+
+// Of a group, the link heard most recently that is up; all that are up when none was heard lately.
+LinkSet Router::best_of(LinkSet group, ChannelSet able, TimePoint now) const {
+    if (const ChannelSet up = able - down_; !up.empty()) able = up;
+    LinkSet links;
+    LinkId best{};
+    TimePoint heard = TimePoint::min();
+    for (const LinkId link : group) {
+        if ((channels_of_link_[index(link)] & able).empty()) continue;
+        if (links.empty() || heard_link_[index(link)] > heard) {
+            best = link;
+            heard = heard_link_[index(link)];
+        }
+        links.insert(link);
+    }
+    return heard + group_silence > now ? LinkSet{best} : links;
+}
+
+}    // namespace anogate

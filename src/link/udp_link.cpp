@@ -12,7 +12,6 @@
 namespace anogate {
 namespace {
 
-constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 

@@ -24,8 +24,13 @@ TEST(IdSet, holds_what_was_put_in) {
     set.erase(channel(5));
     set.erase(channel(6));
     EXPECT_EQ(set, ChannelSet{channel(0)} | ChannelSet{channel(63)});
+    EXPECT_TRUE(set.has_several());
+    set.erase(channel(0));
+    EXPECT_FALSE(set.has_several());
     set.clear();
     EXPECT_TRUE(set.empty());
+    EXPECT_FALSE(set.has_several());
+    EXPECT_EQ((~set).size(), 64u);
 }
 
 TEST(IdSet, iterates_in_ascending_order) {

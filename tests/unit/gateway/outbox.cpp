@@ -4,12 +4,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 
 using namespace anogate;
+using namespace std::chrono_literals;
 using support::Bytes;
 
 namespace {
+
+constexpr Treatment command{TrafficClass::urgent, Replace::never, AgeKind::rest};
+constexpr Treatment stick{TrafficClass::urgent, Replace::same_id, AgeKind::control};
+constexpr Treatment attitude{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
+constexpr Treatment ranging{TrafficClass::telemetry, Replace::same_id_and_first_byte, AgeKind::telemetry};
+constexpr Treatment text{TrafficClass::telemetry, Replace::never, AgeKind::telemetry};
+constexpr Treatment image{TrafficClass::bulk, Replace::never, AgeKind::rest};
+constexpr ano::TimePoint start{1h};
 
 using Piece = std::span<const std::uint8_t>;
 
@@ -23,14 +33,14 @@ Outbox open_outbox(std::size_t bytes, std::size_t max_data) {
     return outbox;
 }
 
-void push(Outbox& outbox, const Bytes& frame) {
-    outbox.push(ano::FrameView{frame});
+void push(Outbox& outbox, const Bytes& frame, Treatment treatment = {}) {
+    outbox.push(ano::FrameView{frame}, treatment, start);
 }
 
-Bytes gathered(const Outbox& outbox) {
+Bytes gathered(Outbox& outbox, ano::TimePoint now = start, std::size_t budget = SIZE_MAX) {
     std::array<Piece, 64> pieces;
     Bytes all;
-    const std::size_t count = outbox.gather(pieces);
+    const std::size_t count = outbox.gather(pieces, now, budget);
     for (std::size_t i = 0; i < count; ++i) all.insert(all.end(), pieces[i].begin(), pieces[i].end());
     return all;
 }
@@ -149,4 +159,206 @@ TEST(Outbox, counts_frames_without_data) {
     outbox.sent(outbox.waiting_bytes());
     EXPECT_EQ(outbox.counters().empty_out, 1u);
     EXPECT_EQ(outbox.counters().frames_out, 2u);
+}
+
+TEST(Outbox, urgent_leaves_before_telemetry_before_bulk) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), image);
+    push(outbox, numbered(2), text);
+    push(outbox, numbered(3), command);
+    push(outbox, numbered(4), text);
+    push(outbox, numbered(5), command);
+    EXPECT_EQ(gathered(outbox), joined({numbered(3), numbered(5), numbered(2), numbered(4), numbered(1)}));
+}
+
+TEST(Outbox, urgent_does_not_overtake_a_frame_that_has_begun) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), image);
+    outbox.sent(11);
+    push(outbox, numbered(2), command);
+    const Bytes begun = numbered(1);
+    EXPECT_EQ(gathered(outbox), joined({Bytes{begun.back()}, numbered(2)}));
+    EXPECT_EQ(outbox.next(start).size, 1u);
+    EXPECT_TRUE(outbox.next(start).urgent) << "it waits for the rest";
+    outbox.sent(1);
+    EXPECT_EQ(outbox.next(start).size, 12u);
+    EXPECT_TRUE(outbox.next(start).urgent);
+    outbox.sent(12);
+    EXPECT_EQ(outbox.next(start).size, 0u);
+}
+
+// Offered three times what leaves, all of it such that it can't be replaced.
+TEST(Outbox, lower_classes_keep_a_tenth_of_the_bytes) {
+    Outbox outbox = open_outbox(4000, 100);
+    std::array<std::size_t, 3> bytes{};
+    for (int i = 0; i < 20000; ++i) {
+        push(outbox, numbered(0, 13), command);
+        push(outbox, numbered(0, 13), command);
+        push(outbox, numbered(1, 13), text);
+        push(outbox, numbered(2, 60), image);
+        std::array<Piece, 1> piece;
+        ASSERT_EQ(outbox.gather(piece), 1u);
+        bytes[piece[0][ano::header_size]] += piece[0].size();
+        outbox.sent_frame();
+        expect_balanced(outbox);
+    }
+    const auto all = static_cast<double>(bytes[0] + bytes[1] + bytes[2]);
+    EXPECT_NEAR(static_cast<double>(bytes[0]) / all, 0.90, 0.01);
+    EXPECT_NEAR(static_cast<double>(bytes[1]) / all, 0.09, 0.005);
+    EXPECT_NEAR(static_cast<double>(bytes[2]) / all, 0.01, 0.005);
+    EXPECT_GT(outbox.counters().queue_full, 20000u);
+}
+
+TEST(Outbox, a_class_that_had_its_share_saves_none_up) {
+    Outbox outbox = open_outbox(4000, 100);
+    for (int i = 0; i < 1000; ++i) {    // nothing else waits
+        push(outbox, numbered(0), command);
+        outbox.sent_frame();
+    }
+    push(outbox, numbered(1), text);
+    push(outbox, numbered(0), command);
+    EXPECT_EQ(gathered(outbox), joined({numbered(0), numbered(1)}));
+}
+
+TEST(Outbox, full_of_urgent_drops_its_oldest_and_refuses_the_rest) {
+    Outbox outbox = open_outbox(36, 20);
+    for (std::uint8_t n = 1; n <= 4; ++n) push(outbox, numbered(n), command);
+    push(outbox, numbered(5), text);
+    EXPECT_EQ(gathered(outbox), joined({numbered(2), numbered(3), numbered(4)}));
+    EXPECT_EQ(outbox.counters().queue_full, 2u);
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, oldest_of_the_lowest_class_gives_way) {
+    Outbox outbox = open_outbox(48, 20);
+    push(outbox, numbered(1), text);
+    push(outbox, numbered(2), image);
+    push(outbox, numbered(3), image);
+    push(outbox, numbered(4), text);
+    push(outbox, numbered(5), command);
+    EXPECT_EQ(gathered(outbox), joined({numbered(5), numbered(1), numbered(4), numbered(3)}));
+    push(outbox, numbered(6, 20), image);    // fits only if more than bulk gave way
+    EXPECT_EQ(gathered(outbox), joined({numbered(5), numbered(1), numbered(4), numbered(3)}));
+    EXPECT_EQ(outbox.counters().queue_full, 2u);
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, newer_replaces_older_only_while_congested) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), attitude);
+    push(outbox, numbered(2), attitude);
+    EXPECT_EQ(outbox.waiting(), 2u);
+    outbox.set_congested();
+    push(outbox, numbered(3), attitude);
+    EXPECT_EQ(gathered(outbox), joined({numbered(1), numbered(3)}));
+    EXPECT_EQ(outbox.counters().superseded, 1u);
+    outbox.sent(outbox.waiting_bytes());
+    EXPECT_FALSE(outbox.congested()) << "until nothing waits";
+    outbox.set_congested();
+    EXPECT_FALSE(outbox.congested()) << "nothing waits";
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, only_its_own_kind_is_replaced) {
+    Outbox outbox = open_outbox(1000, 100);
+    const auto one = [](std::uint8_t source, std::uint8_t destination, std::uint8_t id, Bytes data) {
+        return support::frame(source, destination, id, data);
+    };
+    push(outbox, one(1, 2, 3, {0}), attitude);
+    outbox.set_congested();
+    push(outbox, one(9, 2, 3, {0}), attitude);
+    push(outbox, one(1, 9, 3, {0}), attitude);
+    push(outbox, one(1, 2, 9, {0}), attitude);
+    push(outbox, one(1, 2, 0x34, {1, 0}), ranging);
+    push(outbox, one(1, 2, 0x34, {2, 0}), ranging);
+    push(outbox, one(1, 2, 0x34, {}), ranging);
+    push(outbox, one(1, 2, 0x34, {}), ranging);
+    push(outbox, one(1, 2, 0xA0, {0}), text);
+    push(outbox, one(1, 2, 0xA0, {0}), text);
+    EXPECT_EQ(outbox.waiting(), 10u);
+    push(outbox, one(1, 2, 0x34, {2, 1}), ranging);
+    EXPECT_EQ(outbox.waiting(), 10u);
+    EXPECT_EQ(outbox.counters().superseded, 1u);
+}
+
+TEST(Outbox, the_only_one_that_waits_can_be_replaced) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), attitude);
+    outbox.set_congested();
+    for (std::uint8_t n = 2; n < 100; ++n) push(outbox, numbered(n), attitude);
+    EXPECT_TRUE(outbox.congested());
+    EXPECT_EQ(gathered(outbox), numbered(99));
+    expect_balanced(outbox);
+}
+
+// Twenty kinds, the first ten times as often as the others, on a line that carries a quarter of them.
+TEST(Outbox, no_kind_starves_and_what_leaves_is_fresh) {
+    Outbox outbox = open_outbox(32 * 1024, 100);
+    std::array<int, 20> left{};
+    int tick = 0;
+    int oldest = 0;
+    push(outbox, numbered(0), text);
+    outbox.set_congested();
+    const auto offer = [&](std::uint8_t kind) {
+        const Bytes data{kind, static_cast<std::uint8_t>(tick), static_cast<std::uint8_t>(tick >> 8),
+                         static_cast<std::uint8_t>(tick >> 16)};
+        push(outbox, support::frame(0xDC, 0xFE, kind, data), attitude);
+    };
+    for (; tick < 40000; ++tick) {
+        offer(0);
+        if (tick % 10 == 0)
+            for (std::uint8_t kind = 1; kind < 20; ++kind) offer(kind);
+        if (tick % 4 > 2) continue;    // 0.75 frames leave for 2.9 offered
+        std::array<Piece, 1> piece;
+        ASSERT_EQ(outbox.gather(piece), 1u);
+        const auto data = piece[0].subspan(ano::header_size);
+        ++left[data[0]];
+        if (tick > 100) oldest = std::max(oldest, tick - (data[1] | data[2] << 8 | data[3] << 16));
+        outbox.sent_frame();
+    }
+    const auto [least, most] = std::minmax_element(left.begin(), left.end());
+    EXPECT_GT(*least, 30000 / 20 / 2) << "half of an equal share";
+    EXPECT_LT(*most, 30000 / 20 * 3);
+    EXPECT_LT(oldest, 40) << "twenty frames take 27 ticks";
+    EXPECT_LE(outbox.waiting(), 40u) << "two of a kind at the most";
+}
+
+TEST(Outbox, waits_no_longer_than_its_age_limit) {
+    Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
+    outbox.open();
+    push(outbox, numbered(1), command);
+    push(outbox, numbered(2), stick);
+    push(outbox, numbered(3), attitude);
+    push(outbox, numbered(4), image);
+    EXPECT_EQ(gathered(outbox, start + 200ms - 1ns), joined({numbered(1), numbered(2), numbered(3), numbered(4)}));
+    EXPECT_EQ(gathered(outbox, start + 200ms), joined({numbered(1), numbered(3), numbered(4)}));
+    EXPECT_EQ(gathered(outbox, start + 1s), joined({numbered(1), numbered(4)}));
+    outbox.sent(1);
+    EXPECT_EQ(gathered(outbox, start + 5s).size(), 11u) << "what has begun to leave goes on";
+    EXPECT_EQ(outbox.counters().stale, 3u);
+    expect_balanced(outbox);
+    outbox.set_age_limits({.control = 1ms, .telemetry = 1ms, .rest = 1ms});
+    push(outbox, numbered(5), command);
+    outbox.sent(11);
+    EXPECT_EQ(outbox.next(start + 1ms).size, 0u);
+    EXPECT_TRUE(outbox.empty());
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, gathers_within_a_budget) {
+    Outbox outbox = open_outbox(1000, 100);
+    for (std::uint8_t n = 1; n <= 4; ++n) push(outbox, numbered(n));
+    EXPECT_EQ(gathered(outbox, start, 36).size(), 36u);
+    EXPECT_EQ(gathered(outbox, start, 35).size(), 24u);
+    EXPECT_EQ(gathered(outbox, start, 11).size(), 0u);
+    outbox.sent(4);
+    EXPECT_EQ(gathered(outbox, start, 20).size(), 20u) << "the rest of one that has begun, and one more";
+}
+
+TEST(Outbox, refused_frames_are_accounted_for) {
+    Outbox outbox = open_outbox(1000, 100);
+    outbox.refuse(&SendCounters::limited);
+    outbox.refuse(&SendCounters::denied_out);
+    EXPECT_EQ(outbox.counters().offered, 2u);
+    expect_balanced(outbox);
 }

@@ -1,0 +1,54 @@
+// Lets a device behind a link appear under another address: two sensors with one default id (protocol text, section 2).
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+#include <gateway/recent.hpp>
+#include <gateway/treatment.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace anogate {
+
+struct AliasRule {
+    std::uint8_t device = 0;    // the id it has
+    std::uint8_t as = 0;        // the id it appears under, which nothing else may have
+    bool operator==(const AliasRule&) const = default;
+};
+
+/// The aliases of one link. Both directions rewrite the address and the checks. An acknowledgement (0x00) tells its
+/// receiver the check bytes of the frame it acknowledges, so those of every rewritten frame that may be acknowledged
+/// are remembered: for `memory`, at most 1024, the oldest forgotten. No allocation after construction.
+class Aliases {
+public:
+    static constexpr ano::Duration memory = std::chrono::seconds{5};
+
+    /// `max_data` of the link: what is larger passes unchanged, for the outbox to refuse.
+    Aliases(const std::vector<AliasRule>& rules, std::size_t max_data);
+
+    /// A frame from the link as the others are to see it: the source, the device id of a device info (0xE3), and the
+    /// checks in an acknowledgement. Valid until the next call.
+    ano::FrameView inbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+    /// A frame to the link as its devices are to see it. Nothing for a frame to the id that an aliased device has:
+    /// meant for another that has it rightly, it must not reach this one. Valid until the next call.
+    std::optional<ano::FrameView> outbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+
+private:
+    std::span<std::uint8_t> copy(ano::FrameView frame) noexcept;
+    void restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
+                        ano::TimePoint now) noexcept;
+    ano::FrameView finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester,
+                          std::uint8_t alias, Treatment treatment, ano::TimePoint now) noexcept;
+
+    std::array<std::uint8_t, 256> as_{};        // by device; 0: none
+    std::array<std::uint8_t, 256> device_{};    // by alias; 0: none
+    std::size_t largest_;
+    std::unique_ptr<std::uint8_t[]> buffer_;
+    Recent<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now
+};
+
+}    // namespace anogate

@@ -1,0 +1,84 @@
+// Which frames a link takes or gives, and how often.
+#pragma once
+#include <ano/time.hpp>
+
+#include <array>
+#include <bitset>
+#include <cassert>
+#include <cstdint>
+#include <vector>
+
+namespace anogate {
+
+/// Ids or addresses, both ends included.
+struct ByteRange {
+    std::uint8_t first = 0;
+    std::uint8_t last = 0;
+    bool operator==(const ByteRange&) const = default;
+};
+
+/// What can be configured under `receive` and `send`. An empty list of what is allowed allows all; what is denied is
+/// denied whatever allows it.
+struct FilterSettings {
+    std::vector<ByteRange> allow, deny;    // of the frame's id
+    std::vector<ByteRange> allow_sources, deny_sources;
+    std::vector<ByteRange> allow_destinations, deny_destinations;
+    bool operator==(const FilterSettings&) const = default;
+};
+
+/// Three look-ups a frame. A link without a filter has none, rather than one that passes all.
+class Filter {
+public:
+    explicit Filter(const FilterSettings& settings)
+        : ids_{compiled(settings.allow, settings.deny)},
+          sources_{compiled(settings.allow_sources, settings.deny_sources)},
+          destinations_{compiled(settings.allow_destinations, settings.deny_destinations)} {}
+
+    bool passes(std::uint8_t source, std::uint8_t destination, std::uint8_t id) const noexcept {
+        return ids_[id] && sources_[source] && destinations_[destination];
+    }
+
+private:
+    using Set = std::bitset<256>;
+
+    static Set compiled(const std::vector<ByteRange>& allow, const std::vector<ByteRange>& deny) {
+        const Set allowed = set_of(allow);
+        return (allow.empty() ? ~Set{} : allowed) & ~set_of(deny);
+    }
+    static Set set_of(const std::vector<ByteRange>& ranges) {
+        Set set;
+        for (const ByteRange& range : ranges)
+            for (unsigned n = range.first; n <= range.last; ++n) set.set(n);
+        return set;
+    }
+
+    Set ids_, sources_, destinations_;
+};
+
+/// At most so many frames a second of an id, spaced: one that comes sooner than 1/rate after the last that passed does
+/// not pass, however long it was quiet before. One for each channel, since each has its own last frames.
+class Limit {
+public:
+    /// `per_second` frames of `id`, above 0.
+    void set(std::uint8_t id, double per_second) {
+        assert(per_second > 0);
+        const std::chrono::duration<double> spacing{1 / per_second};
+        constexpr std::chrono::hours longest{24};
+        spacing_[id] = spacing < longest ? std::chrono::duration_cast<ano::Duration>(spacing) : longest;
+    }
+    bool passes(std::uint8_t id, ano::TimePoint now) noexcept {
+        if (now < next_[id]) return false;
+        next_[id] = now + spacing_[id];
+        return true;
+    }
+
+private:
+    std::array<ano::Duration, 256> spacing_{};
+    std::array<ano::TimePoint, 256> next_ = [] {
+        std::array<ano::TimePoint, 256> all;
+        all.fill(ano::TimePoint::min());
+        return all;
+    }();
+};
+
+}    // namespace anogate

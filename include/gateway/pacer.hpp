@@ -1,0 +1,83 @@
+// How many bytes may go to a line now, so that what the driver holds is never more than `latency` ahead of the wire.
+//
+// Flow:    const auto next = outbox.next(now);
+//          const std::size_t budget = pacer.allowance(next.size, next.urgent, now);    // 0: wait until pacer.next_at()
+//          … gather within the budget, write n bytes …
+//          pacer.sent(n, now);
+//          pacer.correct(unsent, now);    // where the driver reports what it holds
+#pragma once
+#include <ano/time.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+
+namespace anogate {
+
+/// A clock of the line: when it will have put everything on the wire that it was given. Serves a UART at its line rate
+/// and any link with a `rate`. A call that comes late finds an idle line, never a saved-up burst.
+class Pacer {
+public:
+    struct Options {
+        std::uint32_t rate = 0;                                   // bytes/s, above 0; a UART with 8N1 carries baud / 10
+        ano::Duration latency = std::chrono::milliseconds{20};    // up to 1 s
+    };
+    explicit constexpr Pacer(const Options& options) noexcept : options_{options} { assert(options.rate > 0); }
+
+    /// How many bytes may go now: none, or at least the `size` bytes of what leaves next. A whole frame may always go
+    /// to an idle line. When the budget is spent, it comes back by half a `latency` at a time, so that a busy line
+    /// costs few writes; an urgent frame does not wait for that.
+    constexpr std::size_t allowance(std::size_t size, bool urgent, ano::TimePoint now) noexcept {
+        const ano::Duration ahead = ahead_of(now);
+        if (spent_ && !urgent && ahead > options_.latency / 2) return 0;
+        spent_ = false;
+        const std::size_t room = bytes_in(options_.latency - ahead);
+        if (ahead == ano::Duration::zero()) return std::max(size, room);
+        if (size <= room) return room;
+        spent_ = true;
+        return 0;
+    }
+    /// When allowance() is next above 0 for `size` bytes, if nothing is sent before.
+    constexpr ano::TimePoint next_at(std::size_t size) const noexcept {
+        if (done_at_ == ano::TimePoint::min()) return done_at_;    // nothing was ever given
+        const ano::Duration ahead = std::max(ano::Duration::zero(), options_.latency - time_of(size));
+        return done_at_ - std::min(ahead, options_.latency / 2);
+    }
+    /// The driver took `bytes` at `now`.
+    constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept {
+        done_at_ = now + ahead_of(now) + time_of(bytes);
+    }
+    /// The driver still holds `unsent` bytes at `now`: a line that is slower than its rate, or stopped by flow control.
+    /// That it holds less than expected says nothing: behind it there may be another buffer.
+    constexpr void correct(std::size_t unsent, ano::TimePoint now) noexcept {
+        done_at_ = std::max(now + ahead_of(now), now + time_of(unsent));
+    }
+    /// What was given is gone with the wire.
+    constexpr void reset() noexcept {
+        done_at_ = seen_ = ano::TimePoint::min();
+        spent_ = false;
+    }
+
+private:
+    // A clock that went back takes the line's clock with it.
+    constexpr ano::Duration ahead_of(ano::TimePoint now) noexcept {
+        if (now < seen_ && done_at_ > now) done_at_ -= std::min(seen_ - now, done_at_ - now);
+        seen_ = now;
+        return done_at_ > now ? done_at_ - now : ano::Duration::zero();
+    }
+    constexpr ano::Duration time_of(std::size_t bytes) const noexcept {
+        return ano::Duration{std::chrono::seconds{bytes}} / options_.rate;
+    }
+    constexpr std::size_t bytes_in(ano::Duration time) const noexcept {
+        if (time <= ano::Duration::zero()) return 0;
+        return static_cast<std::size_t>(time.count()) * options_.rate / ano::Duration{std::chrono::seconds{1}}.count();
+    }
+
+    Options options_;
+    ano::TimePoint done_at_ = ano::TimePoint::min();
+    ano::TimePoint seen_ = ano::TimePoint::min();
+    bool spent_ = false;
+};
+
+}    // namespace anogate

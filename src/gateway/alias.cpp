@@ -1,0 +1,81 @@
+#include <gateway/alias.hpp>
+
+#include <algorithm>
+#include <cassert>
+
+namespace anogate {
+namespace {
+
+constexpr std::uint8_t check_id = 0x00;          // DATA: the id and both checks of the frame that is acknowledged
+constexpr std::uint8_t device_info_id = 0xE3;    // DATA: the device's id first
+
+// By whom, to or from which alias, which frame.
+std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_t id, ano::Checks checks) noexcept {
+    return std::uint64_t{requester} | std::uint64_t{alias} << 8 | std::uint64_t{id} << 16 |
+           std::uint64_t{checks.sum} << 24 | std::uint64_t{checks.add} << 32;
+}
+
+// Streams are never acknowledged and would push what is out of the memory.
+constexpr bool may_be_acknowledged(Treatment treatment) noexcept {
+    return treatment.traffic == TrafficClass::urgent && treatment.replace == Replace::never;
+}
+
+}    // namespace
+
+Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
+    : largest_{ano::overhead + max_data}, buffer_{new std::uint8_t[largest_]} {
+    for (const AliasRule& rule : rules) {
+        assert(rule.device != 0 && rule.as != 0 && rule.device != 0xFF && rule.as != 0xFF);
+        as_[rule.device] = rule.as;
+        device_[rule.as] = rule.device;
+    }
+}
+
+ano::FrameView Aliases::inbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
+    const std::uint8_t alias = as_[frame.source()];
+    if (alias == 0 || frame.bytes().size() > largest_) return frame;
+    const auto bytes = copy(frame);
+    bytes[1] = alias;
+    if (frame.id() == check_id) restore_checks(bytes, frame.destination(), alias, now);
+    if (frame.id() == device_info_id && !frame.data().empty() && frame.data()[0] == frame.source())
+        bytes[ano::header_size] = alias;
+    return finish(bytes, frame, alias, alias, treatment, now);
+}
+
+std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, Treatment treatment,
+                                                ano::TimePoint now) noexcept {
+    const std::uint8_t alias = frame.destination();
+    if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
+    if (frame.bytes().size() > largest_) return frame;
+    const auto bytes = copy(frame);
+    bytes[2] = device_[alias];
+    if (frame.id() == check_id) restore_checks(bytes, alias, alias, now);
+    return finish(bytes, frame, frame.source(), alias, treatment, now);
+}
+
+std::span<std::uint8_t> Aliases::copy(ano::FrameView frame) noexcept {
+    const std::span bytes{buffer_.get(), frame.bytes().size()};
+    std::copy(frame.bytes().begin(), frame.bytes().end(), bytes.begin());
+    return bytes;
+}
+
+void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
+                             ano::TimePoint now) noexcept {
+    if (acknowledgement.size() < ano::overhead + 3) return;
+    const auto data = acknowledgement.subspan(ano::header_size, 3);
+    const ano::Checks* original = sent_as_.find(memory_key(requester, alias, data[0], {data[1], data[2]}), now);
+    if (!original) return;    // of a broadcast, which is not rewritten, or too late
+    data[1] = original->sum;
+    data[2] = original->add;
+}
+
+ano::FrameView Aliases::finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester,
+                               std::uint8_t alias, Treatment treatment, ano::TimePoint now) noexcept {
+    ano::seal(bytes);
+    const ano::FrameView frame{bytes};
+    if (may_be_acknowledged(treatment) && frame.id() != check_id)
+        sent_as_.put(memory_key(requester, alias, frame.id(), frame.checks()), original.checks(), now);
+    return frame;
+}
+
+}    // namespace anogate

@@ -1,0 +1,119 @@
+#include <gateway/alias.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::frame;
+
+namespace {
+
+constexpr Treatment command{TrafficClass::urgent, Replace::never, AgeKind::rest};
+constexpr Treatment stream{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
+
+struct Alias : testing::Test {
+    Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
+    ano::TimePoint now{1h};
+
+    Bytes in(const Bytes& bytes, Treatment treatment = command) {
+        return whole(aliases.inbound(ano::FrameView{bytes}, treatment, now));
+    }
+    Bytes out(const Bytes& bytes, Treatment treatment = command) {
+        const auto result = aliases.outbound(ano::FrameView{bytes}, treatment, now);
+        return result ? whole(*result) : Bytes{};
+    }
+    static Bytes whole(ano::FrameView view) {
+        EXPECT_TRUE(ano::frame_at(view.bytes())) << "both checks hold";
+        return {view.bytes().begin(), view.bytes().end()};
+    }
+    // What a device at `from` answers to `request`.
+    static Bytes acknowledgement(const Bytes& request, std::uint8_t from) {
+        const std::size_t n = request.size();
+        return frame(from, request[1], 0x00, {request[3], request[n - 2], request[n - 1]});
+    }
+};
+
+}    // namespace
+
+TEST_F(Alias, source_is_rewritten_on_the_way_in_and_destination_on_the_way_out) {
+    EXPECT_EQ(in(frame(0xDE, 0xFE, 0x51, {1, 2, 3}), stream), frame(31, 0xFE, 0x51, {1, 2, 3}));
+    EXPECT_EQ(in(frame(0xDE, 0xFF, 0x51, {}), stream), frame(31, 0xFF, 0x51, {}));
+    EXPECT_EQ(out(frame(0xFE, 31, 0xE0, {2, 0, 0})), frame(0xFE, 0xDE, 0xE0, {2, 0, 0}));
+}
+
+TEST_F(Alias, others_pass_as_they_are) {
+    EXPECT_EQ(in(frame(0xDD, 0xDE, 0x01, {1})), frame(0xDD, 0xDE, 0x01, {1}));
+    EXPECT_EQ(out(frame(0xFE, 0xFF, 0xE0, {0, 0, 0})), frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    EXPECT_EQ(out(frame(0xDE, 0xDC, 0x51, {1})), frame(0xDE, 0xDC, 0x51, {1}));
+}
+
+TEST_F(Alias, frame_to_the_id_behind_an_alias_is_for_another_device) {
+    EXPECT_EQ(out(frame(0xFE, 0xDE, 0xE0, {0, 0, 0})), Bytes{});
+}
+
+TEST_F(Alias, device_info_tells_the_alias) {
+    EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDE, 100, 0, 'x'})), frame(31, 0xFE, 0xE3, {31, 100, 0, 'x'}));
+    EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDD, 100})), frame(31, 0xFE, 0xE3, {0xDD, 100}));
+    EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {})), frame(31, 0xFE, 0xE3, {}));
+}
+
+TEST_F(Alias, acknowledgement_of_a_write_carries_the_checks_as_it_was_sent) {
+    const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
+    const Bytes reached = out(sent);
+    now += 4999ms;
+    EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(sent, 31));
+    EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(sent, 31)) << "a device may answer twice";
+}
+
+TEST_F(Alias, acknowledgement_of_what_the_device_wrote_does_too) {
+    const Bytes sent = frame(0xDE, 0xFE, 0xE1, {3, 0, 42});
+    const Bytes reached = in(sent);
+    EXPECT_EQ(out(acknowledgement(reached, 0xFE)), acknowledgement(sent, 0xFE));
+}
+
+TEST_F(Alias, acknowledgement_of_a_broadcast_is_left_as_it_is) {
+    const Bytes sent = frame(0xFE, 0xFF, 0xE1, {3, 0, 42});
+    EXPECT_EQ(out(sent), sent);
+    EXPECT_EQ(in(acknowledgement(sent, 0xDE)), acknowledgement(sent, 31));
+}
+
+TEST_F(Alias, each_requester_has_its_own) {
+    const Bytes mine = frame(0xFE, 31, 0xE1, {3, 0, 42});
+    const Bytes theirs = frame(0xD2, 31, 0xE1, {3, 0, 42});
+    const Bytes mine_there = out(mine);
+    const Bytes theirs_there = out(theirs);
+    EXPECT_EQ(in(acknowledgement(mine_there, 0xDE)), acknowledgement(mine, 31));
+    EXPECT_EQ(in(acknowledgement(theirs_there, 0xDE)), acknowledgement(theirs, 31));
+}
+
+TEST_F(Alias, memory_ends) {
+    const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
+    const Bytes reached = out(sent);
+    now += Aliases::memory;
+    EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(reached, 31));
+}
+
+TEST_F(Alias, streams_leave_the_memory_alone) {
+    const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
+    const Bytes reached = out(sent);
+    for (int n = 0; n < 100000; ++n)
+        in(frame(0xDE, 0xFE, 0x51, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}), stream);
+    EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(sent, 31));
+}
+
+TEST_F(Alias, short_acknowledgement_and_large_frame_pass) {
+    EXPECT_EQ(in(frame(0xDE, 0xFE, 0x00, {0xE1, 1})), frame(31, 0xFE, 0x00, {0xE1, 1}));
+    EXPECT_EQ(out(frame(0xFE, 31, 0xE1, Bytes(200))), frame(0xFE, 0xDE, 0xE1, Bytes(200)));
+    EXPECT_EQ(out(frame(0xFE, 31, 0xE1, Bytes(201))), frame(0xFE, 31, 0xE1, Bytes(201)));
+}
+
+TEST(Aliases, two_devices_may_change_places) {
+    Aliases aliases{{{.device = 30, .as = 31}, {.device = 31, .as = 30}}, 10};
+    const Bytes to = frame(0xFE, 31, 0x01, {1});
+    const Bytes from = frame(31, 0xFE, 0x01, {1});
+    EXPECT_EQ(aliases.outbound(ano::FrameView{to}, {}, {})->destination(), 30);
+    EXPECT_EQ(aliases.inbound(ano::FrameView{from}, {}, {}).source(), 30);
+}
