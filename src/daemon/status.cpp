@@ -41,7 +41,9 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.up_for = now - state.since;
     f.received = state.gone_received;
     f.sent = state.gone_sent;
-    add(f.received, state.link->stray());
+    const Stray stray = state.link->stray();
+    add(f.received, stray.received);
+    f.v7_frames = stray.v7_frames;
     for (const ChannelId id : state.channels) {
         const Channel& channel = gateway.channel(id);
         add(f.received, channel.received());

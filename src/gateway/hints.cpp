@@ -27,7 +27,8 @@ std::string nothing_at_all(const LinkFigures& link) {
 std::string hint(const LinkFigures& link) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
-    if (link.v7_frames > 0) return "older V7 frames (0xAA) seen: switch the device to protocol V8";
+    if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
+        return "older V7 frames (0xAA) seen: switch the device to protocol V8";
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
         return link.kind == "serial" ? "bytes but no frames: wrong baud rate?" : "bytes but no frames: is the sender speaking V8?";
     if (in.frames_in == 0 && in.bad_length > 0 && in.bad_length >= in.bad_check)

@@ -38,6 +38,25 @@ std::uint8_t prefix_of(const sockaddr* mask) noexcept {
     return static_cast<std::uint8_t>(count);
 }
 
+SendReport broken(SendReport report) noexcept {
+    report.result = SendResult::broken;
+    return report;
+}
+
+template <class Call>
+void for_each_own_network(Call call) {
+    ifaddrs* list = nullptr;
+    if (::getifaddrs(&list) != 0) return;
+    for (const ifaddrs* i = list; i; i = i->ifa_next) {
+        if (!i->ifa_addr || !i->ifa_netmask) continue;
+        if (i->ifa_addr->sa_family == AF_INET)
+            call(Network{address_of(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
+        else if (i->ifa_addr->sa_family == AF_INET6)
+            call(Network{address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
+    }
+    ::freeifaddrs(list);
+}
+
 }  // namespace
 
 SocketAddress SocketAddress::of(const Endpoint& endpoint, bool v6_socket) noexcept {
@@ -78,17 +97,16 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept {
 
 std::vector<Network> own_networks() {
     std::vector<Network> networks;
-    ifaddrs* list = nullptr;
-    if (::getifaddrs(&list) != 0) return networks;
-    for (const ifaddrs* i = list; i; i = i->ifa_next) {
-        if (!i->ifa_addr || !i->ifa_netmask) continue;
-        if (i->ifa_addr->sa_family == AF_INET)
-            networks.push_back({address_of(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)), prefix_of(i->ifa_netmask)});
-        else if (i->ifa_addr->sa_family == AF_INET6)
-            networks.push_back({address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)});
-    }
-    ::freeifaddrs(list);
+    for_each_own_network([&](const Network& network, const char*) { networks.push_back(network); });
     return networks;
+}
+
+unsigned interface_of(const IpAddress& address) {
+    unsigned index = 0;
+    for_each_own_network([&](const Network& network, const char* name) {
+        if (network.address == address) index = ::if_nametoindex(name);
+    });
+    return index;
 }
 
 OpenedSocket open_udp(const Endpoint& local, bool share_port) {
@@ -155,6 +173,11 @@ SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept {
         case ECONNREFUSED:
             ++report.refused;
             if (++failures < 2) break;
+            failures = 0;
+            outbox.drop_frame(&SendCounters::send_failed);
+            break;
+        case ENETUNREACH:
+            if (!to) return broken(report);    // connected when our address was another: it would never find a way again
             [[fallthrough]];
         default:
             failures = 0;
@@ -165,7 +188,7 @@ SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept {
         case ENODEV:
         case ENETDOWN:
         case EADDRNOTAVAIL:
-        case ENOTCONN: report.result = SendResult::broken; return report;
+        case ENOTCONN: return broken(report);
         }
     }
     return report;

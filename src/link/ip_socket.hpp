@@ -24,6 +24,8 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 
 /// The networks of our interfaces as they are now, loopback included.
 std::vector<Network> own_networks();
+/// The index of the interface that has `address` now; 0 for none.
+unsigned interface_of(const IpAddress& address);
 
 struct OpenedSocket {
     UniqueFd fd;

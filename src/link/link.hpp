@@ -41,6 +41,12 @@ protected:
 /// What only its kind knows of a link, for the status: {"port", 12333}.
 using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::string, std::int64_t>>>;
 
+/// What came in and belongs to no channel.
+struct Stray {
+    ReceiveCounters received;
+    std::uint64_t v7_frames = 0;    // frames of the previous protocol version
+};
+
 /// One serial port, one UDP socket, one CAN interface. Reads, writes and reports; decides nothing.
 class Link {
 public:
@@ -67,7 +73,7 @@ public:
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
     virtual std::string trouble() const { return {}; }
     /// What was refused before it belonged to a channel.
-    virtual ReceiveCounters stray() const { return {}; }
+    virtual Stray stray() const { return {}; }
 
 private:
     LinkId id_;

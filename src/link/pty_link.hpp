@@ -16,6 +16,7 @@ public:
 
 private:
     Opened open_wire() override;
+    const std::string& peer() const override { return settings().pty.path; }
     void leave_wire(int fd) override;
     void wire_ended(int error) override;
     std::string gone_text(int error) const override;

@@ -12,6 +12,7 @@ public:
 
 private:
     Opened open_wire() override;
+    const std::string& peer() const override { return settings().serial.device; }
     void leave_wire(int fd) override;
     std::string gone_text(int error) const override;
 

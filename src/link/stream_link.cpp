@@ -24,7 +24,7 @@ StreamLink::StreamLink(LinkId id, LinkSettings settings, const LinkContext& cont
               }} {}
 
 void StreamLink::start() {
-    channel_ = context_.host.open_channel(*this, {});
+    channel_ = context_.host.open_channel(*this, peer());
     try_open();
 }
 

@@ -23,6 +23,8 @@ protected:
         std::string error;
     };
     virtual Opened open_wire() = 0;
+    /// What the channel is called.
+    virtual const std::string& peer() const = 0;
     /// Leaves the wire as it should be found; the descriptor is closed right after.
     virtual void leave_wire(int) {}
     /// What a read that ends (`error` is 0) or fails means to the user.

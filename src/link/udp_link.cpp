@@ -2,8 +2,6 @@
 #include <link/feed.hpp>
 #include <link/udp_link.hpp>
 
-#include <ifaddrs.h>
-#include <net/if.h>
 #include <netinet/in.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@ namespace {
 
 constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
+constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
 
 // An address that stands for every host of one of our networks.
 bool is_broadcast(const IpAddress& address) {
@@ -69,25 +68,39 @@ OpenedSocket UdpLink::open_to_peer() {
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().udp.bind) local = *settings().udp.bind;
+    unsigned interface = peer.address.scope;
+    if (multicast && !local.address.is_any()) {    // bound to it, a socket would not hear the group
+        interface = interface_of(local.address);
+        if (interface == 0) return {{}, "no interface has the address " + local.address.text() + " now"};
+        local.address = {local.address.v6, {}, 0};
+    }
     OpenedSocket opened = open_udp(local, multicast);
     if (!opened.fd) return opened;
     to_ = SocketAddress::of(peer, local.address.v6);
     connected_ = !multicast && !is_broadcast(peer.address);
     if (multicast) {
-        if (std::string error = join_group(opened.fd.get()); !error.empty()) return {{}, std::move(error)};
+        if (std::string error = join_group(opened.fd.get(), interface); !error.empty()) return {{}, std::move(error)};
     } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {
         return {{}, "no way to " + peer.text() + " now: " + error_text(errno)};
     }
     return opened;
 }
 
-std::string UdpLink::join_group(int fd) const {
+// `interface` 0: the one the kernel's routes choose.
+std::string UdpLink::join_group(int fd, unsigned interface) const {
     const Endpoint& peer = settings().udp.peer;
+    const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
-    group.gr_interface = peer.address.scope;
+    group.gr_interface = interface;
     std::memcpy(&group.gr_group, &to_.storage, sizeof to_.storage);
-    const int level = peer.address.v6 ? IPPROTO_IPV6 : IPPROTO_IP;
-    if (::setsockopt(fd, level, MCAST_JOIN_GROUP, &group, sizeof group) == 0) return {};
+    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0;
+    if (done && interface != 0) {
+        ip_mreqn sender{};
+        sender.imr_ifindex = static_cast<int>(interface);
+        done = v6 ? ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &sender.imr_ifindex, sizeof sender.imr_ifindex) == 0
+                  : ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &sender, sizeof sender) == 0;
+    }
+    if (done) return {};
     return "can't join the multicast group " + peer.address.text() + ": " + error_text(errno);
 }
 
@@ -166,8 +179,14 @@ void UdpLink::flush(Channel& channel) {
 
 void UdpLink::note(const SendReport& report) {
     refused_ += report.refused;
-    if (report.error == ECONNREFUSED) trouble_ = "refused: nothing listens at " + settings().udp.peer.text();
-    else if (report.error != 0 && report.error != EAGAIN && report.error != EINTR) trouble_ = error_text(report.error);
+    if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
+    trouble_at_ = context_.host.now();
+    trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().udp.peer.text()
+                                            : error_text(report.error);
+}
+
+std::string UdpLink::trouble() const {
+    return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : std::string{};
 }
 
 LinkFacts UdpLink::facts() const {

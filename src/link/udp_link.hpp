@@ -16,12 +16,12 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     LinkFacts facts() const override;
-    std::string trouble() const override { return trouble_; }
+    std::string trouble() const override;
 
 private:
     void try_open();
     OpenedSocket open_to_peer();
-    std::string join_group(int fd) const;
+    std::string join_group(int fd, unsigned interface) const;
     void fail(std::string why);
     void read();
     bool own(const sockaddr_storage& sender, TimePoint now);
@@ -42,6 +42,7 @@ private:
     TimePoint networks_read_at_{};
     std::uint64_t refused_ = 0;
     std::string trouble_;
+    TimePoint trouble_at_{};
 };
 
 }  // namespace anogate

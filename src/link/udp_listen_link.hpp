@@ -17,7 +17,7 @@ public:
     void flush(Channel& channel) override;
     LinkFacts facts() const override;
     std::string trouble() const override;
-    ReceiveCounters stray() const override { return stray_; }
+    Stray stray() const override { return {stray_, probe_.counters().v7_frames}; }
 
 private:
     struct Peer;

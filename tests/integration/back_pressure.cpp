@@ -1,0 +1,158 @@
+// Readers that are slow, or stop: whole frames in their order, bounded memory, every drop counted.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+Bytes numbered(std::uint32_t n) {
+    Bytes data(13 + n % 60, 0xAB);    // full of false headers, of many lengths
+    for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(n >> (8 * i));
+    return frame(0xDC, 0xFE, 0xF1, data);
+}
+std::uint32_t number_of(const Bytes& frame) {
+    return static_cast<std::uint32_t>(frame[6] | frame[7] << 8 | frame[8] << 16 | frame[9] << 24);
+}
+
+/// Nothing but whole frames, each later than the one before.
+testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& count, std::uint32_t& last) {
+    const Split heard = split(stream);
+    if (!heard.rest.empty()) return testing::AssertionFailure() << heard.rest.size() << " bytes that are no frame";
+    count = heard.frames.size();
+    std::int64_t before = -1;
+    for (const Bytes& f : heard.frames) {
+        if (f != numbered(number_of(f))) return testing::AssertionFailure() << "a frame that nobody sent";
+        if (number_of(f) <= before) return testing::AssertionFailure() << number_of(f) << " after " << before;
+        before = number_of(f);
+    }
+    last = static_cast<std::uint32_t>(before);
+    return testing::AssertionSuccess();
+}
+
+TEST(BackPressure, a_reader_of_a_few_bytes_at_a_time_gets_whole_frames_only) {
+    const TempDir dir;
+    PtyDevice slow{dir / "slow"};
+    auto link = serial("slow", slow.path());
+    link.queue = 8 * 1024;
+    RunningGateway daemon{link, udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("slow"));
+    UdpPeer air;
+    Bytes got;
+    std::uint32_t n = 0;
+    while (n < 6000) {
+        for (int i = 0; i < 8; ++i) air.send(daemon.port("air"), numbered(n++));
+        daemon.until([&] { return daemon.count("air", "frames_in") == n; });
+        got = got + slow.read(7 + n % 31);
+        ASSERT_TRUE(daemon.counters_add_up());
+        const auto& outbox = daemon.gateway().channel(anogate::ChannelId{0}).outbox;
+        ASSERT_LE(outbox.waiting_bytes(), link.queue + 100);
+    }
+    EXPECT_GT(daemon.count("slow", "queue_full"), 1000u);
+    ASSERT_TRUE(daemon.until([&] {
+        got = got + slow.read();
+        return daemon.count("slow", "waiting") == 0;
+    }));
+    daemon.run_for(5ms);
+    got = got + slow.heard();
+    std::size_t count = 0;
+    std::uint32_t last = 0;
+    EXPECT_TRUE(whole_and_in_order(got, count, last));
+    EXPECT_EQ(count, daemon.count("slow", "frames_out"));
+    EXPECT_EQ(count + daemon.count("slow", "queue_full"), n);
+    EXPECT_EQ(last, n - 1) << "the newest is not what was dropped";
+}
+
+TEST(BackPressure, a_reader_that_stops_and_comes_back_gets_whole_frames_only) {
+    const TempDir dir;
+    PtyDevice slow{dir / "slow"}, other{dir / "other"};
+    RunningGateway daemon{serial("slow", slow.path()), serial("other", other.path()), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("slow") && daemon.until_up("other"));
+    UdpPeer air;
+    std::uint32_t n = 0;
+    Bytes got;
+    for (int pause = 0; pause < 3; ++pause) {
+        const auto until = n + 2000;
+        while (n < until) {
+            air.send(daemon.port("air"), numbered(n++));
+            daemon.until([&] { return daemon.count("air", "frames_in") == n; });
+            other.heard();
+        }
+        EXPECT_TRUE(daemon.until([&] {
+            got = got + slow.read();
+            other.heard();
+            return daemon.count("slow", "waiting") == 0 && daemon.count("other", "waiting") == 0;
+        }));
+    }
+    daemon.run_for(5ms);
+    got = got + slow.heard();
+    std::size_t count = 0;
+    std::uint32_t last = 0;
+    EXPECT_TRUE(whole_and_in_order(got, count, last));
+    EXPECT_EQ(last, n - 1);
+    EXPECT_GT(daemon.count("slow", "queue_full"), 0u);
+    EXPECT_TRUE(whole_and_in_order(other.heard(), count, last));
+    EXPECT_EQ(count, n) << "who reads, loses nothing";
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_whole_one) {
+    const TempDir dir;
+    PtyDevice slow{dir / "slow"};
+    RunningGateway daemon{serial("slow", slow.path()), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("slow"));
+    UdpPeer air;
+    std::uint32_t n = 0;
+    const auto say = [&] {
+        air.send(daemon.port("air"), numbered(n++));
+        return daemon.until([&] { return daemon.count("air", "frames_in") == n; });
+    };
+    while (daemon.count("slow", "waiting") < 20) ASSERT_TRUE(say());
+    slow.unplug();
+    ASSERT_TRUE(daemon.until_waiting("slow"));
+    EXPECT_GE(daemon.count("slow", "link_down"), 20u);
+    slow.plug();
+    ASSERT_TRUE(daemon.until_up("slow"));
+    ASSERT_TRUE(say());
+    EXPECT_TRUE(daemon.until([&] { return slow.heard() == numbered(n - 1); })) << "nothing old, nothing torn";
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(BackPressure, a_flood_is_forwarded_or_counted_frame_by_frame) {
+    const TempDir dir;
+    UdpPeer air, host;
+    RunningGateway daemon{udp("host", host.local().text()), udp_listen("air")};
+    std::uint32_t n = 0;
+    std::size_t heard = 0;
+    Bytes got;
+    for (int burst = 0; burst < 50; ++burst) {
+        for (int i = 0; i < 100; ++i) air.send(daemon.port("air"), numbered(n++));
+        daemon.io().restart();
+        daemon.io().poll();
+        for (const Bytes& datagram : host.datagrams()) {
+            ++heard;
+            got = got + datagram;
+        }
+    }
+    EXPECT_TRUE(daemon.until([&] {
+        for (const Bytes& datagram : host.datagrams()) {
+            ++heard;
+            got = got + datagram;
+        }
+        return heard >= daemon.count("host", "frames_out") && daemon.count("air", "frames_in") +
+               daemon.link("air").at("kernel_drops").get<std::uint64_t>() == n;
+    }));
+    std::size_t count = 0;
+    std::uint32_t last = 0;
+    EXPECT_TRUE(whole_and_in_order(got, count, last));
+    EXPECT_EQ(count, daemon.count("air", "frames_in"));
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+}    // namespace

@@ -1,0 +1,215 @@
+// Where frames go, over real links: the Router's rules as users meet them.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+// Three devices on serial links a, b, c; the test says what is special about each.
+class Routing : public testing::Test {
+protected:
+    void start(anogate::GatewaySettings gateway = {}, std::vector<anogate::RouteSettings> routes = {}) {
+        daemon.emplace(settings_of({a_link, b_link, c_link}, gateway, std::move(routes)));
+        ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("b") && daemon->until_up("c"));
+    }
+    /// `from` says it; true when it has been routed.
+    bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
+        const auto before = daemon->count(link, "bytes_in");
+        from.write(bytes);
+        return daemon->until([&] { return daemon->count(link, "bytes_in") == before + bytes.size(); });
+    }
+    /// What each heard since the last call, after everything sent has had its time.
+    struct Heard {
+        Bytes a, b, c;
+    };
+    Heard heard() {
+        Heard result;
+        daemon->run_for(10ms);
+        daemon->until([&] {
+            result.a = result.a + a.read();
+            result.b = result.b + b.read();
+            result.c = result.c + c.read();
+            return daemon->count("a", "waiting") + daemon->count("b", "waiting") + daemon->count("c", "waiting") == 0;
+        });
+        return result;
+    }
+
+    TempDir dir;
+    PtyDevice a{dir / "a"}, b{dir / "b"}, c{dir / "c"};
+    anogate::LinkSettings a_link = serial("a", a.path()), b_link = serial("b", b.path()), c_link = serial("c", c.path());
+    std::optional<RunningGateway> daemon;
+};
+
+TEST_F(Routing, a_learned_address_gets_its_frames_and_nobody_else_does) {
+    start();
+    ASSERT_TRUE(say(b, "b", frame(30, 0xFE, 0x01)));
+    heard();
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 30, 0xE0, {0, 0, 0})));
+    const Heard now = heard();
+    EXPECT_EQ(now.b, frame(0xFE, 30, 0xE0, {0, 0, 0}));
+    EXPECT_TRUE(now.a.empty() && now.c.empty());
+    EXPECT_EQ(daemon->route("0x1E").at("via"), "learned");
+    EXPECT_EQ(daemon->route("0x1E").at("links"), nlohmann::json{"b"});
+    EXPECT_EQ(daemon->route("0x1E").at("who"), "user device");
+}
+
+TEST_F(Routing, a_port_id_is_the_link_that_bears_it_whatever_is_behind_it) {
+    b_link.id = 5;
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 5, 0xE0, {0, 0, 0})));
+    const Heard now = heard();
+    EXPECT_EQ(now.b, frame(0xFE, 5, 0xE0, {0, 0, 0}));
+    EXPECT_TRUE(now.c.empty());
+    EXPECT_EQ(daemon->route("0x05").at("via"), "port");
+    EXPECT_EQ(daemon->link("b").at("id"), 5);
+    EXPECT_TRUE(daemon->link("a").at("id").is_null());
+}
+
+TEST_F(Routing, a_pinned_range_goes_to_its_link_before_anything_is_learned) {
+    start({}, {{30, 40, "c"}});
+    ASSERT_TRUE(say(b, "b", frame(35, 0xFE, 0x01)));
+    heard();
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 35, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_EQ(now.c, frame(0xFE, 35, 0xC0, {1}));
+    EXPECT_TRUE(now.b.empty());
+    EXPECT_EQ(daemon->route("0x23").at("via"), "pinned");
+    EXPECT_EQ(daemon->route("0x28").at("links"), nlohmann::json{"c"});
+    EXPECT_TRUE(daemon->route("0x29").is_null());
+}
+
+TEST_F(Routing, a_broadcast_goes_to_everybody_who_may_have_it) {
+    c_link.broadcast = false;
+    start();
+    ASSERT_TRUE(say(a, "a", vendor::who_are_you));
+    const Heard now = heard();
+    EXPECT_EQ(now.b, vendor::who_are_you);
+    EXPECT_TRUE(now.a.empty()) << "never back";
+    EXPECT_TRUE(now.c.empty()) << "broadcast=no";
+}
+
+TEST_F(Routing, an_unknown_address_is_flooded_but_not_to_flood_no) {
+    c_link.flood = false;
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_EQ(now.b, frame(0xFE, 77, 0xC0, {1}));
+    EXPECT_TRUE(now.c.empty());
+}
+
+TEST_F(Routing, unknown_drop_counts_what_has_no_taker) {
+    anogate::GatewaySettings gateway;
+    gateway.unknown = anogate::Unknown::drop;
+    start(gateway);
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_TRUE(now.b.empty() && now.c.empty());
+    EXPECT_EQ(daemon->count("a", "no_route"), 1u);
+}
+
+TEST_F(Routing, unknown_may_go_to_one_link) {
+    anogate::GatewaySettings gateway;
+    gateway.unknown = anogate::Unknown::link;
+    gateway.unknown_link = "c";
+    start(gateway);
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_EQ(now.c, frame(0xFE, 77, 0xC0, {1}));
+    EXPECT_TRUE(now.b.empty());
+}
+
+TEST_F(Routing, what_is_for_the_gateway_itself_ends_there) {
+    anogate::GatewaySettings gateway;
+    gateway.id = 199;
+    start(gateway);
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 199, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_TRUE(now.b.empty() && now.c.empty());
+    EXPECT_EQ(daemon->count("a", "no_route"), 0u);
+    EXPECT_EQ(daemon->status().at("gateway").at("own_frames"), 1);
+    EXPECT_EQ(daemon->route("0xC7").at("via"), "own");
+}
+
+TEST_F(Routing, nobody_is_destination_0) {
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xFE, 0, 0xC0, {1})));
+    const Heard now = heard();
+    EXPECT_TRUE(now.b.empty() && now.c.empty());
+    EXPECT_EQ(daemon->count("a", "no_route"), 1u);
+}
+
+TEST_F(Routing, two_hosts_both_0xFE_both_get_the_answer) {
+    start();
+    ASSERT_TRUE(say(a, "a", vendor::who_are_you) && say(b, "b", vendor::who_are_you));
+    heard();
+    ASSERT_TRUE(say(c, "c", vendor::i_am_an_mcu));
+    const Heard now = heard();
+    EXPECT_EQ(now.a, vendor::i_am_an_mcu);
+    EXPECT_EQ(now.b, vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon->status().at("conflicts").empty()) << "hosts may share an id";
+}
+
+TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && say(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})));
+    ASSERT_TRUE(daemon->until([&] { return !daemon->status().at("conflicts").empty(); }));
+    const auto conflict = daemon->status().at("conflicts").at(0);
+    EXPECT_EQ(conflict.at("address"), "0xDE");
+    EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
+}
+
+TEST_F(Routing, frames_of_one_link_keep_their_order) {
+    start();
+    ASSERT_TRUE(say(b, "b", frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));
+    heard();
+    Bytes sent;
+    for (std::uint8_t n = 0; n < 200; ++n) sent = sent + frame(0xDC, 0xFE, n, Bytes(n % 14, n));
+    for (std::size_t done = 0; done < sent.size();) {
+        done += a.write(std::span{sent}.subspan(done, std::min<std::size_t>(sent.size() - done, 333)));
+        daemon->run_for(1ms);
+    }
+    EXPECT_TRUE(daemon->until([&] { return b.heard() == sent; }));
+}
+
+TEST_F(Routing, a_frame_larger_than_a_link_carries_is_counted_there) {
+    a_link.max_data = 1000;
+    b_link.max_data = 100;
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(101))) && say(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(100))));
+    const Heard now = heard();
+    EXPECT_EQ(split(now.b).frames.size(), 1u);
+    EXPECT_EQ(split(now.c).frames.size(), 2u);
+    EXPECT_EQ(daemon->count("b", "too_big"), 1u);
+}
+
+TEST_F(Routing, frames_without_data_pass_and_are_counted) {
+    start();
+    ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFF, 0xF1)));
+    EXPECT_EQ(heard().b, frame(0xDC, 0xFF, 0xF1));
+    EXPECT_EQ(daemon->count("b", "empty_out"), 1u);
+}
+
+TEST(Gateway, sixty_four_channels_and_no_more) {
+    auto ground = udp_listen("ground");
+    ground.udp_listen.max_peers = 100;
+    RunningGateway daemon{ground};
+    std::vector<std::unique_ptr<UdpPeer>> hosts;
+    for (int i = 0; i < 70; ++i) {
+        hosts.push_back(std::make_unique<UdpPeer>());
+        hosts.back()->send(daemon.port("ground"), vendor::who_are_you);
+    }
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") == 6; }));
+    EXPECT_EQ(daemon.link("ground").at("channels").size(), 64u);
+    hosts[0]->forget();
+    hosts[1]->send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return hosts[0]->heard() == vendor::who_are_you; })) << "those who are in are served";
+}
+
+}    // namespace

@@ -1,0 +1,92 @@
+// sim:fc, as a ground station sees it.
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+std::map<std::uint8_t, int> count_by_id(const Bytes& stream) {
+    std::map<std::uint8_t, int> counts;
+    for (const Bytes& f : split(stream).frames) ++counts[f[3]];
+    return counts;
+}
+
+TEST(Simulator, says_who_it_is_when_asked_by_address_or_by_broadcast) {
+    RunningGateway daemon{sim("fc", 1), udp_listen("ground")};
+    UdpPeer host;
+    for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) {
+        host.forget();
+        host.send(daemon.port("ground"), frame(0xFE, to, 0xE0, {0, 0, 0}));
+        EXPECT_TRUE(daemon.until([&] { return count_by_id(host.heard())[0xE3] == 1; })) << int{to};
+        for (const Bytes& f : split(host.heard()).frames) {
+            if (f[3] != 0xE3) continue;
+            EXPECT_EQ(f[1], 0xDC);
+            EXPECT_EQ(f[2], 0xFE);
+            EXPECT_EQ(f[6], 0xDC) << "dev_id";
+        }
+    }
+    host.forget();
+    host.send(daemon.port("ground"), frame(0xFE, 0xDB, 0xE0, {0, 0, 0}));
+    host.send(daemon.port("ground"), frame(0xFE, 0xDC, 0xE0));
+    daemon.run_for(50ms);
+    EXPECT_EQ(count_by_id(host.heard())[0xE3], 0) << "not its address; no cmd";
+}
+
+class SimulatorRate : public testing::TestWithParam<std::uint16_t> {};
+TEST_P(SimulatorRate, is_what_was_set) {
+    const auto rate = GetParam();
+    RunningGateway daemon{sim("fc", rate), udp_listen("ground")};
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return count_by_id(host.heard())[0x03] > 0; }));
+    host.forget();
+    // Whole periods of its clock, counted by frames of the slowest stream.
+    const auto begin = anogate::Clock::now();
+    ASSERT_TRUE(daemon.until([&] { return count_by_id(host.heard())[0x03] >= std::max<int>(rate, 2); }));
+    const double seconds = std::chrono::duration<double>(anogate::Clock::now() - begin).count();
+    EXPECT_GT(seconds, 0.8 * std::max<int>(rate, 2) / rate - 1.0 / rate) << "not faster";
+    auto counts = count_by_id(host.heard());
+    const auto expect_about = [&](std::uint8_t id, double hz) {
+        EXPECT_NEAR(counts[id], hz * seconds, 1 + 0.3 * hz * seconds) << "id " << int{id};
+    };
+    expect_about(0x01, rate);
+    expect_about(0x03, rate);
+    for (const int id : {0x05, 0x06, 0x07, 0x0D}) EXPECT_GT(counts[static_cast<std::uint8_t>(id)], 0) << id;
+    for (const Bytes& f : split(host.heard()).frames) EXPECT_EQ(f[2], 0xFE);
+    EXPECT_EQ(counts.size(), 6u + counts.count(0xE3));
+}
+INSTANTIATE_TEST_SUITE_P(Simulator, SimulatorRate, testing::Values(1, 20, 100));
+
+TEST(Simulator, its_values_are_those_of_a_hover) {
+    RunningGateway daemon{sim("fc", 100), udp_listen("ground")};
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    const auto one = [&](std::uint8_t id) {
+        Bytes found;
+        EXPECT_TRUE(daemon.until([&] {
+            for (const Bytes& f : split(host.heard()).frames)
+                if (f[3] == id) found = f;
+            return !found.empty();
+        }));
+        return found;
+    };
+    const auto i16 = [](const Bytes& f, std::size_t at) { return static_cast<std::int16_t>(f[6 + at] | f[7 + at] << 8); };
+    EXPECT_NEAR(i16(one(0x01), 4), 981, 20) << "gravity";
+    EXPECT_EQ(one(0x01).size(), 8u + 13);
+    EXPECT_LT(std::abs(i16(one(0x03), 0)), 600) << "roll in hundredths of a degree";
+    EXPECT_EQ(one(0x03).size(), 8u + 7);
+    EXPECT_EQ(one(0x05).size(), 8u + 13);
+    EXPECT_EQ(one(0x06).size(), 8u + 5);
+    EXPECT_EQ(one(0x07).size(), 8u + 6);
+    EXPECT_NEAR(i16(one(0x0D), 0), 1200, 120) << "volts in hundredths";
+    EXPECT_EQ(one(0x0D).size(), 8u + 4);
+}
+
+}    // namespace

@@ -1,0 +1,159 @@
+// GET /status: its shape is an interface, and its hints are what a user reads first.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using nlohmann::json;
+
+const char* const counters[] = {"frames_in",  "bytes_in",   "bad_check", "bad_length", "skipped_bytes", "expired",
+                                "denied_in",  "inhibited",  "looped",    "duplicate",  "no_route",      "frames_out",
+                                "bytes_out",  "empty_out",  "superseded", "queue_full", "stale",        "limited",
+                                "denied_out", "link_down",  "too_big",   "send_failed", "waiting"};
+
+TEST(Status, has_the_shape_that_programs_depend_on) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    auto fc_link = serial("fc", fc.path());
+    fc_link.id = 3;
+    anogate::GatewaySettings gateway;
+    gateway.id = 199;
+    gateway.name = "my gateway";
+    RunningGateway daemon{settings_of({fc_link, udp_listen("ground"), serial("gone", dir / "gone"), udp("host", "127.0.0.1:9"),
+                                       pty("app", dir / "app"), sim("sim")},
+                                      gateway, {{0x40, 0x41, "fc"}})};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    fc.write(vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return !daemon.route("0xFE").is_null() && !daemon.route("0xDB").is_null(); }));
+
+    const json status = daemon.status();
+    std::set<std::string> keys;
+    for (const auto& [key, value] : status.items()) keys.insert(key);
+    EXPECT_EQ(keys, (std::set<std::string>{"gateway", "links", "routes", "conflicts", "tunnel"}));
+    EXPECT_EQ(status.at("gateway").at("id"), 199);
+    EXPECT_EQ(status.at("gateway").at("name"), "my gateway");
+    EXPECT_TRUE(status.at("gateway").at("version").is_string());
+    EXPECT_TRUE(status.at("gateway").at("uptime_s").is_number());
+    EXPECT_TRUE(status.at("conflicts").is_array());
+    EXPECT_TRUE(status.at("tunnel").is_object());
+
+    ASSERT_EQ(status.at("links").size(), 6u);
+    for (const json& link : status.at("links")) {
+        EXPECT_TRUE(link.at("name").is_string());
+        EXPECT_TRUE(link.at("kind").is_string());
+        EXPECT_TRUE(link.at("id").is_number() || link.at("id").is_null());
+        EXPECT_TRUE(link.at("state") == "up" || link.at("state") == "waiting");
+        EXPECT_TRUE(link.at("since_s").is_number());
+        EXPECT_TRUE(link.at("error").is_string());
+        EXPECT_TRUE(link.at("hint").is_string());
+        EXPECT_TRUE(link.at("channels").is_array());
+        for (const char* counter : counters) EXPECT_TRUE(link.at(counter).is_number_unsigned()) << counter;
+        for (const json& channel : link.at("channels")) {
+            EXPECT_TRUE(channel.at("peer").is_string());
+            EXPECT_NE(channel.at("peer"), "") << link.at("name") << ": a person must see what it is";
+            for (const char* counter : counters) EXPECT_TRUE(channel.at(counter).is_number_unsigned()) << counter;
+        }
+        if (link.at("state") == "waiting") {
+            EXPECT_NE(link.at("error"), "");
+        }
+    }
+    for (const json& route : status.at("routes")) {
+        const std::string address = route.at("address");
+        EXPECT_EQ(address.size(), 4u);
+        EXPECT_EQ(address.substr(0, 2), "0x");
+        EXPECT_TRUE(route.at("who").is_string());
+        EXPECT_TRUE(route.at("links").is_array());
+        const std::string via = route.at("via");
+        EXPECT_TRUE((std::set<std::string>{"own", "port", "pinned", "learned"}.contains(via)));
+        EXPECT_EQ(route.contains("age_s"), via == "learned");
+    }
+    EXPECT_EQ(daemon.route("0x03").at("via"), "port");
+    EXPECT_EQ(daemon.route("0x41").at("via"), "pinned");
+    EXPECT_EQ(daemon.route("0xDC").at("who"), "flight controller");
+}
+
+TEST(Status, survives_names_and_paths_that_are_not_utf_8) {
+    RunningGateway daemon{serial("fc", "/nowhere/\xFF\xFE")};
+    EXPECT_EQ(daemon.link("fc").at("state"), "waiting");
+}
+
+class Hints : public testing::Test {
+protected:
+    bool hint_says(const std::string& link, const std::string& words) {
+        return daemon->until([&] { return daemon->link(link).at("hint").get<std::string>().find(words) != std::string::npos; });
+    }
+    TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    std::optional<RunningGateway> daemon;
+};
+
+TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
+    daemon.emplace(settings_of({serial("fc", fc.path())}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    fc.write(Bytes(500, 0xF8));
+    EXPECT_TRUE(hint_says("fc", "bytes but no frames: wrong baud rate?"));
+    for (int i = 0; i < 30; ++i) fc.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
+}
+
+TEST_F(Hints, older_frames_are_named) {
+    daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    Bytes v7 = hex("AA FF 03 07 01 02 03 04 05 06 07");
+    const auto checks = ano::checks_of(v7);
+    v7 = v7 + Bytes{checks.sum, checks.add};
+    fc.write(v7);
+    EXPECT_TRUE(hint_says("fc", "older V7 frames (0xAA) seen"));
+    UdpPeer device;
+    device.send(daemon->port("ground"), v7);
+    EXPECT_TRUE(hint_says("ground", "older V7 frames (0xAA) seen")) << "from a stranger as well";
+}
+
+TEST_F(Hints, older_frames_of_long_ago_are_no_news) {
+    daemon.emplace(settings_of({serial("fc", fc.path())}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    Bytes v7 = hex("AA FF 03 07 01 02 03 04 05 06 07");
+    const auto checks = ano::checks_of(v7);
+    fc.write(v7 + Bytes{checks.sum, checks.add});
+    ASSERT_TRUE(hint_says("fc", "V7"));
+    for (int i = 0; i < 40; ++i) fc.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "the device was switched to V8";
+}
+
+TEST_F(Hints, silence_is_told_with_its_length) {
+    daemon.emplace(settings_of({serial("fc", fc.path())}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    fc.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(hint_says("fc", "silent for 3 s"));
+}
+
+TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
+    daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
+    EXPECT_TRUE(hint_says("fc", "nothing received yet"));
+    EXPECT_TRUE(hint_says("ground", "no peer yet"));
+}
+
+TEST_F(Hints, a_slow_link_is_named) {
+    auto link = serial("fc", fc.path());
+    link.queue = 5000;
+    daemon.emplace(settings_of({link, udp_listen("air")}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    UdpPeer air;
+    EXPECT_TRUE(daemon->until([&] {
+        air.send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(1000)));
+        return daemon->link("fc").at("hint").get<std::string>().find("slower than what is sent") != std::string::npos;
+    }));
+}
+
+}    // namespace

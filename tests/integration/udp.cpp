@@ -1,0 +1,253 @@
+// The UDP link with one fixed peer, a broadcast address and a multicast group included.
+#include <support/network_namespace.hpp>
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+void join(const UdpPeer& peer, const std::string& group) {
+    const auto to = anogate::SocketAddress::of(endpoint(group), peer.local().address.v6);
+    group_req request{};
+    std::memcpy(&request.gr_group, &to.storage, sizeof to.storage);
+    ASSERT_EQ(::setsockopt(peer.fd(), peer.local().address.v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &request,
+                           sizeof request), 0);
+}
+
+TEST(UdpLink, serial_and_a_fixed_peer_exchange_vendor_bytes_unchanged) {
+    const TempDir dir;
+    PtyDevice mcu{dir / "ttyUSB0"};
+    UdpPeer host;
+    RunningGateway daemon{serial("mcu", mcu.path()), udp("host", host.local().text())};
+    ASSERT_TRUE(daemon.until_up("mcu") && daemon.until_up("host"));
+    host.send(daemon.port("host"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return mcu.heard() == vendor::who_are_you; }));
+    mcu.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == vendor::i_am_an_mcu; }));
+    EXPECT_EQ(host.last_sender().port, daemon.port("host"));
+}
+
+TEST(UdpLink, hears_nobody_but_its_peer) {
+    UdpPeer host, stranger;
+    RunningGateway daemon{udp("host", host.local().text())};
+    stranger.send(daemon.port("host"), vendor::who_are_you);
+    host.send(daemon.port("host"), vendor::command);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("host", "frames_in") == 1; }));
+    daemon.run_for(20ms);
+    EXPECT_EQ(daemon.count("host", "bytes_in"), vendor::command.size());
+}
+
+TEST(UdpLink, a_peer_that_is_gone_is_shown_and_heard_again_when_it_is_back) {
+    auto peer = std::make_unique<UdpPeer>();
+    const auto address = peer->local();
+    UdpPeer air;
+    RunningGateway daemon{udp("host", address.text()), udp_listen("air")};
+    const auto say = [&] { air.send(daemon.port("air"), telemetry); };
+    say();
+    ASSERT_TRUE(daemon.until([&] { return peer->heard() == telemetry; }));
+    peer.reset();
+    EXPECT_TRUE(daemon.until([&] {
+        say();
+        return daemon.link("host").at("refused") > 3;
+    }));
+    EXPECT_EQ(daemon.link("host").at("state"), "up") << "a peer that is not there is no fault";
+    EXPECT_EQ(daemon.link("host").at("error"), "refused: nothing listens at " + address.text());
+    EXPECT_TRUE(daemon.counters_add_up());
+
+    peer = std::make_unique<UdpPeer>(address.text());
+    EXPECT_TRUE(daemon.until([&] {
+        say();
+        return !peer->heard().empty();
+    }));
+    EXPECT_TRUE(daemon.until([&] {
+        say();
+        return daemon.link("host").at("error") == "";
+    })) << "it listens, though it never says a word";
+    EXPECT_TRUE(split(peer->heard()).rest.empty());
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(UdpLink, bind_chooses_where_it_sends_from) {
+    std::uint16_t port;
+    {
+        UdpPeer free;
+        port = free.port();
+    }
+    UdpPeer host, air;
+    auto link = udp("host", host.local().text());
+    link.udp.bind = endpoint("127.0.0.1:" + std::to_string(port));
+    RunningGateway daemon{link, udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("host"));
+    air.send(daemon.port("air"), telemetry);
+    ASSERT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
+    EXPECT_EQ(host.last_sender(), *link.udp.bind);
+}
+
+TEST(UdpLink, a_bound_port_in_use_is_waited_for) {
+    auto holder = std::make_unique<UdpPeer>();
+    UdpPeer host;
+    auto link = udp("host", host.local().text());
+    link.udp.bind = holder->local();
+    RunningGateway daemon{link};
+    EXPECT_EQ(daemon.link("host").at("state"), "waiting");
+    EXPECT_NE(daemon.link("host").at("error").get<std::string>().find("in use"), std::string::npos);
+    holder.reset();
+    EXPECT_TRUE(daemon.until_up("host"));
+}
+
+TEST(UdpLink, a_bound_ipv6_any_address_reaches_an_ipv4_peer) {
+    UdpPeer host, air;
+    auto link = udp("host", host.local().text());
+    link.udp.bind = endpoint("[::]:0");
+    RunningGateway daemon{link, udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("host")) << daemon.link("host");
+    air.send(daemon.port("air"), telemetry);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
+}
+
+TEST(UdpLink, ipv6) {
+    UdpPeer host{"[::1]:0"}, air;
+    RunningGateway daemon{udp("host", host.local().text()), udp_listen("air")};
+    host.send(daemon.port("host"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("host", "frames_in") == 1; }));
+    air.send(daemon.port("air"), telemetry);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
+}
+
+TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
+                network.run("link set va up") && network.run("link set vb up") &&
+                network.run("route add 224.0.0.0/4 dev va"));
+    UdpPeer member{"0.0.0.0:0"}, air;
+    const std::string group = "239.1.2.3:" + std::to_string(member.port());
+    join(member, group);
+    auto link = udp("group", group);
+    link.udp.bind = endpoint("0.0.0.0:0");    // a port of its own: `member` has the group's
+    RunningGateway daemon{link, udp_listen("air", "127.0.0.1:0")};
+    ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
+    air.send(daemon.port("air"), telemetry);
+    EXPECT_TRUE(daemon.until([&] { return member.heard() == telemetry; }));
+    daemon.run_for(20ms);
+    EXPECT_EQ(daemon.count("group", "frames_in"), 0u) << "our own words, come back";
+
+    auto to = endpoint(group);
+    to.port = daemon.port("group");
+    member.send(to, vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
+}
+
+TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
+                network.run("link set va up") && network.run("link set vb up"));
+    // bind= names the interface by its address: there is no route for the group here.
+    auto one = udp("group", "239.1.2.3:17000");
+    one.udp.bind = endpoint("10.9.0.1:17000");
+    RunningGateway daemon{one, udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
+    UdpPeer other{"10.9.0.1:0"}, air;
+    const auto interface = anogate::SocketAddress::of(endpoint("10.9.0.1:0"), false);
+    sockaddr_in address;
+    std::memcpy(&address, &interface.storage, sizeof address);
+    ASSERT_EQ(::setsockopt(other.fd(), IPPROTO_IP, IP_MULTICAST_IF, &address.sin_addr, sizeof address.sin_addr), 0);
+    ASSERT_TRUE(other.send(endpoint("239.1.2.3:17000"), vendor::who_are_you));
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
+}
+
+TEST(UdpLink, ipv6_multicast_on_an_interface) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("link set va up") &&
+                network.run("link set vb up") && network.run("addr add fd00::1/64 dev va nodad") &&
+                network.run("addr add fe80::1/64 dev va nodad"));
+    RunningGateway daemon{udp("group", "[ff02::1234%va]:17000"), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
+    UdpPeer member{"[fe80::1%va]:0"};
+    ASSERT_TRUE(member.send(endpoint("[ff02::1234%va]:17000"), vendor::who_are_you));
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
+}
+
+TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 brd + dev va") &&
+                network.run("link set va up") && network.run("link set vb up"));
+    UdpPeer listener{"0.0.0.0:0"}, air;
+    for (const char* address : {"10.9.0.255", "255.255.255.255"}) {
+        network.run("route replace default dev va");    // 255.255.255.255 leaves by it
+        auto link = udp("all", std::string{address} + ":" + std::to_string(listener.port()));
+        link.udp.bind = endpoint("0.0.0.0:0");
+        RunningGateway daemon{link, udp_listen("air")};
+        ASSERT_TRUE(daemon.until_up("all")) << daemon.link("all");
+        listener.forget();
+        air.send(daemon.port("air"), telemetry);
+        EXPECT_TRUE(daemon.until([&] { return listener.heard() == telemetry; })) << address;
+        listener.send(endpoint("10.9.0.1:" + std::to_string(daemon.port("all"))), vendor::who_are_you);
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("all", "frames_in") == 1; })) << "anybody may answer";
+    }
+}
+
+TEST(UdpLink, no_way_to_the_peer_is_waited_for) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    RunningGateway daemon{udp("host", "192.0.2.9:6670")};
+    EXPECT_EQ(daemon.link("host").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("host").at("error"), "no way to 192.0.2.9:6670 now: Network is unreachable");
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 192.0.2.1/24 dev va") &&
+                network.run("link set va up") && network.run("link set vb up"));
+    EXPECT_TRUE(daemon.until_up("host"));
+}
+
+TEST(UdpLink, the_address_of_its_interface_may_change) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 192.0.2.1/24 dev va") &&
+                network.run("link set va up") && network.run("link set vb up"));
+    UdpPeer air;
+    RunningGateway daemon{udp("host", "192.0.2.9:6670"), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("host"));
+    EXPECT_EQ(daemon.link("host").at("address").get<std::string>().substr(0, 10), "192.0.2.1:");
+    ASSERT_TRUE(network.run("addr del 192.0.2.1/24 dev va") && network.run("addr add 192.0.2.2/24 dev va"));
+    EXPECT_TRUE(daemon.until([&] {
+        air.send(daemon.port("air"), telemetry);
+        return daemon.link("host").value("address", "").substr(0, 10) == "192.0.2.2:";
+    })) << daemon.link("host");
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(UdpListenLink, a_local_address_that_is_not_there_yet_is_waited_for) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    RunningGateway daemon{udp_listen("ground", "192.0.2.1:12333")};
+    EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("ground").at("error"), "no interface has the address 192.0.2.1 now");
+    ASSERT_TRUE(network.run("addr add 192.0.2.1/32 dev lo"));
+    ASSERT_TRUE(daemon.until_up("ground"));
+    UdpPeer host{"192.0.2.1:0"};
+    host.send(endpoint("192.0.2.1:12333"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
+}
+
+TEST(UdpListenLink, a_network_that_an_interface_gets_later_is_allowed_then) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    RunningGateway daemon{udp_listen("ground", "0.0.0.0:0")};
+    ASSERT_TRUE(network.run("addr add 192.0.2.1/24 dev lo"));
+    UdpPeer host{"192.0.2.77:0"};    // the whole net is local on lo
+    host.send(endpoint("192.0.2.1:" + std::to_string(daemon.port("ground"))), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
+}
+
+}    // namespace
