@@ -77,13 +77,10 @@ private:
         std::uint8_t add = 0;
     };
 
+    std::size_t next_candidate(std::size_t from) noexcept;
     Verdict judge(std::size_t at, std::size_t limit) noexcept;
     bool checks_hold(std::size_t at, std::size_t length) noexcept;
-    bool checks_hold_by_sums(std::size_t at, std::size_t length) noexcept;
-    void step_over_refused() noexcept;
-    bool refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept;
-    FrameView take_frame() noexcept;
-    std::size_t next_head(std::size_t from) const noexcept;
+    bool add_is_wrong(std::size_t at, std::size_t to) const noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;
     void skip_to(std::size_t at) noexcept;
@@ -97,7 +94,8 @@ private:
     std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it
 
     // Kept only behind a refused candidate: with them the checks of any further candidate that begins before
-    // sums_until_ cost constant time.
+    // sums_until_ cost constant time. They begin at no byte behind pos_; where they end before the candidate, they begin
+    // anew.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
@@ -106,7 +104,7 @@ private:
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;
-    std::size_t v7_budget_ = 0;    // bytes of this commit that may still be looked at
+    std::size_t v7_budget_ = 0;    // bytes it may still look at: some of every commit's
     ParserCounters counters_;
 };
 

@@ -11,6 +11,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t read_room = 4096;
+constexpr std::size_t sums_ahead = 1024;    // more than was asked for: the next candidate will ask again
+constexpr std::size_t sums_slack = 64;      // so close behind a refused candidate the next one is likely to be refused
 constexpr Duration datagram_patience = 100ms;
 constexpr Duration overdue_unknown_rate = 1s;
 constexpr Duration overdue_grace = 200ms;
@@ -18,13 +20,13 @@ constexpr Duration overdue_grace = 200ms;
 // A frame of the previous version: 0xAA D_ADDR ID LEN(u8) DATA SC AC, the same checks.
 constexpr std::uint8_t v7_head = 0xAA;
 constexpr unsigned v7_header_size = 4;
-constexpr std::size_t v7_bytes_per_commit = 128;
+constexpr std::size_t v7_bytes_per_commit = 64;
 
 constexpr std::size_t block = 64;
-constexpr std::uint64_t all_heads = ~std::uint64_t{0};
+constexpr std::uint64_t every_byte = ~std::uint64_t{0};
 
 // A bit for each HEAD among the 64 bytes at `bytes`.
-std::uint64_t heads_in_block(const std::uint8_t* bytes) noexcept {
+inline std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
     constexpr std::uint64_t ones = 0x0101010101010101;
     constexpr std::uint64_t low = 0x7F * ones;
     std::uint64_t heads = 0;
@@ -39,21 +41,29 @@ std::uint64_t heads_in_block(const std::uint8_t* bytes) noexcept {
     return heads;
 }
 
-}  // namespace
+inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept {
+    const void* found = at < end ? std::memchr(bytes + at, head, end - at) : nullptr;
+    return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes) : end;
+}
+
+}    // namespace
 
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
       capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
-      buffer_{new std::uint8_t[capacity_ + header_size + block]},    // a block of HEADs may be looked at beyond the end
-      sums_{capacity_} {}
+      buffer_{new std::uint8_t[capacity_ + block]},    // HEADs are looked for by whole blocks
+      sums_{capacity_} {
+    options_.max_data = std::min(options.max_data, largest_data);
+}
 
 std::span<std::uint8_t> FrameParser::prepare() noexcept {
     if (pos_ == end_) {
         pos_ = end_ = barrier_ = sums_until_ = 0;
+        sums_.begin(0);
     } else if (pos_ > 0 && capacity_ - end_ < read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
-        if (sums_until_ > pos_) sums_.move_front(pos_);
+        sums_.move_front(pos_);
         sums_until_ -= std::min(sums_until_, pos_);
         barrier_ -= std::min(barrier_, pos_);
         end_ -= pos_;
@@ -69,40 +79,36 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     counters_.bytes_in += n;
     last_arrival_ = now;
     none_behind_ = false;
-    v7_budget_ = v7_bytes_per_commit;
+    v7_budget_ = std::min(v7_budget_ + std::min(n, v7_bytes_per_commit), capacity_);
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
-    while (pos_ < end_) {
-        if (pos_ < sums_until_) step_over_refused();
-        if (buffer_[pos_] != head) {
-            skip_to(next_head(pos_));
-            continue;
-        }
-        const bool no_rest = pos_ < barrier_;
-        switch (judge(pos_, no_rest ? barrier_ : end_)) {
-        case Verdict::good: return take_frame();
-        case Verdict::too_long: ++counters_.bad_length; break;
-        case Verdict::bad: ++counters_.bad_check; break;
-        case Verdict::incomplete:
-            if (!no_rest) {
-                if (!candidate_waits_) candidate_since_ = last_arrival_;
-                candidate_waits_ = true;
-                return std::nullopt;
-            }
-            ++counters_.expired;
-            break;
-        }
-        skip_to(pos_ + 1);
+    if (pos_ == end_) return std::nullopt;
+    const std::uint8_t* const bytes = buffer_.get();
+    std::size_t at = bytes[pos_] == head ? pos_ : next_candidate(pos_);
+    Verdict verdict = Verdict::incomplete;
+    while (at < end_) {
+        const bool no_rest = at < barrier_;
+        verdict = judge(at, no_rest ? barrier_ : end_);
+        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest)) break;
+        ++(verdict == Verdict::bad        ? counters_.bad_check
+           : verdict == Verdict::too_long ? counters_.bad_length
+                                          : counters_.expired);
+        at = next_candidate(at + 1);
     }
-    return std::nullopt;
-}
-
-FrameView FrameParser::take_frame() noexcept {
-    const std::uint8_t* at = buffer_.get() + pos_;
-    const FrameView frame{{at, overhead + data_length(at)}};
-    pos_ += frame.bytes().size();
+    if (at > pos_) {
+        skip_to(at);
+        candidate_waits_ = false;
+    }
+    if (at == end_) return std::nullopt;
+    if (verdict == Verdict::incomplete) {
+        if (!candidate_waits_) candidate_since_ = last_arrival_;
+        candidate_waits_ = true;
+        return std::nullopt;
+    }
     candidate_waits_ = false;
+    const FrameView frame{{bytes + at, overhead + data_length(bytes + at)}};
+    pos_ = at + frame.bytes().size();
     v7_ = {};
     ++counters_.frames_in;
     return frame;
@@ -135,7 +141,62 @@ std::optional<TimePoint> FrameParser::deadline() const noexcept {
     return none_behind_ ? overdue : std::min(overdue, last_arrival_ + options_.quiet);
 }
 
-inline FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
+// The next HEAD from `from` on, end_ if there is none; but candidates that their LEN or the sums at hand refuse are
+// passed over and counted right away, since crafted input may have one at every byte.
+std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
+    const std::uint8_t* const bytes = buffer_.get();
+    const std::uint8_t* const sums = sums_.sums();
+    const std::uint8_t* const gaps = sums_.gaps();
+    const std::size_t max_data = options_.max_data;
+    const std::size_t whole = end_ - std::min(end_, header_size - 1);    // no whole header begins there or behind
+    const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // where SC must stand before
+    std::uint64_t bad = 0;
+    std::uint64_t too_long = 0;
+    const auto stop_at = [&](std::size_t at) {
+        counters_.bad_check += bad;
+        counters_.bad_length += too_long;
+        return at;
+    };
+    const auto sum_is_wrong = [=](std::size_t at) {
+        const std::size_t length = data_length(bytes + at);
+        const std::size_t to = at + header_size + length;
+        return length <= max_data && to < sums_end && sums[at] != gaps[to];
+    };
+    while (from < whole) {
+        std::uint64_t heads = heads_among(bytes + from);
+        if (whole - from < block) heads &= (std::uint64_t{1} << (whole - from)) - 1;
+        if (heads == 0) {
+            from = find_head(bytes, std::min(from + block, whole), end_);
+            continue;
+        }
+        if (heads == every_byte) [[unlikely]] {
+            const std::size_t begin = from;
+            while (from < begin + block && sum_is_wrong(from)) ++from;
+            bad += from - begin;
+            if (from > begin) continue;
+        }
+        for (; heads != 0; heads &= heads - 1) {
+            const std::size_t at = from + static_cast<unsigned>(std::countr_zero(heads));
+            const std::size_t length = data_length(bytes + at);
+            const std::size_t to = at + header_size + length;
+            if (length > max_data)
+                ++too_long;
+            else if (to >= sums_end || (sums[at] == gaps[to] && !add_is_wrong(at, to)))
+                return stop_at(at);
+            else
+                ++bad;
+        }
+        from = std::min(from + block, whole);
+    }
+    return stop_at(find_head(bytes, from, end_));
+}
+
+// Kept out of the loop above, which it slows down: it is asked when the first check holds, which is rare.
+[[gnu::noinline]] bool FrameParser::add_is_wrong(std::size_t at, std::size_t to) const noexcept {
+    return sums_.add(at, to) != buffer_[to + 1];
+}
+
+FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) noexcept {
     const std::size_t there = limit - at;
     if (there < header_size) return Verdict::incomplete;
     const std::size_t length = data_length(buffer_.get() + at);
@@ -144,95 +205,27 @@ inline FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit
     return checks_hold(at, header_size + length) ? Verdict::good : Verdict::bad;
 }
 
-inline bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
+bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     const std::uint8_t* bytes = buffer_.get() + at;
+    const std::size_t to = at + length;
     if (at >= sums_until_) {
         if (checks_of({bytes, length}) == Checks{bytes[length], bytes[length + 1]}) return true;
-        sums_.begin(at);
-        sums_until_ = at + length;
+        sums_until_ = to + sums_slack;
         return false;
     }
-    if (checks_hold_by_sums(at, length)) return true;
-    sums_until_ = std::max(sums_until_, at + length);
+    if (at > sums_.end()) sums_.begin(at);
+    if (to >= sums_.end()) sums_.extend({buffer_.get(), end_}, to + sums_ahead);
+    if (sums_.sum_holds(at, to) && !add_is_wrong(at, to)) return true;
+    sums_until_ = std::max(sums_until_, to + sums_slack);
     return false;
-}
-
-bool FrameParser::checks_hold_by_sums(std::size_t at, std::size_t length) noexcept {
-    const std::size_t to = at + length;
-    if (to >= sums_.end()) sums_.extend({buffer_.get(), end_}, to + 1);
-    return sums_.sum_holds(at, to) && sums_.add(at, to) == buffer_[to + 1];
-}
-
-// Nothing but HEAD, from `begin` to behind the last of 64 LEN fields: 64 candidates of one length, judged side by side.
-bool FrameParser::refuse_block_of_heads(std::size_t begin, std::size_t last_sum) noexcept {
-    constexpr std::size_t length = head << 8 | head;
-    if (heads_in_block(buffer_.get() + begin + header_size) != all_heads) return false;
-    if (length > options_.max_data) {
-        counters_.bad_length += block;
-        return true;
-    }
-    const std::size_t to = begin + header_size + length;
-    if (to + block > last_sum) return false;
-    const std::uint8_t* const sums = sums_.sums() + begin;
-    const std::uint8_t* const gaps = sums_.gaps() + to;
-    unsigned equal = 0;
-    for (std::size_t i = 0; i < block; ++i) equal |= sums[i] == gaps[i];
-    if (equal != 0) return false;
-    counters_.bad_check += block;
-    return true;
-}
-
-// The same verdicts as in next(), in one tight loop: over whole candidates that are refused, to the first that is not, or
-// to where the sums are no longer needed. By this, input that is made of headers is hardly dearer than good frames.
-void FrameParser::step_over_refused() noexcept {
-    const std::size_t limit = pos_ < barrier_ ? barrier_ : end_;
-    if (limit < pos_ + overhead) return;
-    sums_.extend({buffer_.get(), limit}, limit);
-    const std::uint8_t* const bytes = buffer_.get();
-    const std::uint8_t* const sums = sums_.sums();
-    const std::uint8_t* const gaps = sums_.gaps();
-    const std::size_t max_data = options_.max_data;
-    const std::size_t stop = std::min(sums_until_, limit - overhead + 1);    // no whole frame begins there or behind
-    const std::size_t last_sum = limit - 2;                                  // the last place where SC may stand
-    std::size_t at = pos_;
-    bool to_be_judged = false;
-    for (std::size_t begin = at; begin < stop && !to_be_judged; begin += block) {
-        std::uint64_t heads = heads_in_block(bytes + begin);
-        if (stop - begin < block) heads &= (std::uint64_t{1} << (stop - begin)) - 1;
-        if (heads == all_heads && refuse_block_of_heads(begin, last_sum)) {
-            at = begin + block;
-            continue;
-        }
-        std::uint64_t refused = heads;
-        std::uint64_t too_long = 0;
-        at = std::min(begin + block, stop);
-        for (; heads != 0; heads &= heads - 1) {
-            const std::size_t here = begin + static_cast<std::size_t>(std::countr_zero(heads));
-            const std::size_t length = data_length(bytes + here);
-            const std::size_t to = here + header_size + length;
-            if (length > max_data) {
-                ++too_long;
-            } else if (to > last_sum || (sums[here] == gaps[to] && sums_.add(here, to) == bytes[to + 1])) {
-                at = here;
-                to_be_judged = true;
-                refused ^= heads;
-                break;
-            }
-        }
-        counters_.bad_length += too_long;
-        counters_.bad_check += static_cast<std::uint64_t>(std::popcount(refused)) - too_long;
-    }
-    if (at == pos_) return;
-    sums_until_ = limit;    // what is there is summed already: no need to sum it again
-    skip_to(at);
 }
 
 // 0: there is none. The sums are made for every byte from the waiting candidate on, since any may be asked for again.
 std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
-    if (at >= sums_until_) sums_.begin(at);
+    if (at > sums_.end()) sums_.begin(at);
     sums_.extend({buffer_.get(), end_}, end_);
     sums_until_ = end_;
-    while ((at = next_head(at + 1)) < end_)
+    while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
         if (judge(at, end_) == Verdict::good) return at;
     return 0;
 }
@@ -240,14 +233,10 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
 // Among what stands behind the waiting candidate, where there is no good frame. It came at last_arrival_ at the latest:
 // no more than that is known of it.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
-    std::size_t at = next_head(pos_ + 1);
-    while (at < end_ && now >= overdue_at(at, last_arrival_)) at = next_head(at + 1);
+    std::size_t at = pos_;
+    do at = find_head(buffer_.get(), at + 1, end_);
+    while (at < end_ && now >= overdue_at(at, last_arrival_));
     return at;
-}
-
-std::size_t FrameParser::next_head(std::size_t from) const noexcept {
-    const void* found = from < end_ ? std::memchr(buffer_.get() + from, head, end_ - from) : nullptr;
-    return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - buffer_.get()) : end_;
 }
 
 void FrameParser::skip_to(std::size_t at) noexcept {
@@ -256,7 +245,6 @@ void FrameParser::skip_to(std::size_t at) noexcept {
         if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;
     if (pos_ < at) v7_ = {};
     pos_ = at;
-    candidate_waits_ = false;
 }
 
 bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
@@ -286,4 +274,4 @@ TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const 
     return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 
-}  // namespace ano
+}    // namespace ano

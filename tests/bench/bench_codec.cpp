@@ -108,11 +108,13 @@ BENCHMARK_CAPTURE(parse, damaged_21, damaged_frames, 4096);
 
 BENCHMARK_CAPTURE(parse, crafted_all_heads_64k, repeat({0xAB}), 65535);
 BENCHMARK_CAPTURE(parse, crafted_all_heads_too_long, repeat({0xAB}), 4096);
+BENCHMARK_CAPTURE(parse, crafted_seven_of_eight_64k, repeat({0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0}), 65535);
 BENCHMARK_CAPTURE(parse, crafted_every_second_byte, repeat({0xAB, 0}), 4096);
 BENCHMARK_CAPTURE(parse, crafted_every_fifth_byte, repeat({0xAB, 0, 0, 0, 1}), 4096);
 BENCHMARK_CAPTURE(parse, crafted_empty_frames, repeat({0xAB, 0xAB, 0xAB, 0xAB, 0, 0}), 4096);
 BENCHMARK_CAPTURE(parse, crafted_short_frames, repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 4096);
 BENCHMARK_CAPTURE(parse, crafted_short_frames_64k, repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 65535);
+BENCHMARK_CAPTURE(parse, crafted_sum_holds, repeat({0xAB, 0, 0, 0xA7, 10, 0}), 4096);    // but not the second check
 BENCHMARK_CAPTURE(parse, crafted_varied_short, headers_of_any_length(1, 40), 4096);
 BENCHMARK_CAPTURE(parse, crafted_varied, headers_of_any_length(1, 4096), 4096);
 BENCHMARK_CAPTURE(parse, crafted_varied_64k, headers_of_any_length(1, 65535), 65535);
@@ -121,4 +123,4 @@ BENCHMARK_CAPTURE(parse, crafted_varied_heads_64k, headers_of_any_length(4, 6553
 BENCHMARK_CAPTURE(parse, crafted_just_fits, headers_that_just_fit(6, 4104), 4096);
 BENCHMARK_CAPTURE(parse, crafted_just_fits_64k, headers_that_just_fit(6, 65543), 65535);
 
-}  // namespace
+}    // namespace
