@@ -46,7 +46,7 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
     return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes) : end;
 }
 
-}    // namespace
+}  // namespace
 
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
@@ -274,4 +274,4 @@ TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const 
     return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 
-}    // namespace ano
+}  // namespace ano
