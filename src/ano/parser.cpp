@@ -76,6 +76,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     assert(n <= capacity_ - end_);
     if (n == 0) return;
     end_ += n;
+    std::memset(buffer_.get() + end_, 0, block);    // is looked at with the last bytes, and must hold something
     counters_.bytes_in += n;
     last_arrival_ = now;
     none_behind_ = false;
