@@ -82,7 +82,7 @@ TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
         const bool datagrams = random.one_in(2);
         BothParsers both{{.max_data = max_data,
                           .line_rate = random.of<std::uint32_t>({0, 11520, 50000}),
-                          .quiet = datagrams ? 100ms : 50ms}};
+                          .quiet = random.of<ano::Duration>({50ms, 100ms, 400ms})}};
         for (int step = 0; step < 60 && both.difference.empty(); ++step) {
             Bytes bytes = random_piece(random, max_data);
             while (random.one_in(2)) append(bytes, random_piece(random, max_data));
