@@ -13,6 +13,8 @@ template <class... F>
 struct Overloaded : F... {
     using F::operator()...;
 };
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;    // for clang 14
 
 Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel);
 

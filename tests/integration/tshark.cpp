@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <support/anoctl.hpp>
-#include <support/temporary.hpp>
+#include <support/files.hpp>
 #include <support/vectors.hpp>
 
 namespace {
@@ -179,11 +179,11 @@ private:
 
 /// What tshark shows of each datagram.
 Json dissected(const support::TemporaryFolder& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
-    const std::string script = folder.file("ano.lua", lua);
-    const std::string capture = folder.file("frames.pcap", pcap_of(vectors));
-    const std::string text = output_of("HOME=" + folder.path("") + " tshark -r " + capture + " -X lua_script:" + script +
-                                       " -T json --no-duplicate-keys 2>" + folder.path("errors"));
-    std::ifstream errors{folder.path("errors")};
+    const std::string script = folder.write("ano.lua", lua);
+    const std::string capture = folder.write("frames.pcap", pcap_of(vectors));
+    const std::string text = output_of("HOME=" + (folder.path() / "").string() + " tshark -r " + capture + " -X lua_script:" + script +
+                                       " -T json --no-duplicate-keys 2>" + (folder.path() / "errors").string());
+    std::ifstream errors{(folder.path() / "errors").string()};
     for (std::string line; std::getline(errors, line);)
         if (line.find("Lua") != std::string::npos || line.find("lua") != std::string::npos) ADD_FAILURE() << line;
     // tshark passes on text that is not UTF-8.
@@ -215,7 +215,7 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
 TEST(Tshark, knows_flexible_layouts_from_a_configuration) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
     const support::TemporaryFolder folder;
-    const std::string config = folder.file("anogate.json", R"({"flexible": [
+    const std::string config = folder.write("anogate.json", R"({"flexible": [
         {"id": "0xF1", "fields": [{"name": "Volts", "type": "i16", "scale": 0.01, "unit": "V"}, {"name": "温度", "type": "f32"}]},
         {"id": "0xF1", "source": 30, "fields": [{"name": "mine", "type": "u8"}]}]})");
     const auto frame = [](std::uint8_t source, std::vector<std::uint8_t> data) {

@@ -32,8 +32,8 @@ inline std::vector<std::string> split_csv_line(const std::string& line) {
 }
 
 inline std::vector<Vector> golden_vectors() {
-    std::ifstream file{ANOGATE_TESTS_DIR "/vectors/frames.csv"};
-    if (!file) throw std::runtime_error("no " ANOGATE_TESTS_DIR "/vectors/frames.csv");
+    std::ifstream file{ANOGATE_SOURCE_DIR "/tests/vectors/frames.csv"};
+    if (!file) throw std::runtime_error("no " ANOGATE_SOURCE_DIR "/tests/vectors/frames.csv");
     std::vector<Vector> vectors;
     std::string line;
     std::getline(file, line);

@@ -101,14 +101,14 @@ end
 
 local dissect_frames
 
-local function add_field(tree, row, f, data, pinfo, inside)
+local function add_field(tree, row, f, data, pinfo)
     local size = f.count == 0 and data:len() - f.offset or width[f.type] * f.count
     if size == 0 then return end
     local range = data(f.offset, size)
     if f.type == "text" then add_text(tree, f, range)
     elseif f.type == "bytes" or f.type == "ip" then tree:add(f.proto, range)
     elseif f.type == "frames" then
-        if inside then tree:add(header.data, range) else dissect_frames(range, pinfo, tree, true) end
+        dissect_frames(range, pinfo, tree, true)
     elseif f.type == "list" then
         for at = 0, size - row.element_size, row.element_size do
             local point = tree:add(range(at, row.element_size), f.name)
@@ -159,12 +159,14 @@ local function dissect_frame(frame, pinfo, tree, inside)
     item:add_le(header.length, frame(4, 2))
     local data = length > 0 and frame(6, length):tvb() or nil
     local row = select(id, frame(1, 1):uint(), data, length)
-    if row and #row.fields > 0 and length >= row.size then
+    -- A tunnel frame inside a tunnel frame is data: it is never unwrapped.
+    local sealed = inside and row and #row.fields > 0 and row.fields[#row.fields].type == "frames"
+    if row and #row.fields > 0 and length >= row.size and not sealed then
         local extra = behind(row, length)
         for _, f in ipairs(row.fields) do
             if data then
                 local whole = f.type == "list" and extra > 0 and data(0, length - extra):tvb() or data
-                add_field(item, row, f, whole, pinfo, inside)
+                add_field(item, row, f, whole, pinfo)
             end
         end
         if extra > 0 then item:add(header.extra, frame(6 + length - extra, extra)) end
