@@ -1,8 +1,8 @@
-// Decoding by the table beside the same by hand: a packed struct for code that knows its message, a walk over a table of
-// offsets for code that does not.
+// Decoding by the table beside the same by hand: a packed struct for code that knows its message, a walk over a table
+// of offsets for code that does not.
+#include <benchmark/benchmark.h>
 #include <ano/reading.hpp>
 #include <ano/typed.hpp>
-#include <benchmark/benchmark.h>
 
 #include <array>
 #include <cstdint>
@@ -72,9 +72,15 @@ struct Table {
 void walk_by_hand(benchmark::State& state) {
     const auto all = frames();
     std::vector<Table> tables(256);
-    tables[1] = {1, sizeof(Inertial),
-                 {{0, Type::i16, 1, 1}, {2, Type::i16, 1, 1}, {4, Type::i16, 1, 1}, {6, Type::i16, 32768, 2000},
-                  {8, Type::i16, 32768, 2000}, {10, Type::i16, 32768, 2000}, {12, Type::u8, 1, 1}}};
+    tables[1] = {1,
+                 sizeof(Inertial),
+                 {{0, Type::i16, 1, 1},
+                  {2, Type::i16, 1, 1},
+                  {4, Type::i16, 1, 1},
+                  {6, Type::i16, 32768, 2000},
+                  {8, Type::i16, 32768, 2000},
+                  {10, Type::i16, 32768, 2000},
+                  {12, Type::u8, 1, 1}}};
     benchmark::DoNotOptimize(tables.data());
     for (auto _ : state)
         for (const auto& bytes : all) {

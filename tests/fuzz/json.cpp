@@ -1,5 +1,6 @@
-// Frames to JSON and back: the same bytes. Any text as the JSON of a frame: a frame, or a fault in one line of UTF-8; and
-// a frame that came out of it survives in turn. A first byte of '{' or '[' begins text, everything else is id, then DATA.
+// Frames to JSON and back: the same bytes. Any text as the JSON of a frame: a frame, or a fault in one line of UTF-8;
+// and a frame that came out of it survives in turn. A first byte of '{' or '[' begins text, everything else is id, then
+// DATA.
 #include <ano_json/frame_json.hpp>
 
 #include <cstdint>
@@ -27,7 +28,7 @@ void survives(const Bytes& bytes) {
     }
 }
 
-}  // namespace
+}    // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t size) {
     if (size == 0) return 0;

@@ -1,6 +1,6 @@
 // `anoctl monitor LINK` as a process, on real ptys and sockets.
-#include <ano/frame.hpp>
 #include <gtest/gtest.h>
+#include <ano/frame.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -108,14 +108,17 @@ TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
     const support::TemporaryFolder folder;
     const std::string path = (folder.path() / "port").string();
     Monitor monitor{{"pty:" + path, "--json", "--id", "wind", "--from", "0xDD", "--count", "1"}};
-    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    ASSERT_TRUE(monitor.says("no program has")) << monitor.err();
     support::PortUser user{path};
     ASSERT_TRUE(user.is_open());
+    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
     user.write(euler);
     user.write(wind);
     EXPECT_EQ(monitor.exit_code(), 0);
-    EXPECT_EQ(monitor.out().find("{\"from\":221,\"to\":255,\"id\":9,\"name\":\"wind\",\"fields\":{\"wind_x\":1,\"wind_y\":2},\"time\":"),
-              0u)
+    EXPECT_EQ(
+        monitor.out().find(
+            "{\"from\":221,\"to\":255,\"id\":9,\"name\":\"wind\",\"fields\":{\"wind_x\":1,\"wind_y\":2},\"time\":"),
+        0u)
         << monitor.out();
     EXPECT_NE(monitor.err().find("1 frame shown of 2"), std::string::npos) << monitor.err();
 }

@@ -13,7 +13,8 @@ namespace {
 
 using namespace ano;
 
-constexpr const char* head_text = R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
+constexpr const char* head_text =
+    R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
 -- Use: tshark -X lua_script:FILE, or copy it to Wireshark's folder of personal Lua plugins.
 
 local ano = Proto("ano", "ANO V8")
@@ -229,9 +230,12 @@ std::string lua_text(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') out += {'\\', c};
-        else if (byte < 0x20 || byte == 0x7F) out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
-        else out += c;
+        if (c == '"' || c == '\\')
+            out += {'\\', c};
+        else if (byte < 0x20 || byte == 0x7F)
+            out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
+        else
+            out += c;
     }
     return out + '"';
 }
@@ -241,16 +245,18 @@ std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {
         const bool ok = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-        if (ok) out += c;
-        else if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
+        if (ok)
+            out += c;
+        else if (c >= 'A' && c <= 'Z')
+            out += static_cast<char>(c - 'A' + 'a');
     }
     return out.size() == name.size() ? out : "value" + std::to_string(position);
 }
 
 void write_field(std::ostream& out, const Field& f, const std::string& filter) {
-    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \"" << name_of(f.type)
-        << "\", count = " << f.count << ", offset = " << f.offset << ", wire = " << number_text(f.scale.wire)
-        << ", value = " << number_text(f.scale.value);
+    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \""
+        << name_of(f.type) << "\", count = " << f.count << ", offset = " << f.offset
+        << ", wire = " << number_text(f.scale.wire) << ", value = " << number_text(f.scale.value);
     if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
     if (f.no_data) out << ", no_data = " << *f.no_data;
     if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;
@@ -295,7 +301,7 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
     out << "    }},\n";
 }
 
-}  // namespace
+}    // namespace
 
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
@@ -307,4 +313,4 @@ void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << engine;
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -55,7 +55,8 @@ TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
 TEST(Decode, tells_the_offset_of_what_is_damaged) {
     std::string broken = raw(log_hex);
     broken[10] = 'X';
-    const auto result = anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
+    const auto result =
+        anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
     EXPECT_EQ(result.exit, 1);
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
     EXPECT_EQ(result.err,
@@ -115,9 +116,10 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
     const auto mode = anoctl({"encode", "--raw", "mode", "sflag=2", "--from", "0xDC", "--to", "254"});
-    EXPECT_EQ(anoctl({"decode"}, mode.out, true).out,
-              "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
-              "cid 0         cmd0 0         cmd1 0        \n");
+    EXPECT_EQ(
+        anoctl({"decode"}, mode.out, true).out,
+        "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
+        "cid 0         cmd0 0         cmd1 0        \n");
     const auto colored = anoctl({"decode"}, mode.out, true, true).out;
     EXPECT_NE(colored.find("\x1b["), std::string::npos);
     const auto euler = anoctl({"encode", "--raw", "euler", "rol=1.5"});

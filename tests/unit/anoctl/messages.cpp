@@ -1,5 +1,5 @@
-#include <ano/messages.hpp>
 #include <gtest/gtest.h>
+#include <ano/messages.hpp>
 #include <nlohmann/json.hpp>
 
 #include <fstream>
