@@ -71,4 +71,4 @@ private:
 
 std::string_view text_of(FlexibleLayouts::Fault fault) noexcept;
 
-}  // namespace ano
+}    // namespace ano

@@ -1,5 +1,5 @@
-// Every message of the protocol (protocol text, section 4). The only place that knows a payload: encoding, decoding, JSON,
-// text, the reference and the Wireshark dissector are loops over these rows.
+// Every message of the protocol (protocol text, section 4). The only place that knows a payload: encoding, decoding,
+// JSON, text, the reference and the Wireshark dissector are loops over these rows.
 #pragma once
 #include <ano/schema.hpp>
 
@@ -26,8 +26,8 @@ using enum Acknowledged;
 inline constexpr Meaning sflags[]{{0, "locked"}, {1, "unlocked"}, {2, "airborne"}};
 inline constexpr Meaning module_states[]{{0, "no data"}, {1, "unusable"}, {2, "normal"}};
 inline constexpr Meaning gps_states[]{{0, "no data"}, {1, "unusable"}, {2, "normal"}, {3, "good"}};
-inline constexpr Meaning directions[]{{0, "down"}, {1, "forward"}, {2, "back"}, {3, "left"},
-                                      {4, "right"}, {5, "up"},     {6, "down"}};
+inline constexpr Meaning directions[]{{0, "down"},  {1, "forward"}, {2, "back"}, {3, "left"},
+                                      {4, "right"}, {5, "up"},      {6, "down"}};
 inline constexpr Meaning scans[]{{100, "scan"}};
 inline constexpr Meaning flow_modes[]{{0, "raw"}, {1, "fused"}, {2, "fused with inertia"}};
 inline constexpr Meaning flow_states[]{{0, "invalid"}, {1, "valid"}};
@@ -51,10 +51,14 @@ inline constexpr Meaning actions[]{{0xAA, "restore defaults"},
 inline constexpr Meaning parameter_types[]{{0, "u8"},  {1, "i8"},  {2, "u16"}, {3, "i16"}, {4, "u32"},    {5, "i32"},
                                            {6, "u64"}, {7, "i64"}, {8, "f32"}, {9, "f64"}, {10, "string"}};
 inline constexpr Meaning firmware_commands[]{{0x00, "command"}, {0x01, "info"}, {0x10, "image"}};
-inline constexpr Meaning firmware_codes[]{{0x0101, "info refused"},  {0x0102, "info accepted"},
-                                          {0x0110, "erase"},         {0x0111, "erase failed"},
-                                          {0x0112, "erased"},        {0x1010, "all sent"},
-                                          {0x1011, "image check failed"}, {0x1012, "image check passed"}};
+inline constexpr Meaning firmware_codes[]{{0x0101, "info refused"},
+                                          {0x0102, "info accepted"},
+                                          {0x0110, "erase"},
+                                          {0x0111, "erase failed"},
+                                          {0x0112, "erased"},
+                                          {0x1010, "all sent"},
+                                          {0x1011, "image check failed"},
+                                          {0x1012, "image check passed"}};
 inline constexpr Meaning firmware_frame_codes[]{{0x1001, "frame failed"}, {0x1002, "frame written"}};
 inline constexpr Meaning log_colors[]{{0, "default"}, {1, "red"}, {2, "green"}, {3, "blue"}};
 inline constexpr Meaning image_colors[]{{0, "grey"}, {1, "mono"},   {2, "red"},   {3, "green"},
@@ -242,7 +246,7 @@ inline constexpr Message messages[] = {
 
 inline constexpr MessageIndex index = index_messages(messages);
 
-}  // namespace table
+}    // namespace table
 
 inline constexpr std::span<const Message> messages{table::messages};
 
@@ -265,6 +269,8 @@ constexpr const Message* find_message(std::string_view name) noexcept {
 
 inline constexpr std::uint8_t first_flexible = 0xF1;
 inline constexpr std::uint8_t last_flexible = 0xFA;
-constexpr bool is_flexible(std::uint8_t id) noexcept { return id >= first_flexible && id <= last_flexible; }
+constexpr bool is_flexible(std::uint8_t id) noexcept {
+    return id >= first_flexible && id <= last_flexible;
+}
 
-}  // namespace ano
+}    // namespace ano

@@ -25,8 +25,8 @@ struct Nothing {
 };
 using Bytes = std::span<const std::uint8_t>;
 
-/// Nothing: the sentinel that says "no data". Integers without scale as such, other numbers as double, in the unit of the
-/// field; text up to its first NUL, in whatever encoding the sender uses; the bytes of everything else.
+/// Nothing: the sentinel that says "no data". Integers without scale as such, other numbers as double, in the unit of
+/// the field; text up to its first NUL, in whatever encoding the sender uses; the bytes of everything else.
 using Value = std::variant<Nothing, std::int64_t, std::uint64_t, double, std::string_view, Bytes>;
 
 enum class Readable : std::uint8_t {
@@ -68,8 +68,10 @@ inline Value value_at(const Field& field, const std::uint8_t* at) noexcept {
         if constexpr (std::is_integral_v<T>) {
             if (field.no_data && static_cast<std::int64_t>(wire) == *field.no_data) return Nothing{};
             if (field.scale.is_one()) {
-                if constexpr (std::is_same_v<T, std::uint64_t>) return wire;
-                else return static_cast<std::int64_t>(wire);
+                if constexpr (std::is_same_v<T, std::uint64_t>)
+                    return wire;
+                else
+                    return static_cast<std::int64_t>(wire);
             }
         }
         return static_cast<double>(wire) * field.scale.value / field.scale.wire;
@@ -174,4 +176,4 @@ inline Reading read(FrameView frame, const FlexibleLayouts* flexible = nullptr) 
     return read(frame.id(), frame.data(), flexible, frame.source());
 }
 
-}  // namespace ano
+}    // namespace ano

@@ -1,5 +1,5 @@
-// How a row of the message table is written: fields, their types, scales, units and meanings. What is wrong with a row is
-// a compile error that says so.
+// How a row of the message table is written: fields, their types, scales, units and meanings. What is wrong with a row
+// is a compile error that says so.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -31,31 +31,37 @@ void the_layouts_of_a_message_share_its_traffic_class();
 void no_message_has_this_name();
 void the_message_has_no_such_layout();
 void the_layout_has_no_such_field();
-}  // namespace table_error
+}    // namespace table_error
 
 enum class Type : std::uint8_t { u8, i8, u16, i16, u32, i32, u64, i64, f32, f64, text, bytes, ip, frames, list };
 
-inline constexpr std::array<std::string_view, 15> type_names{"u8",  "i8",  "u16", "i16",  "u32",   "i32", "u64",   "i64",
-                                                             "f32", "f64", "text", "bytes", "ip", "frames", "list"};
-constexpr std::string_view name_of(Type type) noexcept { return type_names[static_cast<std::size_t>(type)]; }
+inline constexpr std::array<std::string_view, 15> type_names{
+    "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "text", "bytes", "ip", "frames", "list"};
+constexpr std::string_view name_of(Type type) noexcept {
+    return type_names[static_cast<std::size_t>(type)];
+}
 
 /// Bytes of one value on the wire; 1 for what is counted in bytes.
 constexpr std::size_t width(Type type) noexcept {
     switch (type) {
-    case Type::u16:
-    case Type::i16: return 2;
-    case Type::u32:
-    case Type::i32:
-    case Type::f32:
-    case Type::ip: return 4;
-    case Type::u64:
-    case Type::i64:
-    case Type::f64: return 8;
-    default: return 1;
+        case Type::u16:
+        case Type::i16: return 2;
+        case Type::u32:
+        case Type::i32:
+        case Type::f32:
+        case Type::ip: return 4;
+        case Type::u64:
+        case Type::i64:
+        case Type::f64: return 8;
+        default: return 1;
     }
 }
-constexpr bool is_integer(Type type) noexcept { return type <= Type::i64; }
-constexpr bool is_number(Type type) noexcept { return type <= Type::f64; }
+constexpr bool is_integer(Type type) noexcept {
+    return type <= Type::i64;
+}
+constexpr bool is_number(Type type) noexcept {
+    return type <= Type::f64;
+}
 
 /// A type and how many of it. In a row: `u16`, `u8[8]`, `text[20]`; `text`, `bytes`, `frames` and `list` alone reach to
 /// the end of DATA.
@@ -101,11 +107,21 @@ struct Note {
     std::string_view text;
 };
 
-consteval Scale times(double wire, double value = 1) { return {wire, value}; }
-consteval Range range(double first, double last) { return {first, last}; }
-consteval Only only(std::uint32_t value) { return {value, value}; }
-consteval Only only(std::uint32_t first, std::uint32_t last) { return {first, last}; }
-consteval Note note(const char* text) { return {text}; }
+consteval Scale times(double wire, double value = 1) {
+    return {wire, value};
+}
+consteval Range range(double first, double last) {
+    return {first, last};
+}
+consteval Only only(std::uint32_t value) {
+    return {value, value};
+}
+consteval Only only(std::uint32_t first, std::uint32_t last) {
+    return {first, last};
+}
+consteval Note note(const char* text) {
+    return {text};
+}
 
 struct Field {
     Type type = Type::u8;
@@ -161,7 +177,8 @@ private:
                 table_error::a_name_is_lower_case_letters_digits_and_underscores();
         if (scale.wire == 0 || scale.value == 0) table_error::a_scale_is_not_zero();
         if (no_data && !holds(*no_data)) table_error::the_wire_type_cannot_hold_this_value();
-        if (selects && ((type != Type::u8 && type != Type::u16) || !holds(selects->last))) table_error::the_wire_type_cannot_hold_this_value();
+        if (selects && ((type != Type::u8 && type != Type::u16) || !holds(selects->last)))
+            table_error::the_wire_type_cannot_hold_this_value();
         for (std::size_t i = 0; i < meanings.size(); ++i) {
             if (!holds(meanings[i].value)) table_error::the_wire_type_cannot_hold_this_value();
             for (std::size_t j = 0; j < i; ++j)
@@ -172,7 +189,9 @@ private:
 
 enum class TrafficClass : std::uint8_t { urgent, telemetry, bulk };
 inline constexpr std::array<std::string_view, 3> traffic_class_names{"urgent", "telemetry", "bulk"};
-constexpr std::string_view name_of(TrafficClass c) noexcept { return traffic_class_names[static_cast<std::size_t>(c)]; }
+constexpr std::string_view name_of(TrafficClass c) noexcept {
+    return traffic_class_names[static_cast<std::size_t>(c)];
+}
 
 /// Which queued older frame a newer one may take the place of.
 enum class Replaces : std::uint8_t {
@@ -191,7 +210,8 @@ struct Traffic {
     friend constexpr bool operator==(Traffic, Traffic) = default;
 };
 
-/// A second layout of a message: taken at exactly `length` bytes of DATA (0: any), and where its selecting fields match.
+/// A second layout of a message: taken at exactly `length` bytes of DATA (0: any), and where its selecting fields
+/// match.
 struct Variant {
     std::string_view label{};
     std::uint16_t length = 0;
@@ -301,4 +321,4 @@ struct Name {
     constexpr std::string_view view() const noexcept { return {text, N - 1}; }
 };
 
-}  // namespace ano
+}    // namespace ano

@@ -54,7 +54,7 @@ template <> struct WireType<Type::f32> { using type = float; };
 template <> struct WireType<Type::f64> { using type = double; };
 // clang-format on
 
-}  // namespace detail
+}    // namespace detail
 
 /// DATA of one message in one layout; refers to the memory of the frame.
 template <Name M, Name Label = "">
@@ -94,8 +94,10 @@ public:
 private:
     template <bool Unscaled, class T>
     static constexpr auto in_unit(T wire, Scale scale) noexcept {
-        if constexpr (Unscaled) return wire;
-        else return static_cast<double>(wire) * scale.value / scale.wire;
+        if constexpr (Unscaled)
+            return wire;
+        else
+            return static_cast<double>(wire) * scale.value / scale.wire;
     }
     static constexpr std::string_view text(Bytes bytes) noexcept {
         const std::string_view whole{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -130,11 +132,10 @@ public:
 
     static constexpr const Message& message() noexcept { return detail::row<M, Label>; }
 
-    /// A number in the unit of the field, rounded to the nearest step of the wire. False, and nothing changed, when the wire
-    /// type can't carry it, or when it would tell another layout.
+    /// A number in the unit of the field, rounded to the nearest step of the wire. False, and nothing changed, when the
+    /// wire type can't carry it, or when it would tell another layout.
     template <Name F, class T>
-        requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
-    [[nodiscard]] bool set(T value) noexcept {
+    requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) [[nodiscard]] bool set(T value) noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
         static_assert(is_number(f.type) && f.count == 1, "this field is not a number");
         using Wire = typename detail::WireType<f.type>::type;
@@ -145,7 +146,8 @@ public:
             store(data_.data() + f.offset, static_cast<Wire>(value));
             return true;
         } else {
-            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) == Stored::ok;
+            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) ==
+                   Stored::ok;
         }
     }
     /// Text, or bytes, or an address: copied where the field has a size (the rest of it is 0), else referred to until
@@ -159,7 +161,8 @@ public:
             rest_ = value;
         } else {
             if (value.size() > f.size()) return false;
-            for (std::size_t i = 0; i < f.size(); ++i) data_[f.offset + i] = i < value.size() ? value[i] : std::uint8_t{0};
+            for (std::size_t i = 0; i < f.size(); ++i)
+                data_[f.offset + i] = i < value.size() ? value[i] : std::uint8_t{0};
         }
         return true;
     }
@@ -201,4 +204,4 @@ private:
     Bytes rest_;
 };
 
-}  // namespace ano
+}    // namespace ano

@@ -22,9 +22,10 @@ constexpr T load(const std::uint8_t* at) noexcept {
         std::memcpy(&value, at, sizeof value);
         return value;
     }
-    using Bits = std::conditional_t<
-        sizeof(T) == 1, std::uint8_t,
-        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+    using Bits =
+        std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                           std::conditional_t<sizeof(T) == 2, std::uint16_t,
+                                              std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < sizeof(T); ++i) bits |= std::uint64_t{at[i]} << (8 * i);
     return std::bit_cast<T>(static_cast<Bits>(bits));
@@ -32,9 +33,10 @@ constexpr T load(const std::uint8_t* at) noexcept {
 
 template <class T>
 constexpr void store(std::uint8_t* at, T value) noexcept {
-    using Bits = std::conditional_t<
-        sizeof(T) == 1, std::uint8_t,
-        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+    using Bits =
+        std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                           std::conditional_t<sizeof(T) == 2, std::uint16_t,
+                                              std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
     const std::uint64_t bits = std::bit_cast<Bits>(value);
     for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<std::uint8_t>(bits >> (8 * i));
 }
@@ -43,16 +45,16 @@ constexpr void store(std::uint8_t* at, T value) noexcept {
 template <class F>
 constexpr decltype(auto) with_type(Type type, F&& f) {
     switch (type) {
-    case Type::i8: return f(std::int8_t{});
-    case Type::u16: return f(std::uint16_t{});
-    case Type::i16: return f(std::int16_t{});
-    case Type::u32: return f(std::uint32_t{});
-    case Type::i32: return f(std::int32_t{});
-    case Type::u64: return f(std::uint64_t{});
-    case Type::i64: return f(std::int64_t{});
-    case Type::f32: return f(float{});
-    case Type::f64: return f(double{});
-    default: return f(std::uint8_t{});
+        case Type::i8: return f(std::int8_t{});
+        case Type::u16: return f(std::uint16_t{});
+        case Type::i16: return f(std::int16_t{});
+        case Type::u32: return f(std::uint32_t{});
+        case Type::i32: return f(std::int32_t{});
+        case Type::u64: return f(std::uint64_t{});
+        case Type::i64: return f(std::int64_t{});
+        case Type::f32: return f(float{});
+        case Type::f64: return f(double{});
+        default: return f(std::uint8_t{});
     }
 }
 
@@ -95,7 +97,7 @@ Stored store_double(std::uint8_t* at, double value, Scale scale) noexcept {
     return Stored::ok;
 }
 
-}  // namespace detail
+}    // namespace detail
 
 /// Writes `number` at `at`, scaled and rounded to the nearest step; writes nothing when the wire type can't carry it.
 /// Only for fields that are numbers.
@@ -116,7 +118,8 @@ inline Stored store_number(const Field& field, const Number& number, std::uint8_
     });
 }
 
-/// Writes the wire value that says "no data": the sentinel of the field, or NaN. False, and nothing written, when it has none.
+/// Writes the wire value that says "no data": the sentinel of the field, or NaN. False, and nothing written, when it
+/// has none.
 inline bool store_no_data(const Field& field, std::uint8_t* at) noexcept {
     if (field.type == Type::f32) {
         store(at, std::numeric_limits<float>::quiet_NaN());
@@ -130,4 +133,4 @@ inline bool store_no_data(const Field& field, std::uint8_t* at) noexcept {
     return true;
 }
 
-}  // namespace ano
+}    // namespace ano

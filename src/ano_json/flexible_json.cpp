@@ -92,26 +92,34 @@ private:
         FlexibleField field;
         if (!check_keys(given, pointer, keys)) return field;
         for (const char* key : {"name", "type"}) {
-            if (!given.contains(key)) fault(pointer, std::string{"key '"} + key + "' is missing");
-            else if (!given[key].is_string()) fault(pointer + "/" + key, "this is to be text");
+            if (!given.contains(key))
+                fault(pointer, std::string{"key '"} + key + "' is missing");
+            else if (!given[key].is_string())
+                fault(pointer + "/" + key, "this is to be text");
         }
         if (given.contains("unit")) {
-            if (given["unit"].is_string()) field.unit = given["unit"].get<std::string>();
-            else fault(pointer + "/unit", "this is to be text");
+            if (given["unit"].is_string())
+                field.unit = given["unit"].get<std::string>();
+            else
+                fault(pointer + "/unit", "this is to be text");
         }
         if (given.contains("scale")) {
-            if (given["scale"].is_number()) field.scale = given["scale"].get<double>();
-            else fault(pointer + "/scale", "this is to be a number");
+            if (given["scale"].is_number())
+                field.scale = given["scale"].get<double>();
+            else
+                fault(pointer + "/scale", "this is to be a number");
         }
         if (given.contains("name") && given["name"].is_string()) field.name = given["name"].get<std::string>();
         if (given.contains("type") && given["type"].is_string()) {
             const auto& word = given["type"].get_ref<const std::string&>();
             const auto it = std::find(type_names.begin(), type_names.end(), word);
-            // What is no type of the protocol is refused here, with the nearest; what is none of a flexible frame, there.
+            // What is no type of the protocol is refused here, with the nearest; what is none of a flexible frame,
+            // there.
             if (it == type_names.end())
                 fault(pointer + "/type", "unknown type " + in_quotes(word) + did_you_mean(word, type_names) + "; " +
                                              std::string{text_of(FlexibleLayouts::Fault::type)});
-            else field.type = static_cast<Type>(std::distance(type_names.begin(), it));
+            else
+                field.type = static_cast<Type>(std::distance(type_names.begin(), it));
         }
         return field;
     }
@@ -120,7 +128,7 @@ private:
     std::vector<JsonFault>& faults_;
 };
 
-}  // namespace
+}    // namespace
 
 std::vector<JsonFault> add_flexible(const json& array, const std::string& pointer, FlexibleLayouts& layouts) {
     std::vector<JsonFault> faults;
@@ -130,4 +138,4 @@ std::vector<JsonFault> add_flexible(const json& array, const std::string& pointe
     return faults;
 }
 
-}  // namespace ano
+}    // namespace ano

@@ -14,14 +14,19 @@ namespace {
 using Data = std::vector<std::uint8_t>;
 
 // Thrown inside this file only.
-[[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
+[[noreturn]] void fail(std::string pointer, std::string what) {
+    throw JsonFault{std::move(pointer), std::move(what)};
+}
 
 std::string step(std::string_view key) {
     std::string text = "/";
     for (const char c : key) {
-        if (c == '~') text += "~0";
-        else if (c == '/') text += "~1";
-        else text += c;
+        if (c == '~')
+            text += "~0";
+        else if (c == '/')
+            text += "~1";
+        else
+            text += c;
     }
     return text;
 }
@@ -76,7 +81,8 @@ std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise
     const auto it = object.find(key);
     if (it == object.end()) return otherwise;
     const auto value = whole_number(*it);
-    if (!value || *value > 255) fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255");
+    if (!value || *value > 255)
+        fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255");
     return static_cast<std::uint8_t>(*value);
 }
 
@@ -110,16 +116,17 @@ private:
     void put(const Field& f, std::span<const Field> element, const Json& json) {
         const std::string pointer = step(f.name);
         switch (f.type) {
-        case Type::text: return put_bytes(f, text(f, json), json);
-        case Type::bytes: return put_bytes(f, hex_at(json, pointer, f.name), json);
-        case Type::ip: return put_address(f, json);
-        case Type::list: return put_elements(f, element, json);
-        case Type::frames: return put_frames(f, json);
-        default: break;
+            case Type::text: return put_bytes(f, text(f, json), json);
+            case Type::bytes: return put_bytes(f, hex_at(json, pointer, f.name), json);
+            case Type::ip: return put_address(f, json);
+            case Type::list: return put_elements(f, element, json);
+            case Type::frames: return put_frames(f, json);
+            default: break;
         }
         if (f.count == 1) return put_number(f, json, data_.data() + f.offset, pointer);
         if (!json.is_array() || json.size() > f.count)
-            fail(pointer, label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
+            fail(pointer,
+                 label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
         for (std::size_t i = 0; i < json.size(); ++i)
             put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + step(std::to_string(i)));
     }
@@ -132,9 +139,10 @@ private:
         const auto number = number_of(json);
         if (!number) fail(pointer, label(f) + shown(json) + " is not a number");
         switch (store_number(f, *number, at)) {
-        case Stored::ok: return;
-        case Stored::not_whole: fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
-        case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
+            case Stored::ok: return;
+            case Stored::not_whole:
+                fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
+            case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
         }
     }
 
@@ -221,7 +229,9 @@ std::vector<std::string_view> names_in(std::span<const Field> fields) {
 }
 
 bool has_all(const std::vector<std::string_view>& names, const Json& given) {
-    const auto is_given = [&](const auto& item) { return std::find(names.begin(), names.end(), item.key()) != names.end(); };
+    const auto is_given = [&](const auto& item) {
+        return std::find(names.begin(), names.end(), item.key()) != names.end();
+    };
     const auto items = given.items();
     return std::all_of(items.begin(), items.end(), is_given);
 }
@@ -331,7 +341,7 @@ Data encode_frame(const Json& json, const JsonOptions& options, bool inside_a_tu
     }
 }
 
-}  // namespace
+}    // namespace
 
 std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options) {
     try {
@@ -341,8 +351,8 @@ std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& j
     }
 }
 
-std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
-                                                                 const JsonOptions& options) {
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source,
+                                                                  const Json& fields, const JsonOptions& options) {
     try {
         return encode_fields(id, source, fields, options, false);
     } catch (JsonFault& fault) {
@@ -359,4 +369,4 @@ std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {
     return JsonFault{"", "there is no message " + in_quotes(word) + did_you_mean(word, names)};
 }
 
-}  // namespace ano
+}    // namespace ano

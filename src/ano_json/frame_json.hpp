@@ -40,10 +40,10 @@ std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& j
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).
 /// `source` is looked at for flexible messages only.
-std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
-                                                                 const JsonOptions& options = {});
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source,
+                                                                  const Json& fields, const JsonOptions& options = {});
 
 /// The id of the message that is called so, or of the number that `word` is; else a fault with the nearest name.
 std::variant<std::uint8_t, JsonFault> message_id(std::string_view word);
 
-}  // namespace ano
+}    // namespace ano

@@ -13,6 +13,8 @@ template <class... F>
 struct Overloaded : F... {
     using F::operator()...;
 };
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;    // for clang 14
 
 Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel);
 
@@ -32,19 +34,19 @@ private:
     void write(const Field& f, Json& json) {
         Json& value = json[std::string{f.name}];
         switch (f.type) {
-        case Type::ip: value = address(reading_.bytes_of(f)); break;
-        case Type::list: value = elements(); break;
-        case Type::frames: write_frames(reading_.bytes_of(f), json); break;
-        case Type::bytes: value = hex(reading_.bytes_of(f)); break;
-        default:
-            if (is_number(f.type) && f.count > 1) {
-                value = Json::array();
-                const Bytes bytes = reading_.bytes_of(f);
-                for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
-                    value.push_back(scalar(f, value_at(f, bytes.data() + at)));
-            } else {
-                value = scalar(f, reading_.value(f));
-            }
+            case Type::ip: value = address(reading_.bytes_of(f)); break;
+            case Type::list: value = elements(); break;
+            case Type::frames: write_frames(reading_.bytes_of(f), json); break;
+            case Type::bytes: value = hex(reading_.bytes_of(f)); break;
+            default:
+                if (is_number(f.type) && f.count > 1) {
+                    value = Json::array();
+                    const Bytes bytes = reading_.bytes_of(f);
+                    for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
+                        value.push_back(scalar(f, value_at(f, bytes.data() + at)));
+                } else {
+                    value = scalar(f, reading_.value(f));
+                }
         }
     }
 
@@ -132,8 +134,10 @@ Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel) 
     return json;
 }
 
-}  // namespace
+}    // namespace
 
-Json frame_to_json(FrameView frame, const JsonOptions& options) { return to_json(frame, options, false); }
+Json frame_to_json(FrameView frame, const JsonOptions& options) {
+    return to_json(frame, options, false);
+}
 
-}  // namespace ano
+}    // namespace ano

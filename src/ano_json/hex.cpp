@@ -9,9 +9,11 @@ int digit(char c) noexcept {
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
     return -1;
 }
-bool is_space(char c) noexcept { return c == ' ' || (c >= '\t' && c <= '\r'); }
+bool is_space(char c) noexcept {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
 
-}  // namespace
+}    // namespace
 
 std::string hex(std::span<const std::uint8_t> bytes) {
     std::string text;
@@ -51,4 +53,4 @@ std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text) {
     return bytes;
 }
 
-}  // namespace ano
+}    // namespace ano

@@ -17,4 +17,4 @@ std::string spaced_hex(std::span<const std::uint8_t> bytes);
 /// Digits in pairs, capital or not, white space between pairs; nothing when `text` is anything else.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text);
 
-}  // namespace ano
+}    // namespace ano

@@ -31,7 +31,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
     return above[b.size()];
 }
 
-}  // namespace
+}    // namespace
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
     if (word.empty() || word.size() > longest_word) return {};
@@ -55,4 +55,4 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     return meant.empty() ? std::string{} : " (did you mean '" + std::string{meant} + "'?)";
 }
 
-}  // namespace ano
+}    // namespace ano

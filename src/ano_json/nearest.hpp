@@ -13,4 +13,4 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 /// " (did you mean 'baud'?)", or nothing.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
 
-}  // namespace ano
+}    // namespace ano

@@ -13,12 +13,14 @@ namespace ano {
 /// What text on the wire is written in.
 enum class Encoding : std::uint8_t { utf8, gbk };
 
-/// Valid UTF-8, with U+FFFD for what is not text in `encoding`. Throws std::runtime_error when the system can't convert it.
+/// Valid UTF-8, with U+FFFD for what is not text in `encoding`. Throws std::runtime_error when the system can't convert
+/// it.
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
 /// `text` in `encoding`; nothing when it is not UTF-8 or has characters `encoding` lacks. Throws as to_utf8() does.
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);
 
-/// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. Nothing for anything else.
+/// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. Nothing for anything
+/// else.
 std::optional<Number> parse_number(std::string_view text);
 /// The shortest text that reads as `value` again.
 std::string number_text(double value);
@@ -28,4 +30,4 @@ double widened(float value);
 /// Within quotation marks, for people: what a terminal would obey is escaped.
 std::string in_quotes(std::string_view text, char mark = '\'');
 
-}  // namespace ano
+}    // namespace ano

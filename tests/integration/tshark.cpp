@@ -1,6 +1,6 @@
 // The dissector that `anoctl messages --lua` prints, loaded by tshark, shows what `anoctl decode` shows.
-#include <ano/reading.hpp>
 #include <gtest/gtest.h>
+#include <ano/reading.hpp>
 
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <support/anoctl.hpp>
-#include <support/temporary.hpp>
+#include <support/files.hpp>
 #include <support/vectors.hpp>
 
 namespace {
@@ -68,7 +68,8 @@ void collect(const Json& tree, const std::string& key, std::vector<std::string>&
     for (const auto& [name, value] : tree.items()) {
         if (name == "ano") continue;
         if (name == key) {
-            if (value.is_string()) values.push_back(value.get<std::string>());
+            if (value.is_string())
+                values.push_back(value.get<std::string>());
             else if (value.is_array())
                 for (const Json& one : value) values.push_back(one.get<std::string>());
         } else if (value.is_object()) {
@@ -104,8 +105,8 @@ public:
         }
         const auto encoded = ano::frame_from_json(expected);
         const auto& whole = std::get<0>(encoded);
-        const ano::Message* row =
-            ano::select_layout(ano::layouts_of(whole[3]), {whole.data() + ano::header_size, whole.size() - ano::overhead});
+        const ano::Message* row = ano::select_layout(ano::layouts_of(whole[3]),
+                                                     {whole.data() + ano::header_size, whole.size() - ano::overhead});
         ASSERT_NE(row, nullptr) << name_;
         prefix_ = "ano." + std::string{row->name} + ".";
         if (!row->is_base()) prefix_ += std::string{row->variant.label} + ".";
@@ -157,9 +158,12 @@ private:
             if (one.is_null() && f.no_data) continue;
             ASSERT_LT(i, shown.size()) << name_ << " " << f.name;
             const double value = std::strtod(shown[i++].c_str(), nullptr);
-            if (one.is_null()) EXPECT_FALSE(std::isfinite(value)) << name_;
-            else if (f.type == ano::Type::f32) EXPECT_EQ(static_cast<float>(value), one.get<float>()) << name_ << " " << f.name;
-            else EXPECT_NEAR(value, one.get<double>(), 1e-12 * std::abs(value)) << name_ << " " << f.name;
+            if (one.is_null())
+                EXPECT_FALSE(std::isfinite(value)) << name_;
+            else if (f.type == ano::Type::f32)
+                EXPECT_EQ(static_cast<float>(value), one.get<float>()) << name_ << " " << f.name;
+            else
+                EXPECT_NEAR(value, one.get<double>(), 1e-12 * std::abs(value)) << name_ << " " << f.name;
         }
         EXPECT_EQ(i, shown.size()) << name_ << " " << f.name;
     }
@@ -178,12 +182,14 @@ private:
 };
 
 /// What tshark shows of each datagram.
-Json dissected(const support::TemporaryFolder& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
-    const std::string script = folder.file("ano.lua", lua);
-    const std::string capture = folder.file("frames.pcap", pcap_of(vectors));
-    const std::string text = output_of("HOME=" + folder.path("") + " tshark -r " + capture + " -X lua_script:" + script +
-                                       " -T json --no-duplicate-keys 2>" + folder.path("errors"));
-    std::ifstream errors{folder.path("errors")};
+Json dissected(const support::TemporaryFolder& folder, const std::string& lua,
+               const std::vector<support::Vector>& vectors) {
+    const std::string script = folder.write("ano.lua", lua);
+    const std::string capture = folder.write("frames.pcap", pcap_of(vectors));
+    const std::string text =
+        output_of("HOME=" + (folder.path() / "").string() + " tshark -r " + capture + " -X lua_script:" + script +
+                  " -T json --no-duplicate-keys 2>" + (folder.path() / "errors").string());
+    std::ifstream errors{(folder.path() / "errors").string()};
     for (std::string line; std::getline(errors, line);)
         if (line.find("Lua") != std::string::npos || line.find("lua") != std::string::npos) ADD_FAILURE() << line;
     // tshark passes on text that is not UTF-8.
@@ -191,7 +197,9 @@ Json dissected(const support::TemporaryFolder& folder, const std::string& lua, c
     return text.empty() ? Json::array() : Json::parse(ano::to_utf8({bytes, text.size()}, ano::Encoding::utf8));
 }
 
-bool has_tshark() { return !output_of("tshark --version 2>/dev/null").empty(); }
+bool has_tshark() {
+    return !output_of("tshark --version 2>/dev/null").empty();
+}
 
 TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
@@ -215,7 +223,7 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
 TEST(Tshark, knows_flexible_layouts_from_a_configuration) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
     const support::TemporaryFolder folder;
-    const std::string config = folder.file("anogate.json", R"({"flexible": [
+    const std::string config = folder.write("anogate.json", R"({"flexible": [
         {"id": "0xF1", "fields": [{"name": "Volts", "type": "i16", "scale": 0.01, "unit": "V"}, {"name": "温度", "type": "f32"}]},
         {"id": "0xF1", "source": 30, "fields": [{"name": "mine", "type": "u8"}]}]})");
     const auto frame = [](std::uint8_t source, std::vector<std::uint8_t> data) {

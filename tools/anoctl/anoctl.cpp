@@ -56,4 +56,4 @@ int run(int argc, const char* const* argv, Streams& streams) {
     }
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -55,4 +55,4 @@ std::span<const Subcommand> subcommands() noexcept;
 /// The whole program but for its process. Returns what it exits with.
 int run(int argc, const char* const* argv, Streams& streams);
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -5,10 +5,10 @@
 #include <ano/parser.hpp>
 #include <ano_json/hex.hpp>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -133,7 +133,8 @@ struct Decode {
         for (const std::string& word : input) joined += word + " ";
         const bool from_stdin = input.empty() || (input.size() == 1 && input[0] == "-");
         if (from_stdin) {
-            if (input.empty() && streams.in_is_terminal) throw UsageError{"give hex digits, a file, or - for standard input"};
+            if (input.empty() && streams.in_is_terminal)
+                throw UsageError{"give hex digits, a file, or - for standard input"};
             decoder.read_all(streams.in, "standard input");
         } else if (const auto bytes = from_hex(joined)) {
             decoder.put_in(*bytes);
@@ -155,10 +156,12 @@ private:
         std::size_t digits = 0;
         for (const std::string& word : input) {
             for (const char c : word) {
-                if (std::isxdigit(static_cast<unsigned char>(c))) ++digits;
+                if (std::isxdigit(static_cast<unsigned char>(c)))
+                    ++digits;
                 else if (!std::isspace(static_cast<unsigned char>(c)))
                     return input.size() > 1 || errno == ENOENT
-                               ? in_quotes(word) + " is neither hex digits nor a file (a byte is two digits, without 0x)"
+                               ? in_quotes(word) +
+                                     " is neither hex digits nor a file (a byte is two digits, without 0x)"
                                : in_quotes(word) + ": " + std::strerror(errno);
             }
         }
@@ -167,7 +170,7 @@ private:
     }
 };
 
-}  // namespace
+}    // namespace
 
 Run add_decode(CLI::App& options) {
     const auto self = std::make_shared<Decode>();
@@ -177,4 +180,4 @@ Run add_decode(CLI::App& options) {
     return [self](Streams& streams) { return self->run(streams); };
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

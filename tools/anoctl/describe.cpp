@@ -12,8 +12,10 @@ using namespace ano;
 
 Json describe(const Field& f) {
     Json json{{"name", f.name}, {"type", name_of(f.type)}};
-    if (f.is_open()) json["count"] = nullptr;
-    else if (f.count != 1) json["count"] = f.count;
+    if (f.is_open())
+        json["count"] = nullptr;
+    else if (f.count != 1)
+        json["count"] = f.count;
     json["offset"] = f.offset;
     if (is_number(f.type)) json["scale"] = f.scale.factor();
     if (!f.unit.empty()) json["unit"] = f.unit;
@@ -26,7 +28,7 @@ Json describe(const Field& f) {
     return json;
 }
 
-}  // namespace
+}    // namespace
 
 Json describe(const Message& row) {
     static constexpr std::array replaces{"nothing", "same_id", "same_first_byte"};
@@ -44,4 +46,4 @@ Json describe(const Message& row) {
     return json;
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

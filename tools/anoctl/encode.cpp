@@ -5,8 +5,8 @@
 #include <ano/reading.hpp>
 #include <ano_json/hex.hpp>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <cstring>
@@ -64,7 +64,8 @@ struct Encode {
 private:
     // What `decode --json` prints: one object a line.
     int encode_lines(Streams& streams, const JsonOptions& options) const {
-        if (!fields.empty() || data) throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
+        if (!fields.empty() || data)
+            throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
         std::istringstream input{everything(streams.in)};
         std::string line;
         for (std::size_t number = 1; std::getline(input, line); ++number) {
@@ -128,11 +129,12 @@ private:
     }
 };
 
-}  // namespace
+}    // namespace
 
 Run add_encode(CLI::App& options) {
     const auto self = std::make_shared<Encode>();
-    options.add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
+    options
+        .add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
         ->required()
         ->option_text("NAME");
     options.add_option("fields", self->fields, "Values in the unit of the field; what is left out is 0 or empty")
@@ -146,4 +148,4 @@ Run add_encode(CLI::App& options) {
     return [self](Streams& streams) { return self->run(streams); };
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

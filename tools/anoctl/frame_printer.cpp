@@ -49,7 +49,9 @@ std::string shown(const Json& value, const Field* field) {
     return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : shown(value);
 }
 
-const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
+const Field* field_of(const Reading& reading, const std::string& name) {
+    return reading.field(name);
+}
 
 // "14:03:07.123"
 std::string clock_text(double time) {
@@ -62,7 +64,7 @@ std::string clock_text(double time) {
     return text.data();
 }
 
-}  // namespace
+}    // namespace
 
 void FrameOptions::add(CLI::App& options, FrameOptions& self) {
     options.add_flag("--json", self.json, "One JSON object a line");
@@ -107,15 +109,17 @@ void FramePrinter::print(FrameView frame, const std::string& link, double time) 
         return;
     }
     if (!link.empty()) streams_.out << colored(dim, clock_text(time)) << ' ' << link << ' ';
-    if (streams_.terminal) columns(frame, json);
-    else plain(frame, json);
+    if (streams_.terminal)
+        columns(frame, json);
+    else
+        plain(frame, json);
 }
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: what stands behind the id is what `encode` takes.
 void FramePrinter::plain(FrameView frame, const Json& json) {
     const Reading reading = read(frame, &layouts_);
-    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
-                 << json.value("name", "-");
+    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id())
+                 << ' ' << json.value("name", "-");
     if (json.contains("fields"))
         for (const auto& [name, value] : json["fields"].items())
             streams_.out << ' ' << name << '=' << shown(value, field_of(reading, name));
@@ -159,4 +163,4 @@ std::string malformation(FrameView frame, const FlexibleLayouts& layouts) {
            " bytes of data, it has " + std::to_string(reading.fixed_size()) + " at least";
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

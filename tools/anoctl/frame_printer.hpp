@@ -46,4 +46,4 @@ private:
 /// What is wrong with DATA of a frame, in a clause; empty when it is fine or of no known message.
 std::string malformation(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -13,7 +13,8 @@ namespace {
 
 using namespace ano;
 
-constexpr const char* head_text = R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
+constexpr const char* head_text =
+    R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
 -- Use: tshark -X lua_script:FILE, or copy it to Wireshark's folder of personal Lua plugins.
 
 local ano = Proto("ano", "ANO V8")
@@ -101,14 +102,14 @@ end
 
 local dissect_frames
 
-local function add_field(tree, row, f, data, pinfo, inside)
+local function add_field(tree, row, f, data, pinfo)
     local size = f.count == 0 and data:len() - f.offset or width[f.type] * f.count
     if size == 0 then return end
     local range = data(f.offset, size)
     if f.type == "text" then add_text(tree, f, range)
     elseif f.type == "bytes" or f.type == "ip" then tree:add(f.proto, range)
     elseif f.type == "frames" then
-        if inside then tree:add(header.data, range) else dissect_frames(range, pinfo, tree, true) end
+        dissect_frames(range, pinfo, tree, true)
     elseif f.type == "list" then
         for at = 0, size - row.element_size, row.element_size do
             local point = tree:add(range(at, row.element_size), f.name)
@@ -159,12 +160,14 @@ local function dissect_frame(frame, pinfo, tree, inside)
     item:add_le(header.length, frame(4, 2))
     local data = length > 0 and frame(6, length):tvb() or nil
     local row = select(id, frame(1, 1):uint(), data, length)
-    if row and #row.fields > 0 and length >= row.size then
+    -- A tunnel frame inside a tunnel frame is data: it is never unwrapped.
+    local sealed = inside and row and #row.fields > 0 and row.fields[#row.fields].type == "frames"
+    if row and #row.fields > 0 and length >= row.size and not sealed then
         local extra = behind(row, length)
         for _, f in ipairs(row.fields) do
             if data then
                 local whole = f.type == "list" and extra > 0 and data(0, length - extra):tvb() or data
-                add_field(item, row, f, whole, pinfo, inside)
+                add_field(item, row, f, whole, pinfo)
             end
         end
         if extra > 0 then item:add(header.extra, frame(6 + length - extra, extra)) end
@@ -227,9 +230,12 @@ std::string lua_text(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') out += {'\\', c};
-        else if (byte < 0x20 || byte == 0x7F) out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
-        else out += c;
+        if (c == '"' || c == '\\')
+            out += {'\\', c};
+        else if (byte < 0x20 || byte == 0x7F)
+            out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
+        else
+            out += c;
     }
     return out + '"';
 }
@@ -239,16 +245,18 @@ std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {
         const bool ok = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-        if (ok) out += c;
-        else if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
+        if (ok)
+            out += c;
+        else if (c >= 'A' && c <= 'Z')
+            out += static_cast<char>(c - 'A' + 'a');
     }
     return out.size() == name.size() ? out : "value" + std::to_string(position);
 }
 
 void write_field(std::ostream& out, const Field& f, const std::string& filter) {
-    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \"" << name_of(f.type)
-        << "\", count = " << f.count << ", offset = " << f.offset << ", wire = " << number_text(f.scale.wire)
-        << ", value = " << number_text(f.scale.value);
+    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \""
+        << name_of(f.type) << "\", count = " << f.count << ", offset = " << f.offset
+        << ", wire = " << number_text(f.scale.wire) << ", value = " << number_text(f.scale.value);
     if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
     if (f.no_data) out << ", no_data = " << *f.no_data;
     if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;
@@ -293,7 +301,7 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
     out << "    }},\n";
 }
 
-}  // namespace
+}    // namespace
 
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
@@ -305,4 +313,4 @@ void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << engine;
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -81,7 +81,7 @@ void write_layout(std::ostream& out, const Message& row) {
     write_fields(out, row.element(), "+");
 }
 
-}  // namespace
+}    // namespace
 
 void write_markdown(std::ostream& out) {
     static constexpr std::array replaced{"", ", replaced", ", replaced by first byte"};
@@ -94,4 +94,4 @@ void write_markdown(std::ostream& out) {
     }
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -38,12 +38,16 @@ struct Messages {
     int run(Streams& streams) const {
         FrameOptions options;
         options.config = config;
-        if (markdown) write_markdown(streams.out);
-        else if (lua) write_lua(streams.out, options.layouts());
+        if (markdown)
+            write_markdown(streams.out);
+        else if (lua)
+            write_lua(streams.out, options.layouts());
         else
             for (const Message& row : chosen()) {
-                if (json) streams.out << describe(row).dump() << '\n';
-                else write_row(streams.out, row, streams.color);
+                if (json)
+                    streams.out << describe(row).dump() << '\n';
+                else
+                    write_row(streams.out, row, streams.color);
             }
         return fine;
     }
@@ -63,7 +67,7 @@ private:
     }
 };
 
-}  // namespace
+}    // namespace
 
 Run add_messages(CLI::App& options) {
     const auto self = std::make_shared<Messages>();
@@ -78,4 +82,4 @@ Run add_messages(CLI::App& options) {
     return [self](Streams& streams) { return self->run(streams); };
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -29,13 +29,16 @@ using IdSet = std::bitset<256>;
 struct Filter {
     IdSet ids, from, to;
 
-    bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
+    bool takes(ano::FrameView frame) const {
+        return ids[frame.id()] && from[frame.source()] && to[frame.destination()];
+    }
 };
 
 /// The one link's gateway: shows what it receives, sends nothing.
 class Monitor final : public LinkHost {
 public:
-    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
+    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams,
+            const FrameOptions& frames)
         : filter_{filter},
           left_{count},
           streams_{streams},
@@ -62,9 +65,15 @@ private:
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
         const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
-        channels_[i].reset(new Channel{static_cast<ChannelId>(i), link.id(), std::move(peer),
+        channels_[i].reset(new Channel{static_cast<ChannelId>(i),
+                                       link.id(),
+                                       std::move(peer),
                                        ano::FrameParser{{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet}},
-                                       Outbox{{s.queue, s.max_data}}, {}, now_, {}, {}});
+                                       Outbox{{s.queue, s.max_data}},
+                                       {},
+                                       now_,
+                                       {},
+                                       {}});
         return channels_[i].get();
     }
     void close_channel(Channel& channel) override {
@@ -184,18 +193,21 @@ private:
             const auto number = ano::parse_number(word);
             const auto* address = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
             if (address == nullptr || *address > 255)
-                throw UsageError{std::string{option} + ": " + ano::in_quotes(word) + " is not an address from 0 to 255"};
+                throw UsageError{std::string{option} + ": " + ano::in_quotes(word) +
+                                 " is not an address from 0 to 255"};
             set.set(static_cast<std::size_t>(*address));
         }
         return set;
     }
 };
 
-}  // namespace
+}    // namespace
 
 Run add_monitor(CLI::App& options) {
     const auto self = std::make_shared<MonitorOptions>();
-    options.add_option("link", self->link, "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
+    options
+        .add_option("link", self->link,
+                    "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
         ->required()
         ->option_text("LINK");
     options.add_option("--id", self->ids, "Only these messages, by name or id")->option_text("ID...");
@@ -206,4 +218,4 @@ Run add_monitor(CLI::App& options) {
     return [self](Streams& streams) { return self->run(streams); };
 }
 
-}  // namespace anoctl
+}    // namespace anoctl

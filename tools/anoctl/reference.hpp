@@ -16,4 +16,4 @@ void write_lua(std::ostream& out, const ano::FlexibleLayouts& flexible);
 /// One row of the table.
 ano::Json describe(const ano::Message& row);
 
-}  // namespace anoctl
+}    // namespace anoctl

@@ -1,6 +1,6 @@
+#include <gtest/gtest.h>
 #include <ano/flexible.hpp>
 #include <ano/reading.hpp>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>

@@ -1,5 +1,5 @@
-#include <ano/reading.hpp>
 #include <gtest/gtest.h>
+#include <ano/reading.hpp>
 
 #include <cmath>
 #include <cstdint>

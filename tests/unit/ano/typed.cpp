@@ -1,5 +1,5 @@
-#include <ano/typed.hpp>
 #include <gtest/gtest.h>
+#include <ano/typed.hpp>
 
 #include <array>
 #include <cstdint>

@@ -3,7 +3,7 @@
 #include <string>
 
 #include <support/anoctl.hpp>
-#include <support/temporary.hpp>
+#include <support/files.hpp>
 #include <support/vectors.hpp>
 
 namespace {
@@ -29,7 +29,7 @@ TEST(Decode, hex_in_one_argument_or_many) {
 
 TEST(Decode, bytes_from_standard_input_and_from_a_file) {
     const support::TemporaryFolder folder;
-    const std::string file = folder.file("frames.bin", raw(log_hex) + raw(log_hex));
+    const std::string file = folder.write("frames.bin", raw(log_hex) + raw(log_hex));
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     EXPECT_EQ(anoctl({"decode", file}).out, line + line);
     EXPECT_EQ(anoctl({"decode", "-"}, raw(log_hex)).out, line);
@@ -55,7 +55,8 @@ TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
 TEST(Decode, tells_the_offset_of_what_is_damaged) {
     std::string broken = raw(log_hex);
     broken[10] = 'X';
-    const auto result = anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
+    const auto result =
+        anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
     EXPECT_EQ(result.exit, 1);
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
     EXPECT_EQ(result.err,
@@ -99,25 +100,26 @@ TEST(Decode, reads_gbk_when_asked) {
 
 TEST(Decode, knows_flexible_layouts_from_a_configuration) {
     const support::TemporaryFolder folder;
-    const std::string config = folder.file("anogate.json", R"({// layouts
+    const std::string config = folder.write("anogate.json", R"({// layouts
         "links": [], "flexible": [{"id": "0xF1", "fields": [{"name": "volts", "type": "i16", "scale": 0.01, "unit": "V"}]}]})");
     const auto frame = anoctl({"encode", "--config", config, "flexible1", "volts=-1.5", "--raw"});
     EXPECT_EQ(frame.exit, 0) << frame.err;
     EXPECT_EQ(anoctl({"decode", "--config", config}, frame.out).out, "0xFE 0xFF 0xF1 flexible1 volts=-1.5\n");
     EXPECT_EQ(anoctl({"decode"}, frame.out).out, "0xFE 0xFF 0xF1 flexible1 data=\"6aff\"\n");
-    const std::string faulty = folder.file("faulty.json", R"({"flexible": [{"id": 5, "fields": []}]})");
+    const std::string faulty = folder.write("faulty.json", R"({"flexible": [{"id": 5, "fields": []}]})");
     const auto refused = anoctl({"decode", "--config", faulty, log_hex});
     EXPECT_EQ(refused.exit, 2);
     EXPECT_NE(refused.err.find("/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"), std::string::npos);
-    EXPECT_EQ(anoctl({"decode", "--config", folder.path("none"), log_hex}).exit, 2);
-    EXPECT_EQ(anoctl({"decode", "--config", folder.file("no.json", "{"), log_hex}).exit, 2);
+    EXPECT_EQ(anoctl({"decode", "--config", (folder.path() / "none").string(), log_hex}).exit, 2);
+    EXPECT_EQ(anoctl({"decode", "--config", folder.write("no.json", "{"), log_hex}).exit, 2);
 }
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
     const auto mode = anoctl({"encode", "--raw", "mode", "sflag=2", "--from", "0xDC", "--to", "254"});
-    EXPECT_EQ(anoctl({"decode"}, mode.out, true).out,
-              "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
-              "cid 0         cmd0 0         cmd1 0        \n");
+    EXPECT_EQ(
+        anoctl({"decode"}, mode.out, true).out,
+        "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
+        "cid 0         cmd0 0         cmd1 0        \n");
     const auto colored = anoctl({"decode"}, mode.out, true, true).out;
     EXPECT_NE(colored.find("\x1b["), std::string::npos);
     const auto euler = anoctl({"encode", "--raw", "euler", "rol=1.5"});

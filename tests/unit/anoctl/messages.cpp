@@ -1,5 +1,5 @@
-#include <ano/messages.hpp>
 #include <gtest/gtest.h>
+#include <ano/messages.hpp>
 #include <nlohmann/json.hpp>
 
 #include <fstream>
@@ -14,7 +14,7 @@ namespace {
 using support::anoctl;
 
 TEST(Messages, the_reference_in_the_repository_is_what_anoctl_prints) {
-    std::ifstream file{ANOGATE_TESTS_DIR "/../include/ano/messages.md"};
+    std::ifstream file{ANOGATE_SOURCE_DIR "/include/ano/messages.md"};
     const std::string kept{std::istreambuf_iterator<char>{file}, {}};
     EXPECT_EQ(kept, anoctl({"messages", "--markdown"}).out)
         << "build/tools/anoctl messages --markdown > include/ano/messages.md";

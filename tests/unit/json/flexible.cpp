@@ -1,5 +1,5 @@
-#include <ano_json/flexible_json.hpp>
 #include <gtest/gtest.h>
+#include <ano_json/flexible_json.hpp>
 
 #include <string>
 #include <variant>
@@ -47,21 +47,26 @@ TEST(FlexibleJson, layouts_decode_and_encode) {
 TEST(FlexibleJson, faults_name_their_place) {
     EXPECT_EQ(faults_of("5"), Lines{"/flexible: this is to be an array of layouts"});
     EXPECT_EQ(faults_of("[5]"), Lines{"/flexible/0: this is to be an object"});
-    EXPECT_EQ(faults_of(R"([{}])"), (Lines{"/flexible/0: key 'id' is missing", "/flexible/0: key 'fields' is missing"}));
-    EXPECT_EQ(faults_of(R"([{"id": 3, "fields": []}])"), Lines{"/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"});
+    EXPECT_EQ(faults_of(R"([{}])"),
+              (Lines{"/flexible/0: key 'id' is missing", "/flexible/0: key 'fields' is missing"}));
+    EXPECT_EQ(faults_of(R"([{"id": 3, "fields": []}])"),
+              Lines{"/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": []}])"), Lines{"/flexible/0: a layout has at least one field"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "feilds": [], "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/feilds: unknown key 'feilds' (did you mean 'fields'?)"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8"}, {"name": "b", "type": "i61"}]}])"),
-              Lines{"/flexible/0/fields/1/type: unknown type 'i61' (did you mean 'i16'?); a field is one of u8 i8 u16 i16 u32 i32 f32"});
+              Lines{"/flexible/0/fields/1/type: unknown type 'i61' (did you mean 'i16'?); a field is one of u8 i8 u16 "
+                    "i16 u32 i32 f32"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "text"}]}])"),
               Lines{"/flexible/0/fields/0: a field is one of u8 i8 u16 i16 u32 i32 f32"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8", "scale": "1"}]}])"),
               Lines{"/flexible/0/fields/0/scale: this is to be a number"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "source": 255, "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/source: an address is 1 to 254"});
-    EXPECT_EQ(faults_of(R"([{"id": 241, "fields": [{"name": "a", "type": "u8"}]}, {"id": "0xF1", "fields": [{"name": "b", "type": "u8"}]}])"),
-              Lines{"/flexible/1: this id has a layout for this source already"});
+    EXPECT_EQ(
+        faults_of(
+            R"([{"id": 241, "fields": [{"name": "a", "type": "u8"}]}, {"id": "0xF1", "fields": [{"name": "b", "type": "u8"}]}])"),
+        Lines{"/flexible/1: this id has a layout for this source already"});
 }
 
 }    // namespace

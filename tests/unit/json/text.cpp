@@ -1,6 +1,6 @@
+#include <gtest/gtest.h>
 #include <ano_json/hex.hpp>
 #include <ano_json/text.hpp>
-#include <gtest/gtest.h>
 
 #include <cstdint>
 #include <limits>
@@ -24,10 +24,10 @@ TEST(Text, replaces_what_is_not_utf8) {
     EXPECT_EQ(utf8("plain"), "plain");
     EXPECT_EQ(utf8("β 说 🚁"), "β 说 🚁");
     EXPECT_EQ(utf8("a\xFFz"), "a" + r + "z");
-    EXPECT_EQ(utf8("\xC0\x80"), r + r);                   // overlong
-    EXPECT_EQ(utf8("\xED\xA0\x80"), r + r + r);           // a surrogate
-    EXPECT_EQ(utf8("\xF4\x90\x80\x80"), r + r + r + r);   // above U+10FFFF
-    EXPECT_EQ(utf8("\xE8\xAF"), r);                       // cut short
+    EXPECT_EQ(utf8("\xC0\x80"), r + r);                    // overlong
+    EXPECT_EQ(utf8("\xED\xA0\x80"), r + r + r);            // a surrogate
+    EXPECT_EQ(utf8("\xF4\x90\x80\x80"), r + r + r + r);    // above U+10FFFF
+    EXPECT_EQ(utf8("\xE8\xAF"), r);                        // cut short
     EXPECT_EQ(utf8("\xE8\xAFz"), r + "z");
 }
 
@@ -63,7 +63,8 @@ TEST(Number, is_read_as_c_writes_it) {
     EXPECT_EQ(parse_number("18446744073709551615"), Number{std::numeric_limits<std::uint64_t>::max()});
     EXPECT_EQ(parse_number("-9223372036854775808"), Number{std::numeric_limits<std::int64_t>::min()});
     EXPECT_EQ(parse_number("010"), Number{std::uint64_t{10}});
-    for (const char* wrong : {"", "-", "+", "0x", "1x", "--1", "-+1", "1 ", " 1", "0x1g", "1e", "e5", "0x1FFFFFFFFFFFFFFFF"})
+    for (const char* wrong :
+         {"", "-", "+", "0x", "1x", "--1", "-+1", "1 ", " 1", "0x1g", "1e", "e5", "0x1FFFFFFFFFFFFFFFF"})
         EXPECT_EQ(parse_number(wrong), std::nullopt) << wrong;
 }
 

@@ -1,6 +1,6 @@
+#include <gtest/gtest.h>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>

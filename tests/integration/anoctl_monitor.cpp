@@ -1,0 +1,179 @@
+// `anoctl monitor LINK` as a process, on real ptys and sockets.
+#include <gtest/gtest.h>
+#include <ano/frame.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <support/bytes.hpp>
+#include <support/files.hpp>
+#include <support/pty_device.hpp>
+#include <support/udp_peer.hpp>
+#include <support/wait.hpp>
+
+namespace {
+
+const auto euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const auto wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+
+/// `anoctl monitor ...`, and what it says so far.
+class Monitor {
+public:
+    explicit Monitor(std::vector<std::string> words) {
+        std::array<int, 2> out{};
+        std::array<int, 2> err{};
+        if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) return;
+        words.insert(words.begin(), {ANOCTL, "monitor"});
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        pid_ = fork();
+        if (pid_ == 0) {
+            dup2(out[1], STDOUT_FILENO);
+            dup2(err[1], STDERR_FILENO);
+            execv(argv[0], argv.data());
+            _exit(127);
+        }
+        close(out[1]);
+        close(err[1]);
+        out_ = out[0];
+        err_ = err[0];
+    }
+    ~Monitor() {
+        if (pid_ > 0) kill(pid_, SIGKILL);
+        if (pid_ > 0) waitpid(pid_, nullptr, 0);
+        close(out_);
+        close(err_);
+    }
+    Monitor(const Monitor&) = delete;
+    Monitor& operator=(const Monitor&) = delete;
+
+    const std::string& out() { return read_on(out_, out_text_); }
+    const std::string& err() { return read_on(err_, err_text_); }
+    bool says(const std::string& text) {
+        return support::wait_until([&] { return err().find(text) != std::string::npos; });
+    }
+    bool shows(const std::string& text) {
+        return support::wait_until([&] { return out().find(text) != std::string::npos; });
+    }
+    void interrupt() { kill(pid_, SIGINT); }
+    int exit_code() {
+        int status = -1;
+        support::wait_until([&] { return waitpid(pid_, &status, WNOHANG) == pid_; });
+        if (WIFEXITED(status)) pid_ = -1;
+        out();
+        err();
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+
+private:
+    static const std::string& read_on(int fd, std::string& text) {
+        pollfd ready{fd, POLLIN, 0};
+        std::array<char, 4096> buffer;
+        while (poll(&ready, 1, 0) > 0) {
+            const ssize_t n = read(fd, buffer.data(), buffer.size());
+            if (n <= 0) break;
+            text.append(buffer.data(), static_cast<std::size_t>(n));
+        }
+        return text;
+    }
+
+    pid_t pid_ = -1;
+    int out_ = -1;
+    int err_ = -1;
+    std::string out_text_, err_text_;
+};
+
+TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
+    const support::TemporaryFolder folder;
+    support::PtyDevice device{(folder.path() / "tty").string()};
+    Monitor monitor{{"serial:" + device.path(), "--count", "2"}};
+    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    device.write(euler);
+    ASSERT_TRUE(monitor.shows("0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1\n")) << monitor.out();
+    device.write(wind);
+    EXPECT_EQ(monitor.exit_code(), 0);
+    EXPECT_NE(monitor.out().find("0xDD 0xFF 0x09 wind wind_x=1 wind_y=2\n"), std::string::npos);
+    EXPECT_NE(monitor.err().find("2 frames shown of 2, 0 bytes of no frame"), std::string::npos) << monitor.err();
+}
+
+TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
+    const support::TemporaryFolder folder;
+    const std::string path = (folder.path() / "port").string();
+    Monitor monitor{{"pty:" + path, "--json", "--id", "wind", "--from", "0xDD", "--count", "1"}};
+    ASSERT_TRUE(monitor.says("no program has")) << monitor.err();
+    support::PortUser user{path};
+    ASSERT_TRUE(user.is_open());
+    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    user.write(euler);
+    user.write(wind);
+    EXPECT_EQ(monitor.exit_code(), 0);
+    EXPECT_EQ(
+        monitor.out().find(
+            "{\"from\":221,\"to\":255,\"id\":9,\"name\":\"wind\",\"fields\":{\"wind_x\":1,\"wind_y\":2},\"time\":"),
+        0u)
+        << monitor.out();
+    EXPECT_NE(monitor.err().find("1 frame shown of 2"), std::string::npos) << monitor.err();
+}
+
+TEST(AnoctlMonitor, shows_the_frames_of_udp_peers) {
+    Monitor monitor{{"udp-listen:127.0.0.1:0", "--count", "2"}};
+    ASSERT_TRUE(monitor.says("port ")) << monitor.err();
+    const std::string said = monitor.err();
+    const auto port = static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5)));
+    support::UdpPeer one;
+    support::UdpPeer other;
+    ASSERT_TRUE(one.send(port, euler));
+    ASSERT_TRUE(monitor.shows("euler")) << monitor.out();
+    ASSERT_TRUE(other.send(port, wind));
+    EXPECT_EQ(monitor.exit_code(), 0);
+    EXPECT_NE(monitor.out().find("127.0.0.1:" + std::to_string(other.port())), std::string::npos) << monitor.out();
+}
+
+TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
+    support::UdpPeer peer;
+    Monitor monitor{{"udp:127.0.0.1:" + std::to_string(peer.port()) + ",bind=127.0.0.1:0", "--count", "1"}};
+    ASSERT_TRUE(monitor.says("port ")) << monitor.err();
+    const std::string said = monitor.err();
+    ASSERT_TRUE(peer.send(static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5))), euler));
+    EXPECT_EQ(monitor.exit_code(), 0);
+    EXPECT_NE(monitor.out().find("euler"), std::string::npos);
+}
+
+TEST(AnoctlMonitor, waits_for_a_device_that_is_absent_and_ends_well_when_interrupted) {
+    const support::TemporaryFolder folder;
+    Monitor monitor{{"serial:" + (folder.path() / "tty").string()}};
+    ASSERT_TRUE(monitor.says("waiting")) << monitor.err();
+    {
+        support::PtyDevice device{(folder.path() / "tty").string()};
+        ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+        device.write(euler);
+        ASSERT_TRUE(monitor.shows("euler"));
+    }
+    monitor.interrupt();
+    EXPECT_EQ(monitor.exit_code(), 0);
+}
+
+TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
+    Monitor key{{"serial:/dev/x,bauds=9"}};
+    EXPECT_EQ(key.exit_code(), 2);
+    EXPECT_NE(key.err().find("unknown key 'bauds' (did you mean 'baud'?)"), std::string::npos) << key.err();
+    Monitor kind{{"/dev/ttyUSB0"}};
+    EXPECT_EQ(kind.exit_code(), 2);
+    Monitor id{{"pty:/tmp/x", "--id", "eulr"}};
+    EXPECT_EQ(id.exit_code(), 2);
+    EXPECT_NE(id.err().find("did you mean 'euler'?"), std::string::npos);
+    Monitor from{{"pty:/tmp/x", "--from", "300"}};
+    EXPECT_EQ(from.exit_code(), 2);
+    Monitor none{{}};
+    EXPECT_EQ(none.exit_code(), 2);
+}
+
+}    // namespace
