@@ -130,6 +130,11 @@ bool Gateway::admit(Channel& from, ano::FrameView) {
 
 bool Gateway::may_leave(LinkId, ano::FrameView) { return true; }
 
+void Gateway::learn(Channel& from, ano::FrameView frame) {
+    router_.learn(from.id, frame.source(), now_);
+    log_conflict();
+}
+
 void Gateway::send(LinkId to, ano::FrameView frame) {
     if (links_[index(to)].channels.empty()) miss(to);
     for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame);

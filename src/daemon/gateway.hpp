@@ -49,6 +49,7 @@ public:
 
     bool admit(Channel& from, ano::FrameView frame) override;
     bool may_leave(LinkId to, ano::FrameView frame) override;
+    void learn(Channel& from, ano::FrameView frame) override;
     void send(LinkId to, ano::FrameView frame) override;
     bool is_own_port(std::uint16_t port) const override;
 

@@ -33,7 +33,12 @@ TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> 
 
 void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     look_around(context().host.now());
-    const auto passes = [&](ano::FrameView inner) { return host_.admit(from, inner) && host_.may_leave(id(), inner); };
+    host_.learn(from, frame);
+    const auto passes = [&](ano::FrameView inner) {
+        if (!host_.admit(from, inner)) return false;
+        host_.learn(from, inner);
+        return host_.may_leave(id(), inner);
+    };
     const auto datagram = tunnel_.out(frame, passes);
     if (!datagram) return;
     if (socket() < 0) return tunnel_.refuse(&TunnelCounters::tunnel_down);

@@ -15,6 +15,8 @@ public:
     virtual bool admit(Channel& from, ano::FrameView frame) = 0;
     /// The send filter and limits of `to`, for a frame that leaves inside a tunnel frame. Counts if not.
     virtual bool may_leave(LinkId to, ano::FrameView frame) = 0;
+    /// Its source is behind `from`: answers go there.
+    virtual void learn(Channel& from, ano::FrameView frame) = 0;
     /// To every channel of `to`.
     virtual void send(LinkId to, ano::FrameView frame) = 0;
     /// One of the gateway's links listens on this UDP port.

@@ -127,7 +127,7 @@ TEST(InnerFrames, does_not_look_inside_a_damaged_tunnel_frame) {
 TEST(Tunnel, takes_tunnel_frames_to_the_gateway_to_its_address_and_to_everybody) {
     Site site;
     const Tunnel tunnel = site.tunnel();
-    for (const std::uint8_t id : {0xB1, 0xB2}) {
+    for (const std::uint8_t id : {std::uint8_t{0xB1}, std::uint8_t{0xB2}}) {
         EXPECT_TRUE(tunnel.takes(view(frame(fc, radio, id))));
         EXPECT_TRUE(tunnel.takes(view(frame(fc, 199, id))));
         EXPECT_TRUE(tunnel.takes(view(frame(fc, everybody, id))));
@@ -441,7 +441,7 @@ TEST_F(Wrapping, and_all_else_allocates_nothing) {
     for (int i = 0; i < 100; ++i) {
         (void)tunnel.out(view(out), all);
         (void)tunnel.in(view(from_outside), sender.address, count);
-        (void)tunnel.begin_wrap(0, 40, sender);
+        (void)tunnel.begin_wrap(0, 30, sender);
         tunnel.add_to_wrap(view(euler), count);
         tunnel.add_to_wrap(view(command), count);
         tunnel.end_wrap(count);
