@@ -44,6 +44,7 @@ struct TunnelCounters {
     std::uint64_t wrapped{};      // tunnel frames made for devices
     std::uint64_t tunnel_malformed{};
     std::uint64_t tunnel_bad_inner{};
+    std::uint64_t tunnel_nested{};
     std::uint64_t tunnel_not_allowed{};
     std::uint64_t tunnel_own_port{};
     std::uint64_t tunnel_other_ip{};
@@ -96,6 +97,7 @@ inline constexpr CounterRow<TunnelCounters> tunnel_counters[] = {
     {"wrapped", &TunnelCounters::wrapped, "tunnel frames made for devices"},
     {"tunnel_malformed", &TunnelCounters::tunnel_malformed, "tunnel frames too short for their addresses"},
     {"tunnel_bad_inner", &TunnelCounters::tunnel_bad_inner, "tunnel frames with bytes that are no whole good frame"},
+    {"tunnel_nested", &TunnelCounters::tunnel_nested, "tunnel frames out of a tunnel frame that were to leave by the tunnel again"},
     {"tunnel_not_allowed", &TunnelCounters::tunnel_not_allowed, "destinations and senders outside allow"},
     {"tunnel_own_port", &TunnelCounters::tunnel_own_port, "datagrams for a port, or from the port, of the gateway itself"},
     {"tunnel_other_ip", &TunnelCounters::tunnel_other_ip, "tunnel frames from the network for another ip: no relay"},

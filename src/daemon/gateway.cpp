@@ -116,11 +116,20 @@ void Gateway::close_channel(Channel& channel) {
 void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
-    const Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route.channels);
     for (const ChannelId to : route.channels) offer(to, frame);
     for (const LinkId to : route.absent) miss(to);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
     if (route.new_conflict) log_conflict();
+}
+
+// A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
+void Gateway::keep_from_tunnel(ChannelSet& channels) {
+    const ChannelSet kept = channels & state(*tunnel_).channels;
+    if (kept.empty()) return;
+    channels -= kept;
+    tunnel_->refuse_nested();
 }
 
 bool Gateway::admit(Channel& from, ano::FrameView) {

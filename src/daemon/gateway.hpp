@@ -65,6 +65,7 @@ private:
     LinkState& state(const Link& link) { return links_[index(link.id())]; }
     LinkId link_named(const std::string& name) const;
     void add_tunnel(const TunnelSettings& settings);
+    void keep_from_tunnel(ChannelSet& channels);
     void offer(ChannelId to, ano::FrameView frame);
     void miss(LinkId to);
     void log_conflict();

@@ -40,6 +40,8 @@ public:
     bool takes(ano::FrameView frame) const noexcept { return tunnel_.takes(frame); }
     /// A tunnel frame of a device, of those that it takes: what is inside leaves as one datagram.
     void carry(Channel& from, ano::FrameView frame);
+    /// A tunnel frame out of a tunnel frame was to leave by us again.
+    void refuse_nested() noexcept { tunnel_.refuse(&TunnelCounters::tunnel_nested); }
 
     const TunnelCounters& counters() const noexcept { return tunnel_.counters(); }
     LinkFacts facts() const override;
