@@ -50,6 +50,9 @@ TEST(TunnelPolicy, a_wide_network_lists_ordinary_hosts_only) {
     EXPECT_TRUE(policy({"0.0.0.0/0"}).allows(ip("8.8.8.8")));
     EXPECT_FALSE(policy({"192.168.0.0/24"}).allows(ip("192.168.0.255"))) << "broadcast";
     EXPECT_FALSE(policy({"192.168.0.0/24"}).allows(ip("192.168.0.5"))) << "ourselves";
+    EXPECT_FALSE(policy({"192.168.0.255/24"}).allows(ip("192.168.0.255"))) << "the network by another of its names";
+    EXPECT_FALSE(policy({"127.0.0.1/1"}).allows(ip("127.0.0.1")));
+    EXPECT_FALSE(policy({"224.0.0.0/3"}).allows(ip("224.0.0.1")));
 }
 
 TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
