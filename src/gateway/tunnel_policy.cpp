@@ -27,9 +27,8 @@ bool TunnelPolicy::is_own(const IpAddress& address) const noexcept {
 }
 
 bool TunnelPolicy::lists(const IpAddress& address, const Network& within) const noexcept {
-    return std::any_of(allow_.begin(), allow_.end(), [&](const Network& n) {
-        return n.contains(address) && n.prefix >= within.prefix && within.contains(n.address);
-    });
+    return std::any_of(allow_.begin(), allow_.end(),
+                       [&](const Network& n) { return n.contains(address) && n.prefix >= within.prefix; });
 }
 
 }  // namespace anogate
