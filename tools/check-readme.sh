@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 names() {
-    sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp
+    sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\|Tunnel\)Counters.*/\1/p' include/gateway/counters.hpp
     sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p' src/link/kinds.cpp
     grep -oE '"[^"]{20,}"' src/gateway/hints.cpp | tr -d '"'
 }

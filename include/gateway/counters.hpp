@@ -36,6 +36,25 @@ struct SendCounters {
     std::uint64_t offered{};        // every frame that was to leave by this channel
 };
 
+/// What the tunnel did, and what it refused for which cause.
+struct TunnelCounters {
+    std::uint64_t out{};          // datagrams that left for tunnel frames of devices
+    std::uint64_t in{};           // datagrams from the network of which something was taken
+    std::uint64_t unwrapped{};    // tunnel frames from the network that were opened
+    std::uint64_t wrapped{};      // tunnel frames made for devices
+    std::uint64_t tunnel_malformed{};
+    std::uint64_t tunnel_bad_inner{};
+    std::uint64_t tunnel_nested{};
+    std::uint64_t tunnel_not_allowed{};
+    std::uint64_t tunnel_own_port{};
+    std::uint64_t tunnel_other_ip{};
+    std::uint64_t tunnel_other_network{};
+    std::uint64_t tunnel_too_big{};
+    std::uint64_t tunnel_no_way{};
+    std::uint64_t tunnel_down{};
+    std::uint64_t tunnel_send_failed{};
+};
+
 template <class Counters>
 struct CounterRow {
     std::string_view name;
@@ -69,6 +88,24 @@ inline constexpr CounterRow<SendCounters> send_counters[] = {
     {"link_down", &SendCounters::link_down, "not sent, the link was down"},
     {"too_big", &SendCounters::too_big, "not sent, more DATA than the link carries"},
     {"send_failed", &SendCounters::send_failed, "not sent, refused by the system"},
+};
+
+inline constexpr CounterRow<TunnelCounters> tunnel_counters[] = {
+    {"out", &TunnelCounters::out, "datagrams sent for tunnel frames of devices"},
+    {"in", &TunnelCounters::in, "datagrams at the tunnel port that brought something"},
+    {"unwrapped", &TunnelCounters::unwrapped, "tunnel frames from the network that were opened"},
+    {"wrapped", &TunnelCounters::wrapped, "tunnel frames made for devices"},
+    {"tunnel_malformed", &TunnelCounters::tunnel_malformed, "tunnel frames too short for their addresses"},
+    {"tunnel_bad_inner", &TunnelCounters::tunnel_bad_inner, "tunnel frames with bytes that are no whole good frame"},
+    {"tunnel_nested", &TunnelCounters::tunnel_nested, "tunnel frames out of a tunnel frame that were to leave by the tunnel again"},
+    {"tunnel_not_allowed", &TunnelCounters::tunnel_not_allowed, "destinations and senders outside allow"},
+    {"tunnel_own_port", &TunnelCounters::tunnel_own_port, "datagrams for a port, or from the port, of the gateway itself"},
+    {"tunnel_other_ip", &TunnelCounters::tunnel_other_ip, "tunnel frames from the network for another ip: no relay"},
+    {"tunnel_other_network", &TunnelCounters::tunnel_other_network, "frames whose sender 0xB2 can't name"},
+    {"tunnel_too_big", &TunnelCounters::tunnel_too_big, "more than a datagram, or a device's max_data, can hold"},
+    {"tunnel_no_way", &TunnelCounters::tunnel_no_way, "no address of ours to name: no way leads there"},
+    {"tunnel_down", &TunnelCounters::tunnel_down, "datagrams not sent, the tunnel port was not open"},
+    {"tunnel_send_failed", &TunnelCounters::tunnel_send_failed, "datagrams not sent, refused by the system"},
 };
 
 /// Adds every counter of `b` to `a`; `offered` too.

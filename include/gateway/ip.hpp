@@ -52,6 +52,9 @@ struct Network {
     friend bool operator==(const Network&, const Network&) = default;
 };
 
+/// IPv4: 255.255.255.255, or the first or last address of one of `networks`, which stand for every host there.
+bool is_broadcast(const IpAddress& address, const std::vector<Network>& networks) noexcept;
+
 bool contains(const std::vector<Network>& networks, const IpAddress& address) noexcept;
 
 }  // namespace anogate

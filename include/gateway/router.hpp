@@ -73,6 +73,9 @@ public:
     /// Learns `source` as behind `from` and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
 
+    /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
+    void learn(ChannelId from, std::uint8_t source, TimePoint now);
+
     struct Learned {
         LinkSet links;
         TimePoint last{};
@@ -90,7 +93,6 @@ public:
     std::uint64_t own_frames() const { return own_frames_; }
 
 private:
-    void learn(ChannelId from, std::uint8_t source, TimePoint now);
     void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
     ChannelSet heard_from(std::uint8_t address, TimePoint now);
     ChannelSet channels_of(LinkSet links) const;

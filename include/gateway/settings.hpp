@@ -92,6 +92,34 @@ struct GatewaySettings {
     bool operator==(const GatewaySettings&) const = default;
 };
 
+/// What a device is given when plain frames come in from `from`: a tunnel frame.
+struct WrapSettings {
+    Network from;
+    std::string link;
+    std::uint8_t id = 0xB1;        // 0xB1, or 0xB2, the short one
+    std::uint8_t source = 0xE6;    // S_ADDR of the tunnel frame
+    std::uint8_t to = 0xFF;        // and its D_ADDR
+    bool operator==(const WrapSettings&) const = default;
+};
+
+/// What leaves for a tunnel frame of a device.
+enum class Deliver : std::uint8_t {
+    frames,    // the frames inside it
+    tunnel,    // the tunnel frame, with our ip as its source
+};
+
+struct TunnelSettings {
+    std::vector<std::string> links;    // whose tunnel frames are carried
+    std::uint8_t address = 0xE6;       // tunnel frames to it, to the gateway's id and to 0xFF are for us
+    IpAddress bind;                    // IPv4: the tunnel frame has no room for more
+    std::uint16_t port = 12333;        // ours, and what port 0 in a tunnel frame means; 0: the kernel chooses
+    std::optional<IpAddress> ip;       // our address as others know it; nothing: as the system has it
+    Deliver deliver = Deliver::frames;
+    std::vector<WrapSettings> wrap;    // the first that matches counts
+    std::vector<Network> allow;        // empty: the networks of our interfaces
+    bool operator==(const TunnelSettings&) const = default;
+};
+
 struct ControlSettings {
     std::string socket;    // empty: the default for this user; "none": no control interface
     bool operator==(const ControlSettings&) const = default;
@@ -108,6 +136,7 @@ struct Settings {
     GatewaySettings gateway;
     std::vector<LinkSettings> links;
     std::vector<RouteSettings> routes;
+    std::optional<TunnelSettings> tunnel;
     ControlSettings control;
     LogSettings log;
     bool operator==(const Settings&) const = default;

@@ -26,6 +26,7 @@ struct Draft {
     Settings settings;
     std::vector<Origin> links, routes;    // where settings.links and settings.routes were said, one by one
     Origin unknown;                       // where settings.gateway.unknown was said
+    Origin tunnel;                        // where settings.tunnel was said
     ConfigErrors errors;
     bool broken_links = false;    // not every link is known: what names one can't be judged
 

@@ -33,6 +33,9 @@ Json type_of(const KeyFacts& key) {
             return {{"anyOf", {Json{{"enum", choices_of(key)}}, Json{{"type", "string"}, {"minLength", key.least}}}}};
         case Form::text: return {{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}};
         case Form::endpoint: return text("^.+:[0-9]+$");
+        case Form::network:
+        case Form::ip: return {{"type", "string"}};
+        case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
         case Form::networks:
             return {
                 {"anyOf",
@@ -63,6 +66,12 @@ Json object_of(Keys<Section> keys) {
     return add_keys(object, keys);
 }
 
+Json tunnel() {
+    Json object = object_of(tunnel_keys());
+    object["properties"]["wrap"] = {{"type", "array"}, {"items", object_of(wrap_keys())}};
+    return object;
+}
+
 Json link_of(const LinkKind& kind) {
     Json object = closed_object();
     object["description"] = kind.help;
@@ -81,6 +90,7 @@ std::string config_schema() {
     schema["properties"] = {{"gateway", object_of(gateway_keys())},
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
+                            {"tunnel", tunnel()},
                             {"control", object_of(control_keys())},
                             {"log", object_of(log_keys())}};
     Json document{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "anogate configuration"}};

@@ -77,6 +77,7 @@ public:
         gateway();
         for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i)
             route(draft_.settings.routes[i], draft_.routes[i]);
+        if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
     }
 
 private:
@@ -152,7 +153,20 @@ private:
                           " is the port id of " + who(i) + ", frames to it go there");
     }
 
-    void must_exist(const std::string& name, const Origin& origin, std::string_view key, std::string_view others) {
+    void tunnel(const TunnelSettings& tunnel) {
+        for (std::size_t i = 0; i < tunnel.links.size(); ++i)
+            must_exist(tunnel.links[i], draft_.tunnel, "links/" + std::to_string(i), "", false);
+        for (std::size_t i = 0; i < tunnel.wrap.size(); ++i)
+            if (!tunnel.wrap[i].link.empty())
+                must_exist(tunnel.wrap[i].link, draft_.tunnel, "wrap/" + std::to_string(i) + "/link", "", false);
+        for (std::size_t i = 0; i < links_.size(); ++i)
+            if (collide(local_endpoint(links_[i]), {tunnel.bind, tunnel.port}))
+                error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
+    }
+
+    void must_exist(const std::string& name, const Origin& origin, std::string_view key, std::string_view others,
+                    bool or_tunnel = true) {
+        if (or_tunnel && draft_.settings.tunnel && name == "tunnel") return;
         std::vector<std::string_view> names;
         std::string listed;
         for (const LinkSettings& link : links_) {
@@ -185,10 +199,11 @@ void Draft::add(RouteSettings route, Origin origin) {
 
 void finish(Draft& draft) {
     std::vector<LinkSettings>& links = draft.settings.links;
-    if (links.size() > most_links) {
-        const Origin& first_above = draft.links[most_links];
+    const std::size_t most = most_links - (draft.settings.tunnel ? 1 : 0);    // the tunnel is a link too
+    if (links.size() > most) {
+        const Origin& first_above = draft.links[most];
         draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links, at most " +
-                                                       std::to_string(most_links) + " are possible"});
+                                                       std::to_string(most) + " are possible"});
         return;
     }
     name_links(links);

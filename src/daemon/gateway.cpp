@@ -19,7 +19,7 @@ std::uint32_t line_rate(const LinkSettings& s) {
 }
 
 ano::FrameParser::Options parser_options(const LinkSettings& s) {
-    const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
+    const bool datagrams = s.kind == "udp" || s.kind == "udp-listen" || s.kind == "tunnel";
     return {s.max_data, line_rate(s), datagrams ? datagram_quiet : stream_quiet};
 }
 
@@ -43,11 +43,25 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
         const LinkId id = router_.add_link({link.id, link.flood, link.broadcast});
         links_.emplace_back().link = make_link(id, link, {io_, alarms_, *this, batch_});
     }
+    if (settings_.tunnel) add_tunnel(*settings_.tunnel);
     for (const RouteSettings& route : settings_.routes) router_.pin(route.first, route.last, link_named(route.link));
     if (settings_.gateway.unknown == Unknown::link) router_.set_unknown_link(link_named(settings_.gateway.unknown_link));
 }
 
 Gateway::~Gateway() = default;
+
+void Gateway::add_tunnel(const TunnelSettings& settings) {
+    std::vector<TunnelLink::Target> wrap_to;
+    for (const WrapSettings& rule : settings.wrap) {
+        const LinkId to = link_named(rule.link);
+        wrap_to.push_back({to, links_[index(to)].link->settings().max_data});
+    }
+    for (const std::string& name : settings.links) tunnelled_.insert(link_named(name));
+    const LinkId id = router_.add_link({});
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to), LinkContext{io_, alarms_, *this, batch_}, *this);
+    tunnel_ = tunnel.get();
+    links_.emplace_back().link = std::move(tunnel);
+}
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
     on_required_missing_ = std::move(on_required_missing);
@@ -100,18 +114,55 @@ void Gateway::close_channel(Channel& channel) {
 }
 
 void Gateway::receive(Channel& from, ano::FrameView frame) {
-    from.heard_at = now_;
-    const Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
-    for (const ChannelId to : route.channels) {
-        channels_[index(to)]->outbox.push(frame);
-        to_flush_.insert(to);
-    }
-    for (const LinkId link : route.absent) {
-        ++links_[index(link)].gone_sent.offered;
-        ++links_[index(link)].gone_sent.link_down;
-    }
+    if (!admit(from, frame)) return;
+    if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
+    Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route.channels);
+    for (const ChannelId to : route.channels) offer(to, frame);
+    for (const LinkId to : route.absent) miss(to);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
     if (route.new_conflict) log_conflict();
+}
+
+// A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
+void Gateway::keep_from_tunnel(ChannelSet& channels) {
+    const ChannelSet kept = channels & state(*tunnel_).channels;
+    if (kept.empty()) return;
+    channels -= kept;
+    tunnel_->refuse_nested();
+}
+
+bool Gateway::admit(Channel& from, ano::FrameView) {
+    from.heard_at = now_;
+    return true;
+}
+
+bool Gateway::may_leave(LinkId, ano::FrameView) { return true; }
+
+void Gateway::learn(Channel& from, ano::FrameView frame) {
+    router_.learn(from.id, frame.source(), now_);
+    log_conflict();
+}
+
+void Gateway::send(LinkId to, ano::FrameView frame) {
+    if (links_[index(to)].channels.empty()) miss(to);
+    for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame);
+}
+
+void Gateway::offer(ChannelId to, ano::FrameView frame) {
+    channels_[index(to)]->outbox.push(frame);
+    to_flush_.insert(to);
+}
+
+// A frame for a link that has no channel now.
+void Gateway::miss(LinkId to) {
+    ++links_[index(to)].gone_sent.offered;
+    ++links_[index(to)].gone_sent.link_down;
+}
+
+bool Gateway::is_own_port(std::uint16_t port) const {
+    return port != 0 && std::any_of(links_.begin(), links_.end(),
+                                    [port](const LinkState& s) { return s.link->local_port() == port; });
 }
 
 // A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.

@@ -3,6 +3,7 @@
 #include <gateway/router.hpp>
 #include <gateway/settings.hpp>
 #include <link/link_context.hpp>
+#include <link/tunnel_link.hpp>
 
 #include <array>
 #include <functional>
@@ -25,7 +26,7 @@ struct LinkState {
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
-class Gateway final : public LinkHost {
+class Gateway final : public LinkHost, public TunnelHost {
 public:
     /// `settings` must have been checked: names are unique, routes name links.
     Gateway(asio::io_context& io, Settings settings);
@@ -46,15 +47,27 @@ public:
     void link_down(Link& link, std::string why) override;
     TimePoint now() override { return now_ = Clock::now(); }
 
+    bool admit(Channel& from, ano::FrameView frame) override;
+    bool may_leave(LinkId to, ano::FrameView frame) override;
+    void learn(Channel& from, ano::FrameView frame) override;
+    void send(LinkId to, ano::FrameView frame) override;
+    bool is_own_port(std::uint16_t port) const override;
+
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
     const std::vector<LinkState>& links() const noexcept { return links_; }
+    /// Nothing when there is no tunnel.
+    const TunnelLink* tunnel() const noexcept { return tunnel_; }
     const Channel& channel(ChannelId id) const { return *channels_[index(id)]; }
     TimePoint started_at() const noexcept { return started_at_; }
 
 private:
     LinkState& state(const Link& link) { return links_[index(link.id())]; }
     LinkId link_named(const std::string& name) const;
+    void add_tunnel(const TunnelSettings& settings);
+    void keep_from_tunnel(ChannelSet& channels);
+    void offer(ChannelId to, ano::FrameView frame);
+    void miss(LinkId to);
     void log_conflict();
     bool nothing_waits() const;
     void finish_stop();
@@ -68,6 +81,8 @@ private:
     ChannelSet used_;
     ChannelSet to_flush_;
     std::vector<LinkState> links_;    // behind everything that a link refers to
+    TunnelLink* tunnel_ = nullptr;    // one of links_
+    LinkSet tunnelled_;               // whose tunnel frames it takes
     TimePoint now_{};
     TimePoint started_at_{};
     Alarm required_check_;

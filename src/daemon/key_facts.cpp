@@ -48,6 +48,9 @@ std::string expected(const KeyFacts& key) {
         case Form::text: return "text of " + least + " to " + most + " bytes";
         case Form::endpoint: return "an IP address and a port such as 127.0.0.1:12333 or [::1]:12333";
         case Form::networks: return "any, or networks such as 192.168.0.0/24";
+        case Form::network: return "an IPv4 network such as 192.168.0.0/24";
+        case Form::ip: return "an IPv4 address such as 192.168.0.5" + (key.choices.empty() ? "" : " or " + std::string{key.choices});
+        case Form::names: return "a list of names of links such as [\"fc\"]";
     }
     return {};
 }
@@ -70,6 +73,9 @@ std::string placeholder(const KeyFacts& key) {
         case Form::text: return "TEXT";
         case Form::endpoint: return "IP:PORT";
         case Form::networks: return "CIDR[+CIDR...]|any";
+        case Form::network: return "CIDR";
+        case Form::ip: return key.choices.empty() ? "IP" : "IP|" + std::string{key.choices};
+        case Form::names: return "[LINK...]";
     }
     return {};
 }

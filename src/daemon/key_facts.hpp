@@ -22,6 +22,9 @@ enum class Form : std::uint8_t {
     text,
     endpoint,
     networks,
+    network,    // one of them
+    ip,         // an IPv4 address, or one of the choices
+    names,      // of links; as text, one a line
 };
 
 struct KeyFacts {

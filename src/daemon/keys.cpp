@@ -128,6 +128,91 @@ std::string read_addresses(const KeyFacts& key, std::string_view text, RouteSett
     return {};
 }
 
+std::optional<std::string> write_tunnel_links(const KeyFacts&, const TunnelSettings& tunnel) {
+    std::string text;
+    for (const std::string& name : tunnel.links) text += (text.empty() ? "" : "\n") + name;
+    return text;
+}
+
+std::string read_tunnel_links(const KeyFacts& key, std::string_view text, TunnelSettings& tunnel) {
+    std::vector<std::string> links;
+    for (const std::string_view name : text.empty() ? std::vector<std::string_view>{} : split(text, '\n')) {
+        if (std::string error = read_text(key, name, links.emplace_back()); !error.empty()) return error;
+    }
+    tunnel.links = std::move(links);
+    return {};
+}
+
+std::optional<IpAddress> parse_v4(std::string_view text) {
+    const auto address = IpAddress::parse(text);
+    return address && !address->v6 ? address : std::nullopt;
+}
+
+std::optional<Network> parse_v4_network(std::string_view text) {
+    const auto network = Network::parse(text);
+    return network && !network->address.v6 ? network : std::nullopt;
+}
+
+std::optional<std::string> write_bind(const KeyFacts&, const TunnelSettings& tunnel) { return tunnel.bind.text(); }
+
+std::string read_bind(const KeyFacts& key, std::string_view text, TunnelSettings& tunnel) {
+    const auto address = parse_v4(text);
+    if (!address) return must_be(key, in_quotes(text));
+    tunnel.bind = *address;
+    return {};
+}
+
+std::optional<std::string> write_ip(const KeyFacts&, const TunnelSettings& tunnel) {
+    return tunnel.ip ? tunnel.ip->text() : "auto";
+}
+
+std::string read_ip(const KeyFacts& key, std::string_view text, TunnelSettings& tunnel) {
+    const auto address = parse_v4(text);
+    if (text != "auto" && (!address || address->is_any())) return must_be(key, in_quotes(text));
+    tunnel.ip = address;
+    return {};
+}
+
+std::optional<std::string> write_tunnel_allow(const KeyFacts&, const TunnelSettings& tunnel) {
+    if (tunnel.allow.empty()) return std::nullopt;
+    std::string text;
+    for (const Network& network : tunnel.allow) text += (text.empty() ? "" : "+") + network.text();
+    return text;
+}
+
+std::string read_tunnel_allow(const KeyFacts& key, std::string_view text, TunnelSettings& tunnel) {
+    std::vector<Network> networks;
+    for (const std::string_view word : split(text == "any" ? "0.0.0.0/0" : text, '+')) {
+        const auto network = parse_v4_network(word);
+        if (!network) return must_be(key, in_quotes(word));
+        networks.push_back(*network);
+    }
+    tunnel.allow = std::move(networks);
+    return {};
+}
+
+std::optional<std::string> write_from(const KeyFacts&, const WrapSettings& rule) { return rule.from.text(); }
+
+std::string read_from(const KeyFacts& key, std::string_view text, WrapSettings& rule) {
+    const auto network = parse_v4_network(text);
+    if (!network) return must_be(key, in_quotes(text));
+    rule.from = *network;
+    return {};
+}
+
+constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices name the ids from here on
+
+std::optional<std::string> write_as(const KeyFacts& key, const WrapSettings& rule) {
+    return std::string{split(key.choices, '|')[static_cast<std::size_t>(rule.id - first_tunnel_id)]};
+}
+
+std::string read_as(const KeyFacts& key, std::string_view text, WrapSettings& rule) {
+    std::size_t chosen = 0;
+    if (std::string error = read_choice(key, text, chosen); !error.empty()) return error;
+    rule.id = static_cast<std::uint8_t>(first_tunnel_id + chosen);
+    return {};
+}
+
 // The table.
 
 using G = GatewaySettings;
@@ -219,6 +304,54 @@ constexpr Key<R> route_rows[] = {
     text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
+using T = TunnelSettings;
+using W = WrapSettings;
+
+constexpr Key<T> tunnel_rows[] = {
+    Key<T>{{.name = "links",
+            .form = Form::names,
+            .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
+            .least = 1,
+            .most = longest_name},
+           write_tunnel_links,
+           read_tunnel_links},
+    address<&T::address>("address", first_id, last_id,
+                         "tunnel frames to this address, to the gateway's id and to 0xFF are carried"),
+    Key<T>{{.name = "bind", .form = Form::ip, .help = "the local address of the tunnel port"}, write_bind, read_bind},
+    integer<&T::port>("port", 0, 65535, "the tunnel port, and what port 0 in a tunnel frame means"),
+    Key<T>{{.name = "ip",
+            .form = Form::ip,
+            .help = "our address as others know it, or auto: the one the system uses towards them",
+            .choices = "auto"},
+           write_ip,
+           read_ip},
+    choice<&T::deliver>("deliver", "frames|tunnel",
+                        "what leaves: the frames inside, or the tunnel frame with our address as its source"),
+    Key<T>{{.name = "allow",
+            .form = Form::networks,
+            .help = "networks that may be sent to and may send (default: the networks of our interfaces, not loopback)"},
+           write_tunnel_allow,
+           read_tunnel_allow},
+};
+
+constexpr Key<W> wrap_rows[] = {
+    Key<W>{{.name = "from",
+            .form = Form::network,
+            .help = "what comes from this network is wrapped into a tunnel frame",
+            .required = true},
+           write_from,
+           read_from},
+    text<&W::link>("link", 1, longest_name, "the name of the link that gets it") | as("LINK") | needed,
+    Key<W>{{.name = "as",
+            .form = Form::choice,
+            .help = "the kind of tunnel frame, 0xB1 or 0xB2",
+            .choices = "ip_tunnel|ip_tunnel_short"},
+           write_as,
+           read_as},
+    address<&W::source>("source", first_id, last_id, "the tunnel frame's source"),
+    address<&W::to>("to", first_id, 255, "the tunnel frame's destination"),
+};
+
 constexpr Key<ControlSettings> control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, longest_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
@@ -242,6 +375,12 @@ Keys<LinkSettings> link_keys() noexcept {
 }
 Keys<RouteSettings> route_keys() noexcept {
     return route_rows;
+}
+Keys<TunnelSettings> tunnel_keys() noexcept {
+    return tunnel_rows;
+}
+Keys<WrapSettings> wrap_keys() noexcept {
+    return wrap_rows;
 }
 Keys<ControlSettings> control_keys() noexcept {
     return control_rows;

@@ -28,6 +28,9 @@ using Keys = std::span<const Key<Section>>;
 Keys<GatewaySettings> gateway_keys() noexcept;
 Keys<LinkSettings> link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
+/// But for "wrap", a list of objects with the wrap_keys().
+Keys<TunnelSettings> tunnel_keys() noexcept;
+Keys<WrapSettings> wrap_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 

@@ -25,6 +25,14 @@ Json json_of(const std::string& text, Form form) {
             for (const std::string_view network : split(text, '+')) list.push_back(network);
             return list;
         }
+        case Form::names: {
+            Json list = Json::array();
+            if (!text.empty())
+                for (const std::string_view name : split(text, '\n')) list.push_back(name);
+            return list;
+        }
+        case Form::network:
+        case Form::ip:
         case Form::addresses:
         case Form::duration:
         case Form::size:
@@ -56,6 +64,13 @@ Json object_of(const LinkSettings& link) {
     return object;
 }
 
+Json object_of(const TunnelSettings& tunnel) {
+    Json object = object_of(tunnel, tunnel_keys());
+    object["wrap"] = Json::array();
+    for (const WrapSettings& rule : tunnel.wrap) object["wrap"].push_back(object_of(rule, wrap_keys()));
+    return object;
+}
+
 }  // namespace
 
 std::string print_config(const Settings& settings) {
@@ -63,11 +78,12 @@ std::string print_config(const Settings& settings) {
     for (const LinkSettings& link : settings.links) links.push_back(object_of(link));
     Json routes = Json::array();
     for (const RouteSettings& route : settings.routes) routes.push_back(object_of(route, route_keys()));
-    const Json document{{"gateway", object_of(settings.gateway, gateway_keys())},
-                        {"links", links},
-                        {"routes", routes},
-                        {"control", object_of(settings.control, control_keys())},
-                        {"log", object_of(settings.log, log_keys())}};
+    Json document{{"gateway", object_of(settings.gateway, gateway_keys())},
+                  {"links", links},
+                  {"routes", routes}};
+    if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
+    document["control"] = object_of(settings.control, control_keys());
+    document["log"] = object_of(settings.log, log_keys());
     return document.dump(2) + "\n";
 }
 

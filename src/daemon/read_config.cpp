@@ -34,6 +34,18 @@ std::optional<std::string> networks_text(const json& value) {
     return text;
 }
 
+/// One name a line. A name with a line break is no link's name: left in, it is refused as such.
+std::optional<std::string> names_text(const json& value) {
+    if (!value.is_array()) return std::nullopt;
+    std::string text;
+    for (const json& entry : value) {
+        if (!entry.is_string() || entry == "" || entry.get_ref<const std::string&>().find('\n') != std::string::npos)
+            return std::nullopt;
+        text += (text.empty() ? "" : "\n") + entry.get<std::string>();
+    }
+    return text;
+}
+
 /// The value as it stands in a LINK text; nothing when it is not of the key's JSON type.
 std::optional<std::string> text_of(const json& value, Form form) {
     const auto digits = [&] { return value.is_number_integer() ? std::optional{value.dump()} : std::nullopt; };
@@ -45,6 +57,9 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::addresses:
         case Form::size: return value.is_string() ? text() : digits();
         case Form::networks: return networks_text(value);
+        case Form::names: return names_text(value);
+        case Form::network:
+        case Form::ip:
         case Form::duration:
         case Form::choice:
         case Form::choice_or_link:
@@ -62,9 +77,9 @@ bool is_object(const json& value, const std::string& where, ConfigErrors& errors
 /// Every key of `object` into `section`; the kind of a link is known already.
 template <class Section>
 void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
-               std::string_view kind = {}) {
+               std::string_view kind = {}, std::string_view but = {}) {
     for (const auto& [name, value] : object.items()) {
-        if (!kind.empty() && name == "kind") continue;
+        if ((!kind.empty() && name == "kind") || name == but) continue;
         const auto where = origin.where + pointer_step(name);
         const Key<Section>* key = find_key(keys, name, kind);
         if (key == nullptr) {
@@ -86,7 +101,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "tunnel", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
             if (name == "gateway")
@@ -95,6 +110,8 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { link(entry, where); });
             else if (name == "routes")
                 each(value, pointer, [&](const json& entry, const std::string& where) { route(entry, where); });
+            else if (name == "tunnel")
+                tunnel(value, pointer);
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control);
             else if (name == "log")
@@ -151,6 +168,17 @@ private:
         RouteSettings route;
         section(value, pointer, route_keys(), route);
         if (draft_.errors.size() == before) draft_.add(std::move(route), {pointer, true});
+    }
+
+    void tunnel(const json& value, const std::string& pointer) {
+        draft_.tunnel = {pointer, true};
+        TunnelSettings& tunnel = draft_.settings.tunnel.emplace();
+        if (!is_object(value, pointer, draft_.errors)) return;
+        read_keys(value, {pointer, true}, tunnel_keys(), tunnel, draft_.errors, {}, "wrap");
+        if (!value.contains("wrap")) return;
+        each(value["wrap"], pointer + "/wrap", [&](const json& entry, const std::string& where) {
+            section(entry, where, wrap_keys(), tunnel.wrap.emplace_back());
+        });
     }
 
     std::string file_;

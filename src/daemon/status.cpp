@@ -36,7 +36,7 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     LinkFigures& f = t.figures;
     f.kind = state.link->settings().kind;
     f.up = state.up;
-    f.listens = f.kind == "udp-listen";
+    f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
     f.channels = state.channels.size();
     f.up_for = now - state.since;
     f.received = state.gone_received;
@@ -136,6 +136,13 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
+Json tunnel_json(const Gateway& gateway) {
+    Json json = Json::object();
+    if (const TunnelLink* tunnel = gateway.tunnel())
+        for (const auto& row : tunnel_counters) json[std::string{row.name}] = tunnel->counters().*row.value;
+    return json;
+}
+
 Json links_json(const Gateway& gateway, TimePoint now) {
     Json json = Json::array();
     for (const LinkState& state : gateway.links()) json.push_back(link_json(gateway, state, now));
@@ -154,7 +161,7 @@ std::string status_json(Gateway& gateway) {
     json["links"] = links_json(gateway, now);
     json["routes"] = routes_json(gateway, now);
     json["conflicts"] = conflicts_json(gateway, now);
-    json["tunnel"] = Json::object();
+    json["tunnel"] = tunnel_json(gateway);
     return dump(json);
 }
 

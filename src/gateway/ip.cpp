@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::array<std::uint8_t, 12> mapped_prefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
 
+std::uint32_t value_of(const IpAddress& v4) noexcept {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | v4.bytes[i];
+    return value;
+}
+
 template <class Number>
 std::optional<Number> number(std::string_view text, Number most) {
     Number value{};
@@ -112,6 +118,16 @@ bool Network::contains(const IpAddress& other) const noexcept {
     if (rest == 0) return true;
     const auto mask = static_cast<std::uint8_t>(0xFF << (8 - rest));
     return (address.bytes[whole] & mask) == (other.bytes[whole] & mask);
+}
+
+bool is_broadcast(const IpAddress& address, const std::vector<Network>& networks) noexcept {
+    if (address.v6) return false;
+    if (address == IpAddress::v4(255, 255, 255, 255)) return true;
+    return std::any_of(networks.begin(), networks.end(), [&](const Network& n) {
+        if (n.prefix > 30 || !n.contains(address)) return false;
+        const std::uint32_t host = value_of(address) & (UINT32_MAX >> n.prefix);
+        return host == 0 || host == UINT32_MAX >> n.prefix;
+    });
 }
 
 bool contains(const std::vector<Network>& networks, const IpAddress& address) noexcept {

@@ -109,6 +109,21 @@ unsigned interface_of(const IpAddress& address) {
     return index;
 }
 
+// Connecting a UDP socket sends nothing: the system only chooses the way.
+std::optional<IpAddress> source_towards(const IpAddress& there) {
+    const IpAddress world = IpAddress::v4(192, 0, 2, 1);    // reserved for documentation: nobody's
+    const UniqueFd fd{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    if (!fd) return std::nullopt;
+    const int on = 1;
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+    const SocketAddress to = SocketAddress::of({there.is_any() ? world : there, 9}, false);
+    if (::connect(fd.get(), to.get(), to.size) == 0) return local_endpoint(fd.get()).address;
+    if (!there.is_any()) return std::nullopt;
+    for (const Network& network : own_networks())
+        if (!network.address.v6 && !network.address.is_loopback()) return network.address;
+    return std::nullopt;
+}
+
 OpenedSocket open_udp(const Endpoint& local, bool share_port) {
     const int family = local.address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
@@ -140,6 +155,11 @@ std::int64_t kernel_drops(int fd) noexcept {
     std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
     socklen_t size = sizeof info;
     return ::getsockopt(fd, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0 ? info[SK_MEMINFO_DROPS] : 0;
+}
+
+int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept {
+    const SocketAddress address = SocketAddress::of(to, v6_socket);
+    return ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT, address.get(), address.size) >= 0 ? 0 : errno;
 }
 
 SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept {

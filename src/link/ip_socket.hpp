@@ -6,6 +6,8 @@
 
 #include <sys/socket.h>
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,10 @@ std::vector<Network> own_networks();
 /// The index of the interface that has `address` now; 0 for none.
 unsigned interface_of(const IpAddress& address);
 
+/// The IPv4 address that the system would give as the source of a datagram to `there`, or when that is 0.0.0.0, to the world:
+/// by the default route, else of the first interface that has one. Nothing when no way leads there.
+std::optional<IpAddress> source_towards(const IpAddress& there);
+
 struct OpenedSocket {
     UniqueFd fd;
     std::string error;
@@ -44,6 +50,9 @@ enum class SendResult {
     no_memory,    // go on a little later: the system says so without saying when
     broken,       // the socket is of no use any more; errno says why
 };
+/// Sends one datagram; 0, or what errno says.
+int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept;
+
 struct SendReport {
     SendResult result = SendResult::done;
     int error = 0;                // the last errno; 0: none

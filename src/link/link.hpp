@@ -69,6 +69,8 @@ public:
     virtual void flush(Channel& channel) = 0;
     /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
     virtual std::size_t unsent() const { return 0; }
+    /// The UDP port it listens on; 0: none.
+    virtual std::uint16_t local_port() const { return 0; }
     virtual LinkFacts facts() const { return {}; }
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
     virtual std::string trouble() const { return {}; }

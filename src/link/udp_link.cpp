@@ -14,19 +14,6 @@ constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
 
-// An address that stands for every host of one of our networks.
-bool is_broadcast(const IpAddress& address) {
-    if (address.v6) return false;
-    if (address == IpAddress::v4(255, 255, 255, 255)) return true;
-    for (const Network& network : own_networks()) {
-        if (network.address.v6 || network.prefix > 30 || !network.contains(address)) continue;
-        bool ones = true;
-        for (unsigned bit = network.prefix; bit < 32; ++bit) ones &= (address.bytes[bit / 8] >> (7 - bit % 8) & 1) != 0;
-        if (ones) return true;
-    }
-    return false;
-}
-
 }  // namespace
 
 UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -77,7 +64,7 @@ OpenedSocket UdpLink::open_to_peer() {
     OpenedSocket opened = open_udp(local, multicast);
     if (!opened.fd) return opened;
     to_ = SocketAddress::of(peer, local.address.v6);
-    connected_ = !multicast && !is_broadcast(peer.address);
+    connected_ = !multicast && !is_broadcast(peer.address, own_networks());
     if (multicast) {
         if (std::string error = join_group(opened.fd.get(), interface); !error.empty()) return {{}, std::move(error)};
     } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {

@@ -15,6 +15,7 @@ public:
     void stop_reading() override;
     void stop() override;
     void flush(Channel& channel) override;
+    std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
     LinkFacts facts() const override;
     std::string trouble() const override;
 

@@ -41,16 +41,17 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
 UdpListenLink::~UdpListenLink() = default;
 
 void UdpListenLink::try_open() {
-    OpenedSocket opened = open_udp(settings().udp_listen.local, false);
+    OpenedSocket socket = open_udp(settings().udp_listen.local, false);
     const TimePoint now = context_.host.now();
-    if (!opened.fd) {
-        context_.host.link_down(*this, std::move(opened.error));
+    if (!socket.fd) {
+        context_.host.link_down(*this, std::move(socket.error));
         retry_.set(backoff_.retry_at(now));
         return;
     }
     backoff_.came_up(now);
-    local_ = local_endpoint(opened.fd.get());
-    descriptor_.open(std::move(opened.fd));
+    local_ = local_endpoint(socket.fd.get());
+    descriptor_.open(std::move(socket.fd));
+    opened(local_);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);
 }
@@ -95,7 +96,8 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     if (!peer) return;
     latest_ = peer;
     feed_datagram(peer->channel.parser, datagram, now,
-                  [&](ano::FrameView frame) { context_.host.receive(peer->channel, frame); });
+                  [&](ano::FrameView frame) { deliver(peer->channel, peer->endpoint, frame); });
+    delivered();
     if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
 }
 
@@ -108,12 +110,12 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
 // A stranger must be allowed, must say something in V8, and then takes the place of the one silent longest if need be.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram,
                                           TimePoint now) {
-    if (endpoint.port == 0 || !allowed(endpoint.address, now)) {
+    if (endpoint.port == 0 || !allowed(endpoint, now)) {
         ++stray_.denied_in;
         stray_.bytes_in += datagram.size();
         return nullptr;
     }
-    if (!holds_a_frame(datagram, now)) return nullptr;
+    if (!is_welcome(endpoint, datagram, now)) return nullptr;
     if (peers_.size() >= settings().udp_listen.max_peers) {
         forget(**std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) {
             return a->channel.heard_at < b->channel.heard_at;
@@ -132,7 +134,8 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     return peers_.back().get();
 }
 
-bool UdpListenLink::allowed(const IpAddress& address, TimePoint now) {
+bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
+    const IpAddress& address = sender.address;
     const UdpListenSettings& udp = settings().udp_listen;
     if (udp.allow_any || contains(allow_, address)) return true;
     if (!udp.allow.empty()) return false;
@@ -143,13 +146,19 @@ bool UdpListenLink::allowed(const IpAddress& address, TimePoint now) {
     return contains(allow_, address);
 }
 
-bool UdpListenLink::holds_a_frame(std::span<const std::uint8_t> datagram, TimePoint now) {
+bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
-    feed_datagram(probe_, datagram, now, [&](ano::FrameView) { found = true; });
+    std::uint64_t unwelcome = 0;
+    const auto look = [&](ano::FrameView frame) {
+        if (found || welcomes(sender, frame)) found = true;
+        else ++unwelcome;
+    };
+    feed_datagram(probe_, datagram, now, look);
     probe_.finish();
-    while (probe_.next()) found = true;
+    while (const auto frame = probe_.next()) look(*frame);
     if (found) return true;
+    stray_.denied_in += unwelcome;
     const ano::ParserCounters& after = probe_.counters();
     stray_.bytes_in += datagram.size();
     stray_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
@@ -180,7 +189,8 @@ void UdpListenLink::forget_silent_peers() {
 
 void UdpListenLink::expire(Peer& peer) {
     if (peer.channel.parser.expire(context_.host.now())) {
-        while (const auto frame = peer.channel.parser.next()) context_.host.receive(peer.channel, *frame);
+        while (const auto frame = peer.channel.parser.next()) deliver(peer.channel, peer.endpoint, *frame);
+        delivered();
         context_.host.flush();
     }
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);

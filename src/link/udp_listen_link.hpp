@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-class UdpListenLink final : public Link {
+class UdpListenLink : public Link {
 public:
     UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context);
     ~UdpListenLink() override;
@@ -18,6 +18,23 @@ public:
     LinkFacts facts() const override;
     std::string trouble() const override;
     Stray stray() const override { return {stray_, probe_.counters().v7_frames}; }
+    std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : settings().udp_listen.local.port; }
+
+protected:
+    /// The socket is bound.
+    virtual void opened(const Endpoint&) {}
+    /// Whether a stranger's datagrams are looked at.
+    virtual bool allowed(const Endpoint& sender, TimePoint now);
+    /// Whether a good frame in a stranger's datagram makes it a peer. Asked until one does; deliver() then gets them all.
+    virtual bool welcomes(const Endpoint&, ano::FrameView) { return true; }
+    /// A good frame of a peer.
+    virtual void deliver(Channel& channel, const Endpoint&, ano::FrameView frame) { context_.host.receive(channel, frame); }
+    /// All that a datagram brought has been delivered.
+    virtual void delivered() {}
+
+    const LinkContext& context() const noexcept { return context_; }
+    /// -1 while it is not open.
+    int socket() const noexcept { return descriptor_.fd(); }
 
 private:
     struct Peer;
@@ -28,8 +45,7 @@ private:
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
-    bool allowed(const IpAddress& address, TimePoint now);
-    bool holds_a_frame(std::span<const std::uint8_t> datagram, TimePoint now);
+    bool is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now);
     void forget(Peer& peer);
     void forget_silent_peers();
     void expire(Peer& peer);

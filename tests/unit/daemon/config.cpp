@@ -180,6 +180,51 @@ TEST(Config, the_file_is_named_before_the_pointer) {
     EXPECT_EQ(lines(parse_config("[]", "a.json").errors), "anogated: a.json: must be an object {...}, not a list\n");
 }
 
+// The tunnel.
+
+TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {
+    EXPECT_FALSE(settings_of("{}").tunnel);
+    EXPECT_EQ(settings_of(R"({"tunnel": {}})").tunnel, TunnelSettings{});
+    const TunnelSettings t;
+    EXPECT_EQ(t.address, 0xE6);
+    EXPECT_EQ(t.port, 12333);
+    EXPECT_TRUE(t.bind.is_any() && !t.ip && t.deliver == Deliver::frames);
+}
+
+TEST(Config, a_tunnel_is_read_as_it_is_written) {
+    const TunnelSettings t = *settings_of(R"({"links": ["serial:/dev/fc"], "tunnel": {"links": ["fc"], "address": "0xE7",
+        "bind": "192.168.0.5", "port": 5, "ip": "203.0.113.9", "deliver": "tunnel", "allow": ["192.168.0.0/24", "127.0.0.0/8"],
+        "wrap": [{"from": "192.168.0.0/24", "link": "fc", "as": "ip_tunnel_short", "source": 7, "to": "0xDC"}]}})").tunnel;
+    TunnelSettings expected;
+    expected.links = {"fc"};
+    expected.address = 0xE7;
+    expected.bind = *IpAddress::parse("192.168.0.5");
+    expected.port = 5;
+    expected.ip = IpAddress::parse("203.0.113.9");
+    expected.deliver = Deliver::tunnel;
+    expected.allow = {*Network::parse("192.168.0.0/24"), *Network::parse("127.0.0.0/8")};
+    expected.wrap = {{*Network::parse("192.168.0.0/24"), "fc", 0xB2, 7, 0xDC}};
+    EXPECT_EQ(t, expected);
+}
+
+TEST(Config, faults_of_a_tunnel_name_their_place) {
+    EXPECT_EQ(faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
+        "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "fc", "as": "ip", "link": "tunnel"}, 5]}})"),
+              "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24, not '::1/128'\n"
+              "/tunnel/bind: 'bind' must be an IPv4 address such as 192.168.0.5, not '::'\n"
+              "/tunnel/delivers: unknown key 'delivers' (did you mean 'deliver'?)\n"
+              "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
+              "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
+              "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
+              "/tunnel/wrap/1: must be an object {...}, not 5\n"
+              "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
+              "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
+              "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc,name=tunnel"], "tunnel": 5})"),
+              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word is taken\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
+}
+
 // Printing.
 
 Endpoint random_endpoint(support::Random& random, bool v6) {
@@ -223,6 +268,24 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     }
 }
 
+TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSettings>& links) {
+    const auto address = [&] { return random_endpoint(random, false).address; };
+    const auto network = [&] { return Network{address(), static_cast<std::uint8_t>(random.below(33))}; };
+    const auto id = [&] { return static_cast<std::uint8_t>(1 + random.below(254)); };
+    const auto name = [&] { return links[random.below(links.size())].name; };
+    TunnelSettings t;
+    for (unsigned i = random.below(4u); i > 0; --i) t.links.push_back(name());
+    t.address = id();
+    if (random.one_in(2)) t.bind = address();
+    t.port = static_cast<std::uint16_t>(random.of({0, 12333, 65535}));
+    if (random.one_in(2)) t.ip = address();
+    t.deliver = random.of({Deliver::frames, Deliver::tunnel});
+    for (unsigned i = random.below(4u); i > 0; --i)
+        t.wrap.push_back({network(), name(), random.of<std::uint8_t>({0xB1, 0xB2}), id(), id()});
+    for (unsigned i = random.below(4u); i > 0; --i) t.allow.push_back(network());
+    return t;
+}
+
 /// Any settings without fault.
 Settings random_settings(support::Random& random) {
     Settings s;
@@ -254,6 +317,7 @@ Settings random_settings(support::Random& random) {
         s.gateway.unknown = Unknown::link;
         s.gateway.unknown_link = s.links[0].name;
     }
+    if (links != 0 && random.one_in(2)) s.tunnel = random_tunnel(random, s.links);
     s.control.socket = random.of({"", "none", "/tmp/c.sock"});
     s.log.level = random.of({"trace", "debug", "info", "warn", "error"});
     s.log.file = random.of({"", "/var/log/x"});

@@ -23,6 +23,8 @@ void for_every_key(auto visit) {
     section("gateway", gateway_keys());
     section("links", link_keys());
     section("routes", route_keys());
+    section("tunnel", tunnel_keys());
+    section("wrap", wrap_keys());
     section("control", control_keys());
     section("log", log_keys());
 }
@@ -93,6 +95,7 @@ TEST(Keys, are_all_in_the_schema) {
     const json schema = json::parse(config_schema())["properties"];
     const auto properties = [&](const std::string& section, const KeyFacts& key) -> std::vector<json> {
         if (section == "routes") return {schema["routes"]["items"]["properties"]};
+        if (section == "wrap") return {schema["tunnel"]["properties"]["wrap"]["items"]["properties"]};
         if (section != "links") return {schema[section]["properties"]};
         std::vector<json> all;
         for (const json& kind : schema["links"]["items"]["anyOf"])
@@ -133,7 +136,8 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     EXPECT_EQ(lines(draft.errors), "");
     const json document = json::parse(text, nullptr, true, true);
     std::map<std::string, std::set<std::string>> seen;
-    for (const char* section : {"gateway", "control", "log"})
+    for (const auto& [name, value] : document["tunnel"]["wrap"][0].items()) seen["wrap"].insert(name);
+    for (const char* section : {"gateway", "tunnel", "control", "log"})
         for (const auto& [name, value] : document[section].items()) seen[section].insert(name);
     for (const auto& [name, value] : document["routes"][0].items()) seen["routes"].insert(name);
     for (const json& link : document["links"])

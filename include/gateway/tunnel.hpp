@@ -1,0 +1,164 @@
+// 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4; README
+// "Tunnel"). Bytes in, bytes out: who sends and receives them is another's business.
+//
+// Out:    tunnel.takes(frame)                    // came by one of `links`
+//         tunnel.out(frame, …) → Datagram        // to send
+// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with what is inside
+//         tunnel.begin_wrap(rule, …), add(), end_wrap()
+#pragma once
+#include <ano/frame.hpp>
+#include <gateway/counters.hpp>
+#include <gateway/settings.hpp>
+#include <gateway/tunnel_policy.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace anogate {
+
+inline constexpr std::uint8_t ip_tunnel = 0xB1;          // whole addresses
+inline constexpr std::uint8_t ip_tunnel_short = 0xB2;    // their last bytes
+inline constexpr std::size_t largest_datagram = 65507;   // of UDP over IPv4
+
+constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept {
+    return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short;
+}
+
+/// What stands before the inner frames.
+struct TunnelHead {
+    IpAddress source;
+    IpAddress destination;
+    std::uint16_t port = 0;
+    friend bool operator==(const TunnelHead&, const TunnelHead&) = default;
+};
+/// Its bytes in a frame of this id: 10 or 4.
+constexpr std::size_t tunnel_head_size(std::uint8_t id) noexcept { return id == ip_tunnel ? 10 : 4; }
+
+struct TunnelContent {
+    TunnelHead head;
+    std::span<const std::uint8_t> inner;    // in the frame's memory
+};
+/// Takes a tunnel frame apart; nothing when DATA is shorter than the head. 0xB2 leaves out the first three bytes of both
+/// addresses: they are those of `network`.
+std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept;
+
+/// Walks the frames inside a tunnel frame. It ends at the first byte that begins no whole good frame: nothing is searched
+/// for behind it, or a damaged tunnel frame inside would be opened.
+class InnerFrames {
+public:
+    explicit InnerFrames(std::span<const std::uint8_t> inner) noexcept : rest_{inner}, empty_{inner.empty()} {}
+    std::optional<ano::FrameView> next() noexcept;
+    /// After next() returned nothing: all of it was whole good frames, one at the least.
+    bool good() const noexcept { return rest_.empty() && !empty_; }
+
+private:
+    std::span<const std::uint8_t> rest_;
+    bool empty_;
+};
+
+/// Makes one tunnel frame at a time in memory of its own. Allocates once.
+class TunnelWriter {
+public:
+    TunnelWriter() : buffer_{new std::uint8_t[ano::largest_frame]} {}    // unused pages cost nothing
+
+    /// A frame of `id` from `source` to `destination`, with at most `max_data` bytes of DATA.
+    void begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept;
+    /// False: it does not fit.
+    bool add(ano::FrameView inner) noexcept;
+    bool empty() const noexcept { return inner().empty(); }
+    std::span<const std::uint8_t> inner() const noexcept;
+    /// The whole frame, valid until the next begin() or add().
+    ano::FrameView finish(const TunnelHead& head) noexcept;
+
+private:
+    std::size_t inner_at() const noexcept { return ano::header_size + tunnel_head_size(buffer_[3]); }
+
+    std::unique_ptr<std::uint8_t[]> buffer_;
+    std::size_t end_ = 0;
+    std::size_t most_ = 0;    // end_ may be
+};
+
+/// The decisions: what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
+class Tunnel {
+public:
+    /// Whether an inner frame may go on: the filters, limits and switches of the link it came by.
+    using Passes = std::function<bool(ano::FrameView)>;
+    using Take = std::function<void(ano::FrameView)>;
+    /// What is asked of the machine.
+    struct Surroundings {
+        /// Our address, as one at `there` knows it, or for 0.0.0.0, in general; nothing when no way leads there.
+        std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
+        /// The gateway itself listens on this port.
+        std::function<bool(std::uint16_t port)> is_own_port;
+    };
+
+    /// `own_id`: the gateway's; 0: none.
+    Tunnel(TunnelSettings settings, std::uint8_t own_id, Surroundings surroundings);
+
+    /// The port that is open, and what port 0 in a tunnel frame means.
+    void set_port(std::uint16_t port) noexcept { port_ = port; }
+    /// The networks of our interfaces as they are now, loopback included.
+    void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
+
+    /// A tunnel frame to us, when it came by one of `links`: it ends here, whatever becomes of it.
+    bool takes(ano::FrameView frame) const noexcept;
+
+    struct Datagram {
+        Endpoint to;
+        std::span<const std::uint8_t> bytes;    // until the next call of out()
+    };
+    /// What leaves for a tunnel frame of a device; nothing: refused and counted, or nothing in it passed.
+    std::optional<Datagram> out(ano::FrameView frame, const Passes& passes);
+    /// What became of it.
+    void sent() noexcept { ++counters_.out; }
+    void refuse(std::uint64_t TunnelCounters::*cause) noexcept { ++(counters_.*cause); }
+
+    /// May `sender` put anything in? Counted if not.
+    bool admits(const Endpoint& sender);
+    /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. What
+    /// the frame says of its source is not believed. True: something was inside.
+    bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
+    /// Something of a datagram was taken.
+    void came_in() noexcept { ++counters_.in; }
+
+    /// The place in the settings of the rule for what `sender` sends, if one matches.
+    std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
+    /// Starts a tunnel frame for the frames of one datagram; false: refused and counted. `max_data` is that of the rule's link.
+    bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
+    /// Adds a frame; hands on to `send` the tunnel frame that is full before it.
+    void add_to_wrap(ano::FrameView frame, const Take& send);
+    /// Hands on what is left.
+    void end_wrap(const Take& send);
+
+    const TunnelSettings& settings() const noexcept { return settings_; }
+    const TunnelCounters& counters() const noexcept { return counters_; }
+    void set_counters(const TunnelCounters& counters) noexcept { counters_ = counters; }
+
+private:
+    bool is_own_port(std::uint16_t port) const;
+    bool is_ours(const IpAddress& address) const noexcept;
+    bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
+    void start_wrap() noexcept;
+
+    TunnelSettings settings_;
+    std::uint8_t own_id_;
+    Surroundings surroundings_;
+    std::uint16_t port_;
+    TunnelPolicy policy_;
+    TunnelWriter out_;
+
+    TunnelWriter wrap_;
+    std::size_t wrap_rule_ = 0;
+    std::size_t wrap_max_data_ = 0;
+    TunnelHead wrap_head_;
+
+    TunnelCounters counters_;
+};
+
+}  // namespace anogate

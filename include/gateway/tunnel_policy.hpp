@@ -1,0 +1,31 @@
+// Who may be reached through the tunnel, and who may come in by it.
+#pragma once
+#include <gateway/ip.hpp>
+#include <gateway/settings.hpp>
+
+#include <vector>
+
+namespace anogate {
+
+/// An ordinary host is allowed by the networks of `allow`, or when there are none, by those of our interfaces. What is no
+/// ordinary host must be listed as what it is: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a
+/// broadcast address or one of our own by itself (/32). 0.0.0.0/8 (on Linux a way to ourselves) and 240.0.0.0/4 never.
+class TunnelPolicy {
+public:
+    explicit TunnelPolicy(const TunnelSettings& settings) : allow_{settings.allow} {}
+
+    /// The networks of our interfaces as they are now, loopback included.
+    void set_networks(std::vector<Network> networks) { networks_ = std::move(networks); }
+
+    bool allows(const IpAddress& address) const noexcept;
+    /// It is the address of an interface of ours, or leads back to this machine.
+    bool is_own(const IpAddress& address) const noexcept;
+
+private:
+    bool lists(const IpAddress& address, const Network& within) const noexcept;
+
+    std::vector<Network> allow_;
+    std::vector<Network> networks_;
+};
+
+}  // namespace anogate

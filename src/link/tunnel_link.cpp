@@ -1,0 +1,126 @@
+#include <link/tunnel_link.hpp>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace anogate {
+namespace {
+
+constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and ways come and go
+
+// A peer's frame may be as large as any link of ours carries, as long as a datagram holds it.
+LinkSettings link_settings(const Settings& settings) {
+    LinkSettings link;
+    link.kind = link.name = "tunnel";
+    for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
+    link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(largest_datagram - ano::overhead));
+    link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
+    link.udp_listen.local = {settings.tunnel->bind, settings.tunnel->port};
+    return link;
+}
+
+}  // namespace
+
+TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> wrap_to, const LinkContext& context,
+                       TunnelHost& host)
+    : UdpListenLink{id, link_settings(settings), context},
+      host_{host},
+      tunnel_{*settings.tunnel,
+              settings.gateway.id,
+              {[this](const IpAddress& there) { return our_address(there); },
+               [this](std::uint16_t port) { return host_.is_own_port(port); }}},
+      wrap_to_{std::move(wrap_to)} {}
+
+void TunnelLink::carry(Channel& from, ano::FrameView frame) {
+    look_around(context().host.now());
+    host_.learn(from, frame);
+    const auto passes = [&](ano::FrameView inner) {
+        if (!host_.admit(from, inner)) return false;
+        host_.learn(from, inner);
+        return host_.may_leave(id(), inner);
+    };
+    const auto datagram = tunnel_.out(frame, passes);
+    if (!datagram) return;
+    if (socket() < 0) return tunnel_.refuse(&TunnelCounters::tunnel_down);
+    switch (send_datagram(socket(), datagram->to, datagram->bytes, false)) {
+    case 0: return tunnel_.sent();
+    case EMSGSIZE: return tunnel_.refuse(&TunnelCounters::tunnel_too_big);
+    default: return tunnel_.refuse(&TunnelCounters::tunnel_send_failed);
+    }
+}
+
+void TunnelLink::opened(const Endpoint& local) { tunnel_.set_port(local.port); }
+
+bool TunnelLink::allowed(const Endpoint& sender, TimePoint now) {
+    look_around(now);
+    if (!tunnel_.admits(sender)) return false;
+    before_stranger_ = tunnel_.counters();
+    return true;
+}
+
+// A look at what the stranger sent; if it is taken, deliver() counts it.
+bool TunnelLink::welcomes(const Endpoint& sender, ano::FrameView frame) {
+    if (is_tunnel_frame(frame) && !tunnel_.in(frame, sender.address, [](ano::FrameView) {})) return false;
+    tunnel_.set_counters(before_stranger_);
+    return true;
+}
+
+void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
+    if (!is_tunnel_frame(frame)) return pass_on(channel, sender, frame);
+    look_around(context().host.now());
+    if (!host_.admit(channel, frame)) return;
+    tunnel_.in(frame, sender.address, [&](ano::FrameView inner) { pass_on(channel, sender, inner); });
+}
+
+// A tunnel frame that was inside another one is data here, like everything else.
+void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
+    took_ = true;
+    if (const auto rule = tunnel_.wrap_rule(sender.address)) wrap(*rule, channel, sender, frame);
+    else context().host.receive(channel, frame);
+}
+
+void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame) {
+    const Target& to = wrap_to_[rule];
+    if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.may_leave(to.link, frame)) return;
+    if (!wrapping_) {
+        look_around(context().host.now());
+        if (!tunnel_.begin_wrap(rule, to.max_data, sender)) {
+            cannot_wrap_ = true;
+            return;
+        }
+        wrapping_ = rule;
+    }
+    tunnel_.add_to_wrap(frame, [&](ano::FrameView full) { host_.send(to.link, full); });
+}
+
+void TunnelLink::delivered() {
+    if (took_) tunnel_.came_in();
+    if (wrapping_) tunnel_.end_wrap([&](ano::FrameView full) { host_.send(wrap_to_[*wrapping_].link, full); });
+    wrapping_.reset();
+    took_ = cannot_wrap_ = false;
+}
+
+void TunnelLink::look_around(TimePoint now) {
+    if (looked_at_ != TimePoint{} && now - looked_at_ < look_again) return;
+    looked_at_ = now;
+    last_way_.reset();
+    tunnel_.set_networks(own_networks());
+}
+
+std::optional<IpAddress> TunnelLink::our_address(const IpAddress& there) {
+    const TunnelSettings& settings = tunnel_.settings();
+    if (settings.ip) return settings.ip;
+    if (!settings.bind.is_any()) return settings.bind;
+    if (!last_way_ || last_way_->there != there) last_way_ = {there, source_towards(there)};
+    return last_way_->source;
+}
+
+LinkFacts TunnelLink::facts() const {
+    LinkFacts facts = UdpListenLink::facts();
+    const TunnelSettings& settings = tunnel_.settings();
+    const auto ip = settings.ip ? settings.ip : settings.bind.is_any() ? source_towards({}) : std::optional{settings.bind};
+    if (ip) facts.push_back({"ip", ip->text()});
+    return facts;
+}
+
+}  // namespace anogate

@@ -1,0 +1,82 @@
+#include <gateway/tunnel_policy.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using anogate::IpAddress;
+using anogate::Network;
+
+IpAddress ip(const char* text) { return *IpAddress::parse(text); }
+
+anogate::TunnelPolicy policy(std::initializer_list<const char*> allow = {}) {
+    anogate::TunnelSettings settings;
+    for (const char* network : allow) settings.allow.push_back(*Network::parse(network));
+    anogate::TunnelPolicy policy{settings};
+    policy.set_networks({*Network::parse("127.0.0.1/8"), *Network::parse("192.168.0.5/24"), *Network::parse("10.1.2.3/16"),
+                         *Network::parse("10.9.0.1/32"), *Network::parse("::1/128"), *Network::parse("fe80::5/64")});
+    return policy;
+}
+
+TEST(TunnelPolicy, hosts_on_our_networks_are_allowed_when_nothing_is_listed) {
+    EXPECT_TRUE(policy().allows(ip("192.168.0.1")));
+    EXPECT_TRUE(policy().allows(ip("192.168.0.254")));
+    EXPECT_TRUE(policy().allows(ip("10.1.200.7")));
+    EXPECT_FALSE(policy().allows(ip("192.168.1.1")));
+    EXPECT_FALSE(policy().allows(ip("8.8.8.8")));
+    EXPECT_FALSE(policy().allows(ip("10.2.0.1")));
+}
+
+TEST(TunnelPolicy, what_is_listed_takes_the_place_of_our_networks) {
+    EXPECT_TRUE(policy({"172.16.0.0/12"}).allows(ip("172.20.1.1")));
+    EXPECT_FALSE(policy({"172.16.0.0/12"}).allows(ip("192.168.0.1")));
+    EXPECT_TRUE(policy({"8.8.8.8"}).allows(ip("8.8.8.8")));
+    EXPECT_FALSE(policy({"8.8.8.8"}).allows(ip("8.8.8.9")));
+}
+
+// Whatever leads back to this machine, to many, or nowhere.
+const char* const not_ordinary[] = {"127.0.0.1",     "127.255.0.1",     "224.0.0.1",  "239.255.255.250", "255.255.255.255",
+                                    "192.168.0.255", "192.168.0.0",     "10.1.255.255", "10.1.0.0",      "0.0.0.0",
+                                    "0.1.2.3",       "192.168.0.5",     "10.1.2.3",   "10.9.0.1",        "240.0.0.1",
+                                    "::1",           "fe80::6",         "ff02::1",    "2001:db8::1"};
+
+TEST(TunnelPolicy, no_ordinary_host_is_refused) {
+    for (const char* address : not_ordinary) EXPECT_FALSE(policy().allows(ip(address))) << address;
+}
+
+TEST(TunnelPolicy, a_wide_network_lists_ordinary_hosts_only) {
+    for (const char* address : not_ordinary)
+        EXPECT_FALSE(policy({"0.0.0.0/0", "128.0.0.0/1", "::/0"}).allows(ip(address))) << address;
+    EXPECT_TRUE(policy({"0.0.0.0/0"}).allows(ip("8.8.8.8")));
+    EXPECT_FALSE(policy({"192.168.0.0/24"}).allows(ip("192.168.0.255"))) << "broadcast";
+    EXPECT_FALSE(policy({"192.168.0.0/24"}).allows(ip("192.168.0.5"))) << "ourselves";
+    EXPECT_FALSE(policy({"192.168.0.255/24"}).allows(ip("192.168.0.255"))) << "the network by another of its names";
+    EXPECT_FALSE(policy({"127.0.0.1/1"}).allows(ip("127.0.0.1")));
+    EXPECT_FALSE(policy({"224.0.0.0/3"}).allows(ip("224.0.0.1")));
+}
+
+TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
+    EXPECT_TRUE(policy({"127.0.0.0/8"}).allows(ip("127.0.0.1")));
+    EXPECT_TRUE(policy({"127.0.0.1"}).allows(ip("127.0.0.1")));
+    EXPECT_FALSE(policy({"127.0.0.1"}).allows(ip("127.0.0.2")));
+    EXPECT_TRUE(policy({"239.0.0.0/8"}).allows(ip("239.1.2.3")));
+    EXPECT_TRUE(policy({"192.168.0.255"}).allows(ip("192.168.0.255")));
+    EXPECT_TRUE(policy({"255.255.255.255"}).allows(ip("255.255.255.255")));
+    EXPECT_TRUE(policy({"192.168.0.5"}).allows(ip("192.168.0.5")));
+    EXPECT_FALSE(policy({"0.0.0.0"}).allows(ip("0.0.0.0"))) << "on Linux a way to this machine";
+    EXPECT_FALSE(policy({"240.0.0.1"}).allows(ip("240.0.0.1")));
+}
+
+TEST(TunnelPolicy, own_addresses_are_those_of_the_interfaces) {
+    EXPECT_TRUE(policy().is_own(ip("192.168.0.5")));
+    EXPECT_TRUE(policy().is_own(ip("10.1.2.3")));
+    EXPECT_TRUE(policy().is_own(ip("127.0.0.9")));
+    EXPECT_FALSE(policy().is_own(ip("192.168.0.6")));
+    auto moved = policy();
+    moved.set_networks({*Network::parse("192.168.7.1/24")});
+    EXPECT_FALSE(moved.is_own(ip("192.168.0.5")));
+    EXPECT_FALSE(moved.allows(ip("192.168.0.6")));
+    EXPECT_TRUE(moved.allows(ip("192.168.7.2")));
+}
+
+}    // namespace
