@@ -73,6 +73,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
+    if (behind_frame_) drop_padding();
     while (pos_ < end_) {
         if (pos_ < sums_until_) step_over_refused();
         if (buffer_[pos_] != head) {
@@ -103,9 +104,15 @@ FrameView FrameParser::take_frame() noexcept {
     const FrameView frame{{at, overhead + data_length(at)}};
     pos_ += frame.bytes().size();
     candidate_waits_ = false;
+    behind_frame_ = options_.zero_padding;
     v7_ = {};
     ++counters_.frames_in;
     return frame;
+}
+
+void FrameParser::drop_padding() noexcept {
+    for (; pos_ < end_ && buffer_[pos_] == 0; ++pos_) --counters_.bytes_in;
+    behind_frame_ = false;
 }
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
