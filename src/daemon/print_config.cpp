@@ -25,6 +25,7 @@ Json json_of(const std::string& text, Form form) {
             for (const std::string_view network : split(text, '+')) list.push_back(network);
             return list;
         }
+        case Form::can_id:
         case Form::addresses:
         case Form::duration:
         case Form::size:
