@@ -76,8 +76,8 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     json["since_s"] = seconds(now - state.since);
     json["error"] = state.up ? state.link->trouble() : state.error;
     json["hint"] = hint(total.figures);
-    for (const auto& [name, value] : state.link->facts())
-        std::visit([&](const auto& v) { json[std::string{name}] = v; }, value);
+    for (const auto& fact : state.link->facts())
+        std::visit([&](const auto& v) { json[std::string{fact.first}] = v; }, fact.second);
     if (state.link->settings().required) json["required"] = true;
     json["channels"] = Json::array();
     for (const ChannelId id : state.channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
