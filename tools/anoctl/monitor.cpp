@@ -117,7 +117,7 @@ private:
         io_.stop();
     }
     std::uint64_t skipped() const {
-        std::uint64_t bytes = gone_skipped_ + link_->stray().skipped_bytes;
+        std::uint64_t bytes = gone_skipped_ + link_->stray().received.skipped_bytes;
         for (const auto& channel : channels_)
             if (channel) bytes += channel->parser.counters().skipped_bytes;
         return bytes;
