@@ -1,0 +1,181 @@
+// The control socket of a running daemon, under good and bad clients.
+#include <support/child.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <grp.h>
+#include <sys/stat.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+const std::string get_status = "GET /status HTTP/1.0\r\n\r\n";
+
+class ControlSocket : public testing::Test {
+protected:
+    void SetUp() override { ASSERT_TRUE(daemon.until_answers()) << daemon.output(); }
+    void TearDown() override {
+        daemon.signal(SIGTERM);
+        EXPECT_EQ(daemon.wait(), 0) << daemon.output();
+    }
+    /// Frames still go from peer to peer.
+    bool forwards() {
+        const auto before = b.heard().size();
+        a.send(daemon.port("ground"), vendor::who_are_you);
+        return wait_until([&] { return b.heard().size() > before; });
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"udp-listen:127.0.0.1:0,name=ground"}};
+    UdpPeer a, b;
+};
+
+TEST_F(ControlSocket, answers_with_the_status_as_json) {
+    const std::string answer = http(socket, get_status);
+    EXPECT_EQ(answer.substr(0, 15), "HTTP/1.0 200 OK");
+    EXPECT_NE(answer.find("Content-Type: application/json"), std::string::npos);
+    EXPECT_TRUE(nlohmann::json::accept(body_of(answer)));
+}
+
+TEST_F(ControlSocket, one_connection_may_ask_many_times) {
+    const int fd = connect_unix(socket);
+    ASSERT_GE(fd, 0);
+    std::string requests;
+    for (int i = 0; i < 20; ++i) requests += "GET /status?n=" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\n\r\n";
+    requests += "GET /status HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+    ASSERT_EQ(::write(fd, requests.data(), requests.size()), static_cast<ssize_t>(requests.size()));
+    const std::string answers = read_to_end(fd);
+    ::close(fd);
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = answers.find("HTTP/1.1 200 OK", at)) != std::string::npos; ++at) ++count;
+    EXPECT_EQ(count, 21u);
+}
+
+TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
+    EXPECT_EQ(http(socket, "GET /nothing HTTP/1.0\r\n\r\n").substr(9, 3), "404");
+    const std::string posted = http(socket, "POST /status HTTP/1.0\r\nContent-Length: 2\r\n\r\n{}");
+    EXPECT_EQ(posted.substr(9, 3), "405");
+    EXPECT_NE(posted.find("Allow: GET"), std::string::npos);
+}
+
+TEST_F(ControlSocket, junk_is_not_answered_and_disturbs_nobody) {
+    a.send(daemon.port("ground"), vendor::who_are_you);
+    b.send(daemon.port("ground"), vendor::who_are_you);
+    http(socket, "\r\n\r\n\x01\x02 HELLO WHO IS THERE\r\n\r\n");
+    http(socket, std::string(100000, '\0'));
+    http(socket, "GET /status HTTP/1.1\r\nX: " + std::string(200000, 'x') + "\r\n\r\n");
+    http(socket, "POST /status HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\nx");
+    http(socket, "POST /status HTTP/1.1\r\nContent-Length: -1\r\n\r\nx");
+    EXPECT_TRUE(forwards());
+    EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
+}
+
+TEST_F(ControlSocket, slow_and_silent_clients_disturb_nobody) {
+    a.send(daemon.port("ground"), vendor::who_are_you);
+    b.send(daemon.port("ground"), vendor::who_are_you);
+    std::vector<int> fds;
+    for (int i = 0; i < 20; ++i) {
+        fds.push_back(connect_unix(socket));
+        ASSERT_GE(fds.back(), 0);
+        if (i % 2 == 0) {
+            ASSERT_EQ(::write(fds.back(), "GET /sta", 8), 8);
+        }
+    }
+    EXPECT_TRUE(forwards());
+    EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
+    // One that asks much and never reads the answers.
+    const int greedy = connect_unix(socket);
+    ::fcntl(greedy, F_SETFL, O_NONBLOCK);
+    std::string many;
+    for (int i = 0; i < 2000; ++i) many += "GET /status HTTP/1.1\r\nHost: x\r\n\r\n";
+    for (std::size_t sent = 0; sent < many.size();) {
+        const ssize_t n = ::send(greedy, many.data() + sent, many.size() - sent, MSG_NOSIGNAL);
+        if (n <= 0) break;
+        sent += static_cast<std::size_t>(n);
+    }
+    EXPECT_TRUE(forwards());
+    for (const int fd : fds) ::close(fd);
+    ::close(greedy);
+}
+
+TEST_F(ControlSocket, many_connections_at_once_are_survived) {
+    a.send(daemon.port("ground"), vendor::who_are_you);
+    b.send(daemon.port("ground"), vendor::who_are_you);
+    std::vector<int> fds;
+    for (int i = 0; i < 200; ++i) fds.push_back(connect_unix(socket));
+    EXPECT_TRUE(daemon.is_running());
+    for (const int fd : fds)
+        if (fd >= 0) ::close(fd);
+    EXPECT_TRUE(daemon.until_answers()) << "the places are free again";
+    EXPECT_TRUE(forwards());
+}
+
+TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
+    if (::getgrnam("anogate")) GTEST_SKIP() << "this system has a group anogate";
+    struct stat info{};
+    ASSERT_EQ(::stat(socket.c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 0777, 0600u);
+    EXPECT_TRUE(daemon.until_says("only this user may use it"));
+}
+
+TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
+    Daemon second{ANOGATED, socket, {"sim:fc"}};
+    EXPECT_TRUE(second.until_says("another anogated is using it")) << second.output();
+    second.signal(SIGTERM);
+    EXPECT_EQ(second.wait(), 0);
+    EXPECT_EQ(daemon.link("ground").at("state"), "up") << "the socket is still that of the first";
+}
+
+TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up) {
+    const int idle = connect_unix(socket);
+    const int half = connect_unix(socket);
+    ASSERT_EQ(::write(half, "GET /st", 7), 7);
+    ASSERT_TRUE(daemon.until_answers());
+    const auto begin = std::chrono::steady_clock::now();
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+    EXPECT_FALSE(std::filesystem::exists(socket));
+    ::close(idle);
+    ::close(half);
+}
+
+TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
+    const TempDir dir;
+    const std::string socket = dir / "run/control.sock";
+    {
+        Daemon killed{ANOGATED, socket, {"sim:fc"}};
+        ASSERT_TRUE(killed.until_answers()) << "its folder is made";
+        killed.signal(SIGKILL);
+        killed.wait();
+    }
+    ASSERT_TRUE(std::filesystem::exists(socket));
+    Daemon next{ANOGATED, socket, {"sim:fc"}};
+    EXPECT_TRUE(next.until_answers()) << next.output();
+}
+
+TEST(ControlSocketAtStart, what_is_no_socket_is_left_alone_and_the_gateway_runs_without) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "precious";
+    Daemon daemon{ANOGATED, dir / "file", {"sim:fc"}};
+    EXPECT_TRUE(daemon.until_says("no control interface"));
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));
+}
+
+TEST(ControlSocketAtStart, a_path_too_long_is_told_in_words) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / std::string(120, 'x'), {"sim:fc"}};
+    EXPECT_EQ(daemon.wait(), 78);
+    EXPECT_NE(daemon.output().find("107 bytes"), std::string::npos) << daemon.output();
+}
+
+}    // namespace

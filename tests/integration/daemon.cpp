@@ -1,0 +1,270 @@
+// The real program as a process: how it starts, runs, is told and ends.
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/un.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+constexpr int config_fault = 78;
+const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+struct Ended {
+    int status;
+    std::chrono::steady_clock::duration took;
+};
+Ended terminate(Process& daemon, int signal = SIGTERM) {
+    const auto begin = std::chrono::steady_clock::now();
+    daemon.signal(signal);
+    const int status = daemon.wait();
+    return {status, std::chrono::steady_clock::now() - begin};
+}
+
+TEST(Daemon, joins_a_serial_port_and_udp) {
+    const TempDir dir;
+    PtyDevice mcu{dir / "ttyUSB0"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + mcu.path() + ",baud=250000", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ttyUSB0") && daemon.until_up("ground")) << daemon.output();
+    UdpPeer ground;
+    ground.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(wait_until([&] { return mcu.heard() == vendor::who_are_you; }));
+    mcu.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(wait_until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
+    const Ended end = terminate(daemon);
+    EXPECT_EQ(end.status, 0) << daemon.output();
+    EXPECT_LT(end.took, 1s);
+}
+
+TEST(Daemon, the_simulator_answers_a_question_over_udp) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ground"));
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(wait_until([&] {
+        for (const Bytes& f : split(host.heard()).frames)
+            if (f[1] == 0xDC && f[2] == 0xFE && f[3] == 0xE3) return true;
+        return false;
+    }));
+}
+
+TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
+    const TempDir dir;
+    UdpPeer holder;
+    Daemon daemon{ANOGATED, dir / "control",
+                  {"serial:" + (dir / "ttyUSB0"), "udp-listen:" + holder.local().text() + ",name=ground"}};
+    ASSERT_TRUE(daemon.until_answers());
+    EXPECT_EQ(daemon.link("ttyUSB0").at("state"), "waiting");
+    EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
+    PtyDevice fc{dir / "ttyUSB0"};
+    EXPECT_TRUE(daemon.until_up("ttyUSB0"));
+    EXPECT_EQ(terminate(daemon).status, 0);
+    EXPECT_NE(daemon.output().find("is not there; waiting for it"), std::string::npos) << daemon.output();
+}
+
+TEST(Daemon, ends_within_a_second_under_load_and_with_a_reader_that_is_stuck) {
+    const TempDir dir;
+    PtyDevice stuck{dir / "stuck"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground", "sim:fc,rate=100"}};
+    ASSERT_TRUE(daemon.until_up("stuck"));
+    UdpPeer load;
+    const auto port = daemon.port("ground");
+    const auto push = [&] {
+        for (int i = 0; i < 50; ++i) load.send(port, frame(0xDD, 0xFF, 0xF1, Bytes(200, 1)));
+        load.datagrams();
+    };
+    ASSERT_TRUE(daemon.until([&](const auto&) {
+        push();
+        return daemon.count("stuck", "waiting") > 0;
+    }));
+    const auto begin = std::chrono::steady_clock::now();
+    daemon.signal(SIGTERM);
+    EXPECT_TRUE(wait_until([&] {
+        push();
+        return !daemon.is_running();
+    }));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+    EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST(Daemon, what_waits_reaches_a_reader_before_the_end) {
+    const TempDir dir;
+    PtyDevice slow{dir / "slow"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + slow.path(), "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("slow"));
+    UdpPeer air;
+    const auto port = daemon.port("ground");
+    std::size_t sent = 0;
+    ASSERT_TRUE(daemon.until([&](const auto&) {
+        for (int i = 0; i < 10; ++i, ++sent) air.send(port, frame(0xDD, 0xFF, 0xF1, Bytes(200, 1)));
+        return daemon.count("slow", "waiting") > 20;
+    }));
+    ASSERT_TRUE(wait_until([&] { return daemon.count("ground", "frames_in") == sent; }));
+    ASSERT_EQ(daemon.count("slow", "queue_full"), 0u);
+    daemon.signal(SIGTERM);
+    EXPECT_TRUE(wait_until([&] {
+        slow.heard();
+        return !daemon.is_running();
+    }));
+    EXPECT_EQ(split(slow.heard()).frames.size(), sent);
+    EXPECT_TRUE(split(slow.heard()).rest.empty());
+}
+
+TEST(Daemon, sigint_ends_it_too) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "serial:" + (dir / "absent")}};
+    ASSERT_TRUE(daemon.until_answers());
+    const Ended end = terminate(daemon, SIGINT);
+    EXPECT_EQ(end.status, 0);
+    EXPECT_LT(end.took, 1s);
+}
+
+TEST(Daemon, sigusr1_logs_the_status_and_sighup_is_no_end) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0"), "sim:fc"}};
+    ASSERT_TRUE(daemon.until_answers());
+    daemon.signal(SIGUSR1);
+    EXPECT_TRUE(daemon.until_says("ttyUSB0: waiting: ")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("fc: up, in "));
+    daemon.signal(SIGHUP);
+    EXPECT_TRUE(daemon.until_says("SIGHUP"));
+    EXPECT_TRUE(daemon.is_running());
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
+TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
+    const TempDir dir;
+    const std::string path = dir / "notify";
+    const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    timeval limit{10, 0};
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    const auto next = [&] {
+        char text[100];
+        const ssize_t n = ::recv(fd, text, sizeof text, 0);
+        return std::string(text, n > 0 ? static_cast<std::size_t>(n) : 0);
+    };
+    Daemon daemon{ANOGATED, dir / "control", {"sim:fc"}, {"NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=100000"}};
+    EXPECT_EQ(next(), "READY=1");
+    EXPECT_NE(http(dir / "control", "GET /status HTTP/1.0\r\n\r\n"), "") << "ready means that it answers";
+    EXPECT_EQ(next(), "WATCHDOG=1");
+    EXPECT_EQ(next(), "WATCHDOG=1");
+    EXPECT_EQ(terminate(daemon).status, 0);
+    std::string last;
+    do last = next();
+    while (last == "WATCHDOG=1");
+    EXPECT_EQ(last, "STOPPING=1");
+    ::close(fd);
+}
+
+// Takes the ten seconds that the interface promises.
+TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
+    const TempDir dir;
+    const auto begin = std::chrono::steady_clock::now();
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0") + ",required", "sim:fc,required"}};
+    EXPECT_EQ(daemon.wait(15s), 1);
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, 9s);
+    EXPECT_NE(daemon.output().find("ttyUSB0 is required"), std::string::npos) << daemon.output();
+}
+
+TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
+    const TempDir dir;
+    const auto run = [&](std::vector<std::string> arguments, const std::string& words) {
+        Process daemon{ANOGATED, std::move(arguments)};
+        EXPECT_EQ(daemon.wait(), config_fault) << daemon.output();
+        EXPECT_NE(daemon.output().find(words), std::string::npos) << daemon.output();
+    };
+    run({"serial:/dev/x,bauds=9"}, "LINK 'serial:/dev/x,bauds=9': unknown key 'bauds' (did you mean 'baud'?)");
+    run({"serials:/dev/x"}, "serial");
+    run({"udp:localhost:99"}, "host name");
+    run({"sim:fc,id=21"}, "id");
+    run({"sim:fc,id=1", "udp-listen:127.0.0.1:0,id=1"}, "id");
+    run({"--route", "0xDC=nobody", "sim:fc"}, "nobody");
+    run({"--unknown", "nobody", "sim:fc"}, "nobody");
+    run({"sim:fc,max_data=70000"}, "max_data");
+    run({"--config", dir / "absent.json"}, "absent.json");
+    std::ofstream{dir / "bad.json"} << R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}], "gatway": {}})";
+    run({"--config", dir / "bad.json"}, "/links/0/bauds");
+    run({"--config", dir / "bad.json"}, "/gatway");
+    run({"--check", "--config", dir / "bad.json"}, "/links/0/bauds");
+}
+
+TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {
+    const TempDir dir;
+    const auto printed = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "--print-config");
+        Process daemon{ANOGATED, std::move(arguments)};
+        EXPECT_EQ(daemon.wait(), 0) << daemon.output();
+        return daemon.output();
+    };
+    const std::string first = printed({"--id", "199", "--route", "30-40=fc", "serial:/dev/ttyUSB0,name=fc,baud=250000,id=3",
+                                       "udp-listen:[::]:12333,allow=10.0.0.0/8+192.168.1.1", "udp:192.168.1.20:6670,bind=0.0.0.0:6669",
+                                       "pty:/tmp/x", "sim:fc,rate=7"});
+    std::ofstream{dir / "config.json"} << first;
+    EXPECT_EQ(printed({"--config", dir / "config.json"}), first);
+}
+
+TEST(Daemon, sleeps_when_there_is_nothing_to_do) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    std::vector<std::string> links{"serial:" + fc.path(), "udp-listen:127.0.0.1:0,name=ground", "pty:" + (dir / "app")};
+    for (int i = 0; i < 8; ++i) links.push_back("serial:" + (dir / "absent") + std::to_string(i));
+    Daemon daemon{ANOGATED, dir / "control", links};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(wait_until([&] { return daemon.count("ground", "frames_in") == 1; }));
+    std::this_thread::sleep_for(2s);    // retries reach their slow pace; what is measured is a rate
+    const long before = daemon.proc_status("voluntary_ctxt_switches");
+    std::this_thread::sleep_for(5s);
+    EXPECT_LE(daemon.proc_status("voluntary_ctxt_switches") - before, 3 * 5 + 2);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(Daemon, stays_below_12_megabytes) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=air", "sim:fc"}};
+    ASSERT_TRUE(daemon.until_up("air"));
+    std::vector<UdpPeer> hosts(16);
+    for (UdpPeer& host : hosts) host.send(daemon.port("ground"), vendor::who_are_you);
+    UdpPeer air;
+    const auto port = daemon.port("air");
+    std::uint64_t sent = 0;
+    ASSERT_TRUE(daemon.until([&](const auto&) {
+        for (int i = 0; i < 200; ++i, ++sent) air.send(port, frame(0xDC, 0xFE, 0xF1, Bytes(1000)));
+        for (UdpPeer& host : hosts) host.datagrams();
+        return daemon.count("air", "frames_in") > 20000;
+    }));
+    RecordProperty("rss_kb", std::to_string(daemon.proc_status("VmRSS")));
+    EXPECT_LT(daemon.proc_status("VmHWM"), 12 * 1024);
+}
+#endif
+
+TEST(Daemon, a_peer_that_is_gone_ends_nothing) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    auto peer = std::make_unique<UdpPeer>();
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + fc.path(), "udp:" + peer->local().text() + ",name=host"}};
+    ASSERT_TRUE(daemon.until_up("fc") && daemon.until_up("host"));
+    peer.reset();
+    EXPECT_TRUE(wait_until([&] {
+        fc.write(telemetry);
+        return daemon.link("host").value("refused", 0) > 2;
+    }));
+    fc.unplug();
+    EXPECT_TRUE(wait_until([&] { return daemon.link("fc").at("state") == "waiting"; }));
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
+}    // namespace
