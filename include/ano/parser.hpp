@@ -38,6 +38,7 @@ public:
         std::size_t max_data = 4096;                       // 0 to 65535: larger LEN is refused from the header alone
         std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
         Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, good frames may overtake
+        bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is no byte of the stream
     };
 
     explicit FrameParser(Options options);
@@ -84,6 +85,7 @@ private:
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;
     void skip_to(std::size_t at) noexcept;
+    void drop_padding() noexcept;
     TimePoint overdue_at(std::size_t candidate, TimePoint since) const noexcept;
 
     Options options_;
@@ -99,6 +101,7 @@ private:
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
+    bool behind_frame_ = false;       // pos_ is the end of a good frame, and padding may follow
     bool candidate_waits_ = false;    // the one at pos_
     bool none_behind_ = false;        // it was searched for good frames behind it since the last byte came
     TimePoint candidate_since_{};

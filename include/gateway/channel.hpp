@@ -19,8 +19,9 @@ struct Channel {
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};    // the last good frame; zero: none yet
     ano::TimePoint bytes_at{};    // the last byte
+    ReceiveCounters beside{};     // of parsers beside `parser`: a CAN link has one for every CAN id
 
-    /// The parser's counters and ours.
+    /// Of all parsers, and ours.
     ReceiveCounters received() const noexcept;
 };
 

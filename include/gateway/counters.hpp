@@ -1,5 +1,7 @@
 // What is counted, under the names that every output uses. A counter is a row here and nowhere else.
 #pragma once
+#include <ano/parser.hpp>
+
 #include <cstdint>
 #include <string_view>
 
@@ -115,6 +117,15 @@ constexpr void add(ReceiveCounters& a, const ReceiveCounters& b) noexcept {
 constexpr void add(SendCounters& a, const SendCounters& b) noexcept {
     for (const auto& row : send_counters) a.*row.value += b.*row.value;
     a.offered += b.offered;
+}
+
+constexpr void add(ReceiveCounters& a, const ano::ParserCounters& b) noexcept {
+    a.frames_in += b.frames_in;
+    a.bytes_in += b.bytes_in;
+    a.bad_check += b.bad_check;
+    a.bad_length += b.bad_length;
+    a.skipped_bytes += b.skipped_bytes;
+    a.expired += b.expired;
 }
 
 /// Frames that were offered and neither left nor were dropped for a counted cause: those that wait.

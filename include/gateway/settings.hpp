@@ -50,6 +50,20 @@ struct PtySettings {
     bool operator==(const PtySettings&) const = default;
 };
 
+enum class CanFraming : std::uint8_t { stream, isotp };
+
+struct CanSettings {
+    std::string interface;
+    CanFraming framing = CanFraming::stream;
+    bool fd = false;          // CAN FD frames; the interface must carry them
+    bool brs = true;          // their data at the faster bit rate
+    bool extended = false;    // 29-bit ids
+    std::optional<std::uint32_t> base;    // of the ids of stream framing; nothing: 0x600, or 0x0AB00000 when extended
+    std::optional<std::uint32_t> tx;      // the ids of ISO-TP, both needed there
+    std::optional<std::uint32_t> rx;
+    bool operator==(const CanSettings&) const = default;
+};
+
 struct SimSettings {
     std::string device = "fc";
     std::uint16_t rate = 50;    // Hz of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
@@ -71,6 +85,7 @@ struct LinkSettings {
     UdpListenSettings udp_listen;
     UdpSettings udp;
     PtySettings pty;
+    CanSettings can;
     SimSettings sim;
     bool operator==(const LinkSettings&) const = default;
 };

@@ -84,6 +84,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
+    if (behind_frame_) drop_padding();
     if (pos_ == end_) return std::nullopt;
     const std::uint8_t* const bytes = buffer_.get();
     std::size_t at = bytes[pos_] == head ? pos_ : next_candidate(pos_);
@@ -110,9 +111,15 @@ std::optional<FrameView> FrameParser::next() noexcept {
     candidate_waits_ = false;
     const FrameView frame{{bytes + at, overhead + data_length(bytes + at)}};
     pos_ = at + frame.bytes().size();
+    behind_frame_ = options_.zero_padding;
     v7_ = {};
     ++counters_.frames_in;
     return frame;
+}
+
+void FrameParser::drop_padding() noexcept {
+    for (; pos_ < end_ && buffer_[pos_] == 0; ++pos_) --counters_.bytes_in;
+    behind_frame_ = false;
 }
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {

@@ -1,0 +1,174 @@
+// V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames that bear the sender's id.
+// Ours, since the protocol text does not speak of CAN (README, "CAN").
+//
+// Flow, sending:      pieces = cutter.cut(outbox.gather(…))       // as many CAN frames as there is room for
+//                     outbox.sent(cutter.taken(n))                // the bus took the first n of them
+// Flow, receiving:    streams.receive(id, data, now, on_frame)
+//                     at streams.deadline(): streams.expire(now, on_frame)
+#pragma once
+#include <ano/parser.hpp>
+#include <gateway/counters.hpp>
+#include <gateway/settings.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// What is wrong with `can`, in a sentence; empty: nothing.
+std::string fault_of(const CanSettings& can);
+
+/// The smallest legal size of the data of a CAN FD frame that holds `bytes`, 0 to 64.
+constexpr std::uint8_t can_fd_size(std::size_t bytes) noexcept {
+    if (bytes <= 8) return static_cast<std::uint8_t>(bytes);
+    if (bytes <= 24) return static_cast<std::uint8_t>((bytes + 3) / 4 * 4);
+    return bytes <= 32 ? 32 : bytes <= 48 ? 48 : 64;
+}
+
+/// Which CAN id a V8 frame bears. 11-bit: base + S_ADDR. 29-bit: base + class × 65536 + S_ADDR × 256 + D_ADDR, where class is
+/// 0 urgent, 1 telemetry, 2 bulk: the lower id wins the bus.
+class CanIds {
+public:
+    static constexpr std::uint32_t default_base = 0x600;
+    static constexpr std::uint32_t default_extended_base = 0x0AB0'0000;
+
+    explicit CanIds(const CanSettings& can) noexcept
+        : base_{can.base.value_or(can.extended ? default_extended_base : default_base)}, extended_{can.extended} {}
+
+    /// `header` begins with HEAD to ID of a frame.
+    std::uint32_t of(std::span<const std::uint8_t> header) const noexcept;
+    /// The S_ADDR that the frames under `id` must bear; nothing when it is none of our ids.
+    std::optional<std::uint8_t> source(std::uint32_t id) const noexcept;
+
+    /// What lets all our ids through, and no other: (id & mask) == base for one of them.
+    struct Filter {
+        std::uint32_t id;
+        std::uint32_t mask;
+    };
+    std::vector<Filter> filters() const;
+    bool extended() const noexcept { return extended_; }
+
+private:
+    std::uint32_t base_;
+    bool extended_;
+};
+
+/// Cuts V8 frames into the data of CAN frames. A V8 frame begins a new CAN frame.
+class CanCutter {
+public:
+    explicit CanCutter(const CanSettings& can) noexcept : ids_{can}, fd_{can.fd} {}
+
+    struct Piece {
+        std::uint32_t id;
+        std::span<const std::uint8_t> bytes;
+        std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or with CAN FD more, the rest 0x00
+        bool last;            // of its V8 frame
+    };
+    /// `frames` as Outbox::gather() gives them. What is returned is valid until the next call, and as long as their bytes.
+    std::span<const Piece> cut(std::span<const std::span<const std::uint8_t>> frames) noexcept;
+    /// The bus took the first `n` of the pieces cut last: how many bytes of V8 frames that are.
+    std::size_t taken(std::size_t n) noexcept;
+    /// The frame that was cut in two is given up.
+    void reset() noexcept { rest_id_.reset(); }
+
+    static constexpr std::size_t most = 64;    // pieces at a time
+
+private:
+    CanIds ids_;
+    bool fd_;
+    std::optional<std::uint32_t> rest_id_;    // of a frame of which a part has left: the rest no longer shows its header
+    std::array<Piece, most> pieces_;
+};
+
+/// Joins what comes in under each CAN id to V8 frames again: one parser an id, so senders never mix. Up to 256 ids; when a
+/// 29-bit bus has more, the one unused longest gives way. Does not allocate once an id is known.
+class CanStreams {
+public:
+    static constexpr std::size_t most = 256;
+
+    CanStreams(const CanSettings& can, std::size_t max_data) : ids_{can}, max_data_{max_data} {}
+
+    /// The data of one CAN frame. Calls `on_frame` for each good frame whose S_ADDR agrees with the id.
+    template <class OnFrame>
+    void receive(std::uint32_t id, std::span<const std::uint8_t> data, TimePoint now, OnFrame on_frame) {
+        Stream* stream = find(id);
+        if (!stream) {
+            if (!begins_stream(id, data)) return;
+            stream = &open(id, on_frame);
+        }
+        put(*stream, data, now);
+        drain(*stream, on_frame);
+    }
+    /// Gives up what no longer can be hoped for. When to call it: deadline().
+    template <class OnFrame>
+    void expire(TimePoint now, OnFrame on_frame) {
+        for (Stream& stream : streams_)
+            if (stream.parser.expire(now)) drain(stream, on_frame);
+    }
+    std::optional<TimePoint> deadline() const noexcept;
+    /// The bus is gone: nothing waits for its rest any more.
+    template <class OnFrame>
+    void finish(OnFrame on_frame) {
+        for (Stream& stream : streams_) {
+            stream.parser.finish();
+            drain(stream, on_frame);
+        }
+    }
+
+    /// Of all ids. A frame whose S_ADDR disagrees with its id counts as denied_in.
+    ReceiveCounters received() const noexcept;
+    /// Such frames alone.
+    std::uint64_t wrong_source() const noexcept { return refused_.denied_in; }
+    std::size_t size() const noexcept { return streams_.size(); }
+
+private:
+    struct Stream {
+        std::uint32_t id;
+        std::uint8_t source;
+        std::uint64_t used;    // the higher, the later
+        ano::FrameParser parser;
+    };
+
+    Stream* find(std::uint32_t id) noexcept;
+    bool begins_stream(std::uint32_t id, std::span<const std::uint8_t> data) noexcept;
+    void put(Stream& stream, std::span<const std::uint8_t> data, TimePoint now) noexcept;
+    Stream& unused_longest() noexcept;
+
+    template <class OnFrame>
+    Stream& open(std::uint32_t id, OnFrame on_frame) {
+        const std::uint8_t source = *ids_.source(id);
+        if (streams_.size() < most) {
+            ano::FrameParser::Options options;
+            options.max_data = max_data_;
+            options.zero_padding = true;
+            return streams_.emplace_back(Stream{id, source, 0, ano::FrameParser{options}});
+        }
+        Stream& stream = unused_longest();
+        stream.parser.finish();
+        drain(stream, on_frame);
+        stream.id = id;
+        stream.source = source;
+        return stream;
+    }
+
+    template <class OnFrame>
+    void drain(Stream& stream, OnFrame on_frame) {
+        while (const auto frame = stream.parser.next()) {
+            if (frame->source() == stream.source) on_frame(*frame);
+            else ++refused_.denied_in;
+        }
+    }
+
+    CanIds ids_;
+    std::size_t max_data_;
+    std::vector<Stream> streams_;
+    std::uint64_t uses_ = 0;
+    ReceiveCounters refused_;    // what belongs to no stream
+};
+
+}  // namespace anogate
