@@ -51,7 +51,7 @@ public:
         std::uint32_t mask;
     };
     std::vector<Filter> filters() const;
-    bool extended() const noexcept { return extended_; }
+    std::uint32_t base() const noexcept { return base_; }
 
 private:
     std::uint32_t base_;

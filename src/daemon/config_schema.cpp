@@ -23,7 +23,8 @@ Json type_of(const KeyFacts& key) {
     switch (key.form) {
         case Form::boolean: return {{"type", "boolean"}};
         case Form::integer: return number;
-        case Form::address: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}};
+        case Form::address:
+        case Form::can_id: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}};
         case Form::addresses:
             return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
         case Form::duration: return text("^[0-9]+(ms|s|m|h)$");

@@ -71,6 +71,7 @@ std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_
     std::optional<std::uint64_t> value;
     switch (key.form) {
         case Form::address: value = parse_address(text); break;
+        case Form::can_id: value = parse_can_id(text); break;
         case Form::size: value = parse_size(text); break;
         default: value = parse_number(text);
     }

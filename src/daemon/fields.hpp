@@ -59,6 +59,7 @@ std::optional<std::string> write_field(const KeyFacts& key, const Field& field) 
         return std::string{split(key.choices, '|')[static_cast<std::size_t>(field)]};
     } else if constexpr (std::is_integral_v<Field>) {
         if (field < key.least) return std::nullopt;
+        if (key.form == Form::can_id) return can_id_text(field);
         return key.form == Form::size ? size_text(field) : std::to_string(field);
     } else if constexpr (std::is_same_v<Field, Duration>) {
         return duration_text(field);

@@ -3,6 +3,7 @@
 #include <daemon/keys.hpp>
 #include <daemon/nearest.hpp>
 #include <daemon/values.hpp>
+#include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
 
 #include <algorithm>
@@ -27,6 +28,7 @@ std::string usual_name(const LinkSettings& link) {
     constexpr std::size_t longest = 60;    // leaves room for "-64" in what a name may have
     std::string name;
     if (link.kind == "serial") name = last_part(link.serial.device);
+    if (link.kind == "can") name = link.can.interface;
     if (link.kind == "pty") name = last_part(link.pty.path);
     if (link.kind == "sim") name = link.sim.device;
     if (link.kind == "udp-listen") name = link.kind + "-" + std::to_string(link.udp_listen.local.port);
@@ -64,6 +66,11 @@ bool collide(const Endpoint& a, const Endpoint& b) {
     return a.address == b.address || a.address.is_any() || b.address.is_any();
 }
 
+bool share_ids(const CanSettings& a, const CanSettings& b) {
+    if (a.framing != b.framing || a.extended != b.extended) return false;
+    return a.framing == CanFraming::stream ? CanIds{a}.base() == CanIds{b}.base() : a.rx == b.rx || a.tx == b.tx;
+}
+
 class Judge {
 public:
     explicit Judge(Draft& draft) : draft_{draft}, links_{draft.settings.links} {}
@@ -72,6 +79,7 @@ public:
         for (std::size_t i = 0; i < links_.size(); ++i) {
             link(i);
             if (links_[i].kind == "udp") udp(i);
+            if (links_[i].kind == "can") can(i);
             for (std::size_t k = 0; k < i; ++k) pair(k, i);
         }
         gateway();
@@ -114,6 +122,11 @@ private:
                   "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
     }
 
+    void can(std::size_t i) {
+        if (std::string fault = fault_of(links_[i].can); !fault.empty())
+            error(draft_.links[i], links_[i].can.framing == CanFraming::isotp ? "framing" : "base", std::move(fault));
+    }
+
     void pair(std::size_t first, std::size_t second) {
         const LinkSettings& a = links_[first];
         const LinkSettings& b = links_[second];
@@ -128,6 +141,9 @@ private:
                   "'device' " + in_quotes(b.serial.device) + " is used by " + who(first) + " already");
         if (!b.pty.path.empty() && a.pty.path == b.pty.path)
             error(origin, "path", "'path' " + in_quotes(b.pty.path) + " is made by " + who(first) + " already");
+        if (!b.can.interface.empty() && a.can.interface == b.can.interface && share_ids(a.can, b.can))
+            error(origin, "interface",
+                  "'interface' " + in_quotes(b.can.interface) + " is used by " + who(first) + " already, under the same CAN ids");
         if (const Endpoint local = local_endpoint(b); collide(local_endpoint(a), local))
             error(origin, b.kind == "udp" ? "bind" : "address",
                   "local port " + std::to_string(local.port) + " is used by " + who(first) + " already");

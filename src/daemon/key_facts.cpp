@@ -37,6 +37,7 @@ std::string expected(const KeyFacts& key) {
         case Form::boolean: return "true or false";
         case Form::integer: return "a whole number" + between(least, most);
         case Form::address: return "an address" + between(least, most) + " (or in hex such as 0x05)";
+        case Form::can_id: return "a CAN id such as 0x600, at most 0x1FFFFFFF";
         case Form::addresses: return "an address such as 0xDC or a range such as 30-40," + between(least, most);
         case Form::duration:
             return "a duration such as 500ms, 30s or 2m," + between(milliseconds(key.least), milliseconds(key.most));
@@ -65,6 +66,7 @@ std::string placeholder(const KeyFacts& key) {
         case Form::boolean: return "true|false";
         case Form::integer: return "NUMBER";
         case Form::address: return "ADDR";
+        case Form::can_id: return "CAN_ID";
         case Form::addresses: return "ADDR";
         case Form::duration: return "DURATION";
         case Form::size: return "SIZE";

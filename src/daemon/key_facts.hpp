@@ -9,11 +9,12 @@
 namespace anogate {
 
 /// How a value is written. On the command line and in a LINK text everything is text. In JSON a boolean and an integer
-/// are themselves, an address is a number or text, networks are a list, and all else is text.
+/// are themselves, an address and a CAN id are a number or text, networks are a list, and all else is text.
 enum class Form : std::uint8_t {
     boolean,
     integer,
     address,      // a hardware id
+    can_id,
     addresses,    // one, or a range of them
     duration,
     size,

@@ -37,6 +37,10 @@ constexpr auto address(std::string_view name, std::uint64_t least, std::uint64_t
     return row<Path...>({.name = name, .form = Form::address, .help = help, .least = least, .most = most});
 }
 template <auto... Path>
+constexpr auto can_id(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::can_id, .help = help, .least = 0, .most = 0x1FFF'FFFF});
+}
+template <auto... Path>
 constexpr auto duration(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::duration, .help = help, .least = least, .most = most});
 }
@@ -220,10 +224,11 @@ using L = LinkSettings;
 using R = RouteSettings;
 using Serial = SerialSettings;
 using Listen = UdpListenSettings;
+using Can = CanSettings;
 
 constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are nobody's
 constexpr std::uint64_t second = 1000, day = 24 * 3600 * second;
-constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_path = 107;
+constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_path = 107, longest_interface = 15;
 
 constexpr Key<G> gateway_rows[] = {
     address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
@@ -272,6 +277,21 @@ constexpr Key<L> link_rows[] = {
     endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
     endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") |
         of("udp"),
+
+    text<&L::can, &Can::interface>("interface", 1, longest_interface, "the CAN interface; its bit rate is the system's business") |
+        of("can") | needed,
+    choice<&L::can, &Can::framing>("framing", "stream|isotp",
+                                   "stream: the bytes of each frame in CAN frames under the sender's id; isotp: each frame "
+                                   "one ISO-TP PDU, for one peer device") |
+        of("can"),
+    boolean<&L::can, &Can::fd>("fd", "CAN FD frames of up to 64 bytes") | of("can"),
+    boolean<&L::can, &Can::brs>("brs", "with fd: data at the faster bit rate") | of("can"),
+    boolean<&L::can, &Can::extended>("extended", "29-bit CAN ids") | of("can"),
+    can_id<&L::can, &Can::base>("base", "first CAN id of stream framing, a multiple of 0x100 up to 0x700, or of 0x40000 with "
+                                        "extended (default: 0x600, extended 0x0AB00000)") |
+        of("can"),
+    can_id<&L::can, &Can::tx>("tx", "with isotp: the CAN id that we send by (default: none)") | of("can"),
+    can_id<&L::can, &Can::rx>("rx", "with isotp: the CAN id that we receive by (default: none)") | of("can"),
 
     text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") |
         as("PATH") | of("pty") | needed,

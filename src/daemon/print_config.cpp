@@ -33,6 +33,7 @@ Json json_of(const std::string& text, Form form) {
         }
         case Form::network:
         case Form::ip:
+        case Form::can_id:
         case Form::addresses:
         case Form::duration:
         case Form::size:

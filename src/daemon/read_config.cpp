@@ -54,6 +54,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::boolean: return value.is_boolean() ? std::optional{value.dump()} : std::nullopt;
         case Form::integer: return digits();
         case Form::address:
+        case Form::can_id:
         case Form::addresses:
         case Form::size: return value.is_string() ? text() : digits();
         case Form::networks: return networks_text(value);

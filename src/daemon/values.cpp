@@ -59,6 +59,17 @@ std::optional<std::uint8_t> parse_address(std::string_view text) {
     return static_cast<std::uint8_t>(*value);
 }
 
+std::optional<std::uint64_t> parse_can_id(std::string_view text) {
+    const bool hex = text.starts_with("0x") || text.starts_with("0X");
+    return hex ? parse_digits(text.substr(2), 16) : parse_digits(text, 10);
+}
+
+std::string can_id_text(std::uint64_t id) {
+    char text[19];
+    std::snprintf(text, sizeof text, "0x%llX", static_cast<unsigned long long>(id));
+    return text;
+}
+
 std::optional<AddressRange> parse_addresses(std::string_view text) {
     const std::size_t dash = text.find('-');
     const auto first = parse_address(text.substr(0, dash));

@@ -15,6 +15,9 @@ std::optional<bool> parse_boolean(std::string_view text);
 std::optional<std::uint64_t> parse_number(std::string_view text);
 /// A hardware id: 220 or 0xDC.
 std::optional<std::uint8_t> parse_address(std::string_view text);
+/// Decimal, or hex behind 0x.
+std::optional<std::uint64_t> parse_can_id(std::string_view text);
+std::string can_id_text(std::uint64_t id);
 
 /// Both included.
 struct AddressRange {

@@ -18,6 +18,7 @@ std::string seconds(ano::Duration d) {
 std::string nothing_at_all(const LinkFigures& link) {
     if (link.kind == "serial") return "nothing received yet: is the device powered, are RX and TX crossed?";
     if (link.listens && link.channels == 0) return "no peer yet: a peer is known after its first whole frame";
+    if (link.kind == "can") return "nothing received yet: bit rate, termination, and the same base on all nodes?";
     if (link.kind == "udp") return "nothing received yet from the peer";
     return {};
 }

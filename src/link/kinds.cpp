@@ -1,3 +1,4 @@
+#include <link/can_link.hpp>
 #include <link/kinds.hpp>
 #include <link/pty_link.hpp>
 #include <link/serial_link.hpp>
@@ -24,6 +25,7 @@ constexpr LinkKind kinds[] = {
      make<UdpListenLink>},
     {"udp", "address", "192.168.1.20:6670", "one fixed UDP peer; broadcast and multicast addresses too",
      make<UdpLink>},
+    {"can", "interface", "can0", "a CAN interface; absent, down or bus-off, it is waited for", make_can_link},
     {"pty", "path", "/run/anogate/app", "a pseudo-terminal, linked to PATH, for programs that expect a serial port",
      make<PtyLink>},
     {"sim", "device", "fc", "a simulated flight controller (0xDC) inside the process: demo, tests, development",

@@ -1,0 +1,42 @@
+// What a CAN controller told of the bus by error frames, and when.
+#pragma once
+#include <link/link.hpp>
+
+#include <linux/can.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+namespace anogate {
+
+class CanBus {
+public:
+    enum class State : std::uint8_t { active, warning, passive, off };
+
+    /// `frame` is an error frame.
+    void note(const can_frame& frame, TimePoint now) noexcept;
+    State state() const noexcept { return state_; }
+    /// The controller begins anew: whatever was is over.
+    void came_up() noexcept { state_ = State::active; }
+
+    void add_facts(LinkFacts& facts, TimePoint now) const;
+    /// What a user should know of the state; empty while all is well.
+    std::string trouble() const;
+
+private:
+    enum Event : std::uint8_t { warning, passive, off, restarted, overflow, events };
+    struct Seen {
+        std::int64_t count = 0;
+        TimePoint last{};
+    };
+    void seen(Event event, TimePoint now) noexcept {
+        ++seen_[event].count;
+        seen_[event].last = now;
+    }
+
+    State state_ = State::active;
+    std::array<Seen, events> seen_{};
+};
+
+}  // namespace anogate

@@ -1,0 +1,94 @@
+#include <link/can_link.hpp>
+#include <link/errors.hpp>
+#include <link/feed.hpp>
+
+#include <fcntl.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <thread>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t largest_pdu = 4095;    // without the escape of ISO 15765-2:2016, which few devices know
+
+}  // namespace
+
+CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
+    : CanLink{id, settings, context} {}
+
+OpenedSocket CanIsotpLink::open_wire() {
+    trouble_.clear();
+    return open_can_isotp(can());
+}
+
+// The kernel waits in close() until a transfer that has begun ends: for a peer that does not answer, a second.
+void CanIsotpLink::close_wire() noexcept {
+    if (!is_open()) return;
+    const int copy = ::fcntl(fd(), F_DUPFD_CLOEXEC, 0);
+    descriptor_.close();
+    if (copy < 0) return;
+    try {
+        std::thread{[copy] { ::close(copy); }}.detach();
+    } catch (const std::system_error&) {
+        ::close(copy);
+    }
+}
+
+void CanIsotpLink::read() {
+    const int count = context_.batch.receive(fd());
+    if (count < 0) {
+        const int error = errno;
+        if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error_text(can(), error));
+        ++transfer_errors_;
+        trouble_ = error == ECOMM || error == ETIMEDOUT ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
+                                                        : "a transfer failed: " + error_text(error);
+        return;
+    }
+    const TimePoint now = context_.host.now();
+    const auto on_frame = [this](ano::FrameView frame) { context_.host.receive(channel(), frame); };
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        feed_datagram(channel().parser, context_.batch.datagram(i), now, on_frame);
+        channel().parser.finish();    // a PDU is a whole frame or none
+        while (const auto frame = channel().parser.next()) on_frame(*frame);
+        trouble_.clear();
+    }
+    context_.host.flush();
+}
+
+void CanIsotpLink::write() {
+    std::array<std::span<const std::uint8_t>, 1> frame;
+    Outbox& outbox = channel().outbox;
+    while (is_open() && outbox.gather(frame) > 0) {
+        if (frame[0].size() > largest_pdu) {
+            outbox.drop_frame(&SendCounters::too_big);
+            continue;
+        }
+        if (::send(fd(), frame[0].data(), frame[0].size(), MSG_DONTWAIT) >= 0) {
+            outbox.sent_frame();
+            found_room();
+        } else if (errno == EAGAIN) {
+            return wait_for_room(true);
+        } else if (errno == ENOBUFS || errno == ENOMEM) {
+            return wait_for_room(false);
+        } else if (errno != EINTR) {
+            return fail(can_error_text(can(), errno));
+        }
+    }
+}
+
+LinkFacts CanIsotpLink::facts() const {
+    LinkFacts facts = CanLink::facts();
+    facts.push_back({"transfer_errors", transfer_errors_});
+    return facts;
+}
+
+std::string CanIsotpLink::trouble() const {
+    if (std::string trouble = CanLink::trouble(); !trouble.empty()) return trouble;
+    return trouble_;
+}
+
+}  // namespace anogate

@@ -1,0 +1,110 @@
+// A CAN interface: absent, down, bus-off, removed and back. How V8 frames ride on it is the business of the two below.
+#pragma once
+#include <gateway/backoff.hpp>
+#include <gateway/can_stream.hpp>
+#include <link/can_bus.hpp>
+#include <link/can_socket.hpp>
+#include <link/descriptor.hpp>
+#include <link/link_context.hpp>
+
+#include <memory>
+
+namespace anogate {
+
+/// The link of the framing that `settings` say.
+std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context);
+
+class CanLink : public Link {
+public:
+    CanLink(LinkId id, LinkSettings settings, const LinkContext& context);
+
+    void start() override;
+    void stop_reading() override;
+    void stop() override;
+    void flush(Channel&) override { write(); }
+    LinkFacts facts() const override;
+    std::string trouble() const override;
+
+protected:
+    virtual OpenedSocket open_wire() = 0;
+    virtual void read() = 0;
+    virtual void write() = 0;
+    /// The wire has gone: what waited for its rest is given up.
+    virtual void lost() = 0;
+    virtual void close_wire() noexcept { descriptor_.close(); }
+
+    /// The wire is gone: closes it, says why, and tries again later.
+    void fail(std::string why);
+    /// Nothing more can be sent now: write() is called when there is room. The kernel tells when (EAGAIN), or does not
+    /// (ENOBUFS: the interface's own queue is full, maybe with the frames of others).
+    void wait_for_room(bool kernel_tells);
+    /// Something was sent.
+    void found_room() noexcept;
+
+    const CanSettings& can() const noexcept { return settings().can; }
+    int fd() const noexcept { return descriptor_.fd(); }
+    bool is_open() const noexcept { return descriptor_.is_open(); }
+    Channel& channel() noexcept { return *channel_; }
+
+    LinkContext context_;
+    Descriptor descriptor_;
+
+private:
+    void try_open();
+    void watch_bus();
+    void read_errors();
+
+    Descriptor errors_;    // a socket of its own: error frames tell of the bus under either framing, and while the link is down
+    CanBus bus_;
+    Channel* channel_ = nullptr;
+    Backoff backoff_;
+    Alarm retry_;
+    Alarm again_;
+    Duration pause_;                           // till the next try when the kernel does not tell
+    bool woken_ = false;                       // because there was room, and nothing was sent since
+    std::optional<TimePoint> blocked_since_;
+    std::int64_t old_kernel_drops_ = 0;        // of sockets closed before
+};
+
+/// framing=stream, by a raw socket.
+class CanStreamLink final : public CanLink {
+public:
+    CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context);
+    ~CanStreamLink() override;
+    void stop() override;
+    LinkFacts facts() const override;
+
+private:
+    OpenedSocket open_wire() override;
+    void read() override;
+    void write() override;
+    void lost() override;
+    void expire();
+    void batch_ends();
+
+    struct Batch;    // room for many CAN frames in one system call
+    std::unique_ptr<Batch> batch_;
+    CanCutter cutter_;
+    CanStreams streams_;
+    Alarm expiry_;
+};
+
+/// framing=isotp: one V8 frame is one PDU, by the kernel's ISO-TP socket. For one peer device.
+class CanIsotpLink final : public CanLink {
+public:
+    CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context);
+    LinkFacts facts() const override;
+    std::string trouble() const override;
+
+private:
+    OpenedSocket open_wire() override;
+    void read() override;
+    void write() override;
+    void lost() override {}
+    void close_wire() noexcept override;
+
+    std::int64_t transfer_errors_ = 0;
+    std::string trouble_;
+};
+
+}  // namespace anogate

@@ -1,0 +1,132 @@
+#include <gateway/can_stream.hpp>
+#include <link/can_socket.hpp>
+#include <link/errors.hpp>
+
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/isotp.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+// The kernel charges some 0.8 KB a frame. Bursts overflow its default of 208 KiB.
+constexpr int receive_buffer = 4 << 20;
+// The least the kernel allows, some six frames: what waits in the kernel no urgent frame can overtake, and a queue shorter
+// than the interface's own (10 by default) fills with EAGAIN and a wake-up, not with ENOBUFS and none.
+constexpr int send_buffer = 1;
+
+std::string no_socket_text(int error, const char* what, const char* module) {
+    if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT || error == ESOCKTNOSUPPORT)
+        return std::string{"this kernel has no "} + what + " (module " + module + ")";
+    return error_text(std::string{"no "} + what + " socket", error);
+}
+
+ifreq request_for(const std::string& interface) {
+    ifreq request{};
+    interface.copy(request.ifr_name, IFNAMSIZ - 1);
+    return request;
+}
+
+canid_t with_flag(const CanSettings& can, std::uint32_t id) { return can.extended ? id | CAN_EFF_FLAG : id; }
+
+OpenedSocket bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
+    ifreq request = request_for(can.interface);
+    if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return {{}, can_error_text(can, errno)};
+    address.can_family = AF_CAN;
+    address.can_ifindex = request.ifr_ifindex;
+    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+        return {{}, can_error_text(can, errno)};
+    return {std::move(fd), {}};
+}
+
+OpenedSocket raw_socket() {
+    UniqueFd fd{::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
+    if (!fd) return {{}, no_socket_text(errno, "CAN", "can-raw")};
+    return {std::move(fd), {}};
+}
+
+}  // namespace
+
+bool can_bus_is_off(const std::string& interface) {
+    char carrier = '1';
+    std::ifstream{"/sys/class/net/" + interface + "/carrier"}.get(carrier);
+    return carrier == '0';
+}
+
+std::string can_interface_fault(const CanSettings& can) {
+    const std::string& name = can.interface;
+    const OpenedSocket any = raw_socket();
+    if (!any.fd) return any.error;
+    ifreq request = request_for(name);
+    if (::ioctl(any.fd.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);
+    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return name + " is no CAN interface";
+    if (::ioctl(any.fd.get(), SIOCGIFFLAGS, &request) != 0) return can_error_text(can, errno);
+    if ((request.ifr_flags & IFF_UP) == 0) return can_error_text(can, ENETDOWN);
+    if (can_bus_is_off(name)) return name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back";
+    if (can.fd && ::ioctl(any.fd.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
+        return name + " carries no CAN FD frames now: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)";
+    return {};
+}
+
+std::string can_error_text(const CanSettings& can, int error) {
+    switch (error) {
+    case ENODEV: return "there is no interface " + can.interface;
+    case ENETDOWN: return can.interface + " is down: ip link set " + can.interface + " up";
+    default: return error_text(can.interface, error);
+    }
+}
+
+OpenedSocket open_can_stream(const CanSettings& can) {
+    OpenedSocket opened = raw_socket();
+    if (!opened.fd) return opened;
+    const int fd = opened.fd.get();
+    std::vector<can_filter> filters;
+    const canid_t kind = CAN_EFF_FLAG | CAN_RTR_FLAG;
+    for (const auto [id, mask] : CanIds{can}.filters()) filters.push_back({with_flag(can, id), mask | kind});
+    const int on = 1;
+    const auto size = static_cast<socklen_t>(filters.size() * sizeof filters[0]);
+    if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0 ||
+        (can.fd && ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0))
+        return {{}, can_error_text(can, errno)};
+    if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer, sizeof receive_buffer) != 0)
+        ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
+    return bound(std::move(opened.fd), can);
+}
+
+OpenedSocket open_can_isotp(const CanSettings& can) {
+    UniqueFd fd{::socket(PF_CAN, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_ISOTP)};
+    if (!fd) return {{}, no_socket_text(errno, "ISO-TP", "can-isotp")};
+    if (can.fd) {
+        can_isotp_ll_options link_layer{};
+        link_layer.mtu = CANFD_MTU;
+        link_layer.tx_dl = CANFD_MAX_DLEN;
+        link_layer.tx_flags = can.brs ? CANFD_BRS : 0;
+        if (::setsockopt(fd.get(), SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &link_layer, sizeof link_layer) != 0)
+            return {{}, can_error_text(can, errno)};
+    }
+    sockaddr_can address{};
+    address.can_addr.tp.tx_id = with_flag(can, can.tx.value_or(0));
+    address.can_addr.tp.rx_id = with_flag(can, can.rx.value_or(0));
+    return bound(std::move(fd), can, address);
+}
+
+OpenedSocket open_can_errors(const CanSettings& can) {
+    OpenedSocket opened = raw_socket();
+    if (!opened.fd) return opened;
+    const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
+    ::setsockopt(opened.fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
+    ::setsockopt(opened.fd.get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
+    return bound(std::move(opened.fd), can);
+}
+
+}  // namespace anogate

@@ -1,0 +1,122 @@
+#include <link/can_link.hpp>
+
+#include <linux/can.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace anogate {
+
+struct CanStreamLink::Batch {
+    static constexpr std::size_t most = CanCutter::most;
+
+    int receive(int fd) noexcept {
+        prepare(sizeof(canfd_frame));
+        const int count = ::recvmmsg(fd, messages.data(), most, MSG_DONTWAIT, nullptr);
+        return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
+    }
+    std::span<const std::uint8_t> data(std::size_t i) const noexcept {
+        const std::size_t room = messages[i].msg_len == CANFD_MTU ? CANFD_MAX_DLEN : CAN_MAX_DLEN;
+        return {frames[i].data, std::min<std::size_t>(frames[i].len, room)};
+    }
+
+    void fill(std::span<const CanCutter::Piece> pieces, const CanSettings& can) noexcept {
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            canfd_frame& frame = frames[i];
+            frame = {};
+            frame.can_id = pieces[i].id | (can.extended ? CAN_EFF_FLAG : 0);
+            frame.len = pieces[i].size;
+            if (can.fd && can.brs) frame.flags = CANFD_BRS;
+            std::memcpy(frame.data, pieces[i].bytes.data(), pieces[i].bytes.size());
+        }
+        prepare(can.fd ? CANFD_MTU : CAN_MTU);
+    }
+
+    void prepare(std::size_t size) noexcept {
+        for (std::size_t i = 0; i < most; ++i) {
+            rooms[i] = {&frames[i], size};
+            messages[i] = {};
+            messages[i].msg_hdr.msg_iov = &rooms[i];
+            messages[i].msg_hdr.msg_iovlen = 1;
+        }
+    }
+
+    std::array<canfd_frame, most> frames;
+    std::array<iovec, most> rooms;
+    std::array<mmsghdr, most> messages;
+};
+
+CanStreamLink::CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
+    : CanLink{id, settings, context},
+      batch_{new Batch},
+      cutter_{settings.can},
+      streams_{settings.can, settings.max_data},
+      expiry_{context.alarms, [this] { expire(); }} {}
+
+CanStreamLink::~CanStreamLink() = default;
+
+void CanStreamLink::stop() {
+    expiry_.cancel();
+    CanLink::stop();
+}
+
+OpenedSocket CanStreamLink::open_wire() { return open_can_stream(can()); }
+
+void CanStreamLink::read() {
+    const int count = batch_->receive(fd());
+    if (count < 0) return fail(can_error_text(can(), errno));
+    const TimePoint now = context_.host.now();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+        streams_.receive(batch_->frames[i].can_id & CAN_EFF_MASK, batch_->data(i), now,
+                         [this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
+    batch_ends();
+}
+
+void CanStreamLink::expire() {
+    streams_.expire(context_.host.now(), [this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
+    batch_ends();
+}
+
+void CanStreamLink::lost() {
+    expiry_.cancel();
+    cutter_.reset();
+    streams_.finish([this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
+    batch_ends();
+}
+
+void CanStreamLink::batch_ends() {
+    channel().beside = streams_.received();
+    if (const auto due = streams_.deadline()) expiry_.set(*due);
+    context_.host.flush();
+}
+
+void CanStreamLink::write() {
+    std::array<std::span<const std::uint8_t>, Batch::most> frames;
+    Outbox& outbox = channel().outbox;
+    while (is_open() && !outbox.empty()) {
+        const auto pieces = cutter_.cut(std::span{frames}.first(outbox.gather(frames)));
+        batch_->fill(pieces, can());
+        const int n = ::sendmmsg(fd(), batch_->messages.data(), static_cast<unsigned>(pieces.size()), MSG_DONTWAIT);
+        if (n > 0) {
+            outbox.sent(cutter_.taken(static_cast<std::size_t>(n)));
+            found_room();
+        } else if (n == 0 || errno == EAGAIN) {
+            return wait_for_room(true);
+        } else if (errno == ENOBUFS || errno == ENOMEM) {
+            return wait_for_room(false);
+        } else if (errno != EINTR) {
+            return fail(can_error_text(can(), errno));
+        }
+    }
+}
+
+LinkFacts CanStreamLink::facts() const {
+    LinkFacts facts = CanLink::facts();
+    facts.push_back({"wrong_source", static_cast<std::int64_t>(streams_.wrong_source())});
+    return facts;
+}
+
+}  // namespace anogate
