@@ -64,15 +64,20 @@ bool can_bus_is_off(const std::string& interface) {
 
 std::string can_interface_fault(const CanSettings& can) {
     const std::string& name = can.interface;
-    const OpenedSocket any = raw_socket();
-    if (!any.fd) return any.error;
+    static bool kernel_has_can = false;    // once known, not asked again: to close a CAN socket takes the kernel a while
+    if (!kernel_has_can) {
+        const OpenedSocket can_socket = raw_socket();
+        if (!can_socket.fd) return can_socket.error;
+        kernel_has_can = true;
+    }
+    const UniqueFd any{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     ifreq request = request_for(name);
-    if (::ioctl(any.fd.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);
+    if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);
     if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return name + " is no CAN interface";
-    if (::ioctl(any.fd.get(), SIOCGIFFLAGS, &request) != 0) return can_error_text(can, errno);
+    if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return can_error_text(can, errno);
     if ((request.ifr_flags & IFF_UP) == 0) return can_error_text(can, ENETDOWN);
     if (can_bus_is_off(name)) return name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back";
-    if (can.fd && ::ioctl(any.fd.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
+    if (can.fd && ::ioctl(any.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
         return name + " carries no CAN FD frames now: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)";
     return {};
 }
