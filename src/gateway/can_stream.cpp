@@ -1,3 +1,4 @@
+#include <ano/traffic.hpp>
 #include <gateway/can_stream.hpp>
 
 #include <algorithm>
@@ -11,17 +12,7 @@ constexpr std::uint32_t last_standard_id = 0x7FF;
 constexpr std::uint32_t last_extended_id = 0x1FFF'FFFF;
 constexpr std::uint32_t standard_range = 0x100;      // of ids that one base spans
 constexpr std::uint32_t extended_range = 0x4'0000;
-constexpr std::uint32_t last_class = 2;
-
-// Protocol text, section 5.
-std::uint32_t traffic_class(std::uint8_t id) noexcept {
-    switch (id) {
-    case 0x00: case 0x40: case 0x41: case 0x60: case 0x61: case 0xC0: case 0xC1: case 0xC2:
-    case 0xE0: case 0xE1: case 0xE2: case 0xE3: case 0xF0: return 0;
-    case 0x20: case 0x21: case 0x51: case 0xA0: case 0xA1: return 1;
-    default: return (id >= 0x01 && id <= 0x0F) || (id >= 0x30 && id <= 0x35) ? 1 : 2;
-    }
-}
+constexpr auto last_class = static_cast<std::uint32_t>(ano::TrafficClass::bulk);
 
 std::string hex(std::uint32_t number) {
     char text[16];
@@ -53,7 +44,7 @@ std::string fault_of(const CanSettings& can) {
 std::uint32_t CanIds::of(std::span<const std::uint8_t> header) const noexcept {
     const std::uint32_t source = header[1];
     if (!extended_) return base_ + source;
-    return base_ + (traffic_class(header[3]) << 16) + (source << 8) + header[2];
+    return base_ + (static_cast<std::uint32_t>(ano::traffic_class_of(header[3])) << 16) + (source << 8) + header[2];
 }
 
 std::optional<std::uint8_t> CanIds::source(std::uint32_t id) const noexcept {

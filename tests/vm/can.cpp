@@ -1,5 +1,6 @@
 // CAN links on a kernel that has SocketCAN, with can-utils as the other side. Runs in a network namespace of its own, where CAN
 // is: on such a host, and in the machine of tests/vm/machine.
+#include "can_rate.hpp"
 #include "process.hpp"
 #include "running_gateway.hpp"
 #include "udp_app.hpp"
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <thread>
 
@@ -429,6 +431,34 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
     got.resize(size);
     EXPECT_EQ(got, back);
     ::close(pty);
+}
+
+// The README's table stands on these counts.
+TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
+    for (const bool fd : {false, true}) {
+        for (const bool isotp : {false, true}) {
+            const std::string options = std::string{fd ? ",fd" : ""} + (isotp ? ",framing=isotp" : "");
+            UdpApp far;
+            RunningGateway a{loop, {"can:vcan0" + options + (isotp ? ",tx=1,rx=2" : ""), app.link("app")}};
+            RunningGateway b{loop, {"can:vcan0" + options + (isotp ? ",tx=2,rx=1" : ""), far.link("app")}};
+            for (const std::size_t size : {0u, 4u, 13u, 50u, 54u, 55u, 200u}) {
+                const auto counted = [] {
+                    std::array<std::uint64_t, 2> counts{};    // frames and bytes of vcan0
+                    std::ifstream list{"/proc/self/net/dev"};
+                    for (std::string word; list >> word;)
+                        if (word == "vcan0:") list >> counts[1] >> counts[0];
+                    return counts;
+                };
+                const auto before = counted();
+                app.send(frame(0xFE, 0xFF, 0xB0, data_of(size)), a.port("app"));
+                EXPECT_EQ(received(far, 1).size(), 1u);
+                const auto after = counted();
+                const auto sizes = isotp ? can_rate::isotp(size + 8, fd) : can_rate::stream(size + 8, fd);
+                EXPECT_EQ(after[0] - before[0], sizes.size()) << size << options;
+                EXPECT_EQ(after[1] - before[1], std::accumulate(sizes.begin(), sizes.end(), std::size_t{0})) << size << options;
+            }
+        }
+    }
 }
 
 // A sender that keeps a window of frames on the way: UDP to A, CAN to B, UDP to the far app.

@@ -261,6 +261,18 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     } else if (link.kind == "udp") {
         link.udp.peer = random_endpoint(random, v6);
         if (random.one_in(2)) link.udp.bind = Endpoint{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0};
+    } else if (link.kind == "can") {
+        link.can.interface = "can" + unique;
+        link.can.fd = random.one_in(2);
+        link.can.brs = random.one_in(2);
+        link.can.extended = random.one_in(2);
+        if (random.one_in(2)) {
+            link.can.framing = CanFraming::isotp;
+            link.can.tx = random.below(0x800u);
+            link.can.rx = 0x7FF - *link.can.tx;
+        } else if (random.one_in(2)) {
+            link.can.base = random.below(8u) * (link.can.extended ? 0x40000 : 0x100);
+        }
     } else if (link.kind == "pty") {
         link.pty.path = "/tmp/ü " + unique;
     } else {
