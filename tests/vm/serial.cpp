@@ -1,0 +1,152 @@
+// Serial links on real drivers: a USB port of dummy_hcd and g_serial that is plugged and pulled, and two 16550 UARTs joined as a
+// null modem. Needs the machine of tests/vm/machine, or one like it.
+#include "process.hpp"
+#include "running_gateway.hpp"
+#include "udp_app.hpp"
+
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+
+#include <filesystem>
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::frame;
+using support::Loop;
+using support::run;
+using support::RunningGateway;
+using support::UdpApp;
+
+namespace {
+
+bool in_vm() { return std::getenv("ANOGATE_IN_VM") != nullptr; }
+
+Bytes data_of(std::size_t size, std::uint8_t first) {
+    Bytes data(size);
+    for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(first + i);
+    return data;
+}
+
+// The far end of a serial line, as a device's firmware has it.
+class Device {
+public:
+    explicit Device(const std::string& path, speed_t rate = B115200) : fd_{::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK)} {
+        termios line{};
+        ::tcgetattr(fd_, &line);
+        ::cfmakeraw(&line);
+        ::cfsetspeed(&line, rate);
+        ::tcsetattr(fd_, TCSANOW, &line);
+    }
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+    ~Device() { ::close(fd_); }
+    int fd() const { return fd_; }
+    void send(const Bytes& bytes) {
+        if (::write(fd_, bytes.data(), bytes.size()) < 0) ++failed_;
+    }
+    std::vector<Bytes> frames() {
+        std::vector<Bytes> all;
+        for (;;) {
+            const auto room = parser_.prepare();
+            const ssize_t n = ::read(fd_, room.data(), room.size());
+            if (n <= 0) return all;
+            parser_.commit(static_cast<std::size_t>(n), ano::Clock::now());
+            while (const auto f = parser_.next()) all.emplace_back(f->bytes().begin(), f->bytes().end());
+        }
+    }
+
+private:
+    int fd_;
+    int failed_ = 0;
+    ano::FrameParser parser_{ano::FrameParser::Options{}};
+};
+
+struct Serial : testing::Test {
+    std::size_t received(Device& from, std::size_t count) {
+        std::size_t n = 0;
+        loop.until([&] { return (n += from.frames().size()) >= count; });
+        return n;
+    }
+    std::size_t received(UdpApp& from, std::size_t count) {
+        std::size_t n = 0;
+        loop.until([&] { return (n += from.frames().size()) >= count; });
+        return n;
+    }
+    Loop loop;
+    UdpApp app;
+};
+
+}    // namespace
+
+TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
+    if (!in_vm()) GTEST_SKIP() << "loads and unloads kernel modules: only in tests/vm/machine";
+    ASSERT_EQ(run("modprobe dummy_hcd && modprobe cdc-acm"), 0);
+    UdpApp other;
+    RunningGateway gateway{loop, {"serial:/dev/ttyACM0", app.link("app"), other.link("other")}};
+    EXPECT_EQ(gateway.link("ttyACM0")["state"], "waiting");
+    const std::uint16_t to = gateway.port("app");
+    for (std::uint8_t turn = 0; turn < 10; ++turn) {
+        ASSERT_EQ(run("modprobe g_serial"), 0);
+        ASSERT_TRUE(loop.until([&] { return std::filesystem::exists("/dev/ttyGS0") && gateway.up("ttyACM0"); })) << int{turn} << gateway.link("ttyACM0");
+        {
+            Device device{"/dev/ttyGS0"};
+            ASSERT_GE(device.fd(), 0);
+            device.send(frame(0xDC, 0xFE, 0x03, data_of(20, turn)));
+            EXPECT_GE(received(app, 1), 1u) << int{turn};
+            std::size_t got = 0;
+            for (std::uint8_t n = 0; n < 20; ++n) app.send(frame(0xFE, 0xDC, 0xE1, data_of(20, n)), to);
+            EXPECT_GE(got += received(device, 20), 20u) << int{turn};
+            for (std::uint8_t n = 0; n < 50; ++n) {    // in the middle of this the plug is pulled
+                device.send(frame(0xDC, 0xFE, 0x03, data_of(20, n)));
+                app.send(frame(0xFE, 0xDC, 0xE1, data_of(20, n)), to);
+            }
+            loop.turn();
+        }
+        ASSERT_EQ(run("modprobe -r g_serial"), 0);
+        ASSERT_TRUE(loop.until([&] { return !gateway.up("ttyACM0"); }));
+        app.frames();
+        other.send(frame(5, 0xFE, 0x03), gateway.port("other"));
+        EXPECT_GE(received(app, 1), 1u) << "the other links go on";
+    }
+    const auto link = gateway.link("ttyACM0");
+    EXPECT_GE(link["frames_in"], 10);
+    EXPECT_GE(link["frames_out"], 200);
+}
+
+TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
+    if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
+    for (const std::string baud : {"115200", "500000", "57600", "123456", "9600"}) {
+        UdpApp far;
+        RunningGateway a{loop, {"serial:/dev/ttyS1,baud=" + baud, app.link("app")}};
+        RunningGateway b{loop, {"serial:/dev/ttyS2,baud=" + baud, far.link("app")}};
+        ASSERT_TRUE(a.up("ttyS1") && b.up("ttyS2")) << baud << a.link("ttyS1")["error"] << b.link("ttyS2")["error"];
+        for (std::uint8_t n = 0; n < 30; ++n) app.send(frame(0xFE, 0xFF, 0xE1, data_of(50, n)), a.port("app"));
+        EXPECT_EQ(received(far, 30), 30u) << baud;
+        EXPECT_EQ(b.count("ttyS2", "skipped_bytes"), 0u) << baud;
+    }
+}
+
+TEST_F(Serial, modem_lines_are_held_as_told) {
+    if (!in_vm()) GTEST_SKIP() << "needs a UART: only in tests/vm/machine";
+    for (const bool on : {true, false}) {
+        const std::string word = on ? "true" : "false";
+        RunningGateway gateway{loop, {"serial:/dev/ttyS1,baud=115200,dtr=" + word + ",rts=" + word}};
+        ASSERT_TRUE(gateway.up("ttyS1")) << gateway.link("ttyS1")["error"];
+        Device same{"/dev/ttyS1"};    // the driver's own answer; fails where the gateway holds it exclusively
+        int lines = 0;
+        if (same.fd() < 0) GTEST_SKIP() << "the port is held exclusively, even against root";
+        ASSERT_EQ(::ioctl(same.fd(), TIOCMGET, &lines), 0);
+        EXPECT_EQ((lines & TIOCM_DTR) != 0, on);
+        EXPECT_EQ((lines & TIOCM_RTS) != 0, on);
+    }
+}
+
+int main(int argc, char** argv) {
+    testing::InitGoogleTest(&argc, argv);
+    spdlog::set_level(spdlog::level::off);
+    return RUN_ALL_TESTS();
+}
