@@ -62,7 +62,7 @@ void CanIsotpLink::read() {
 void CanIsotpLink::write() {
     std::array<std::span<const std::uint8_t>, 1> frame;
     Outbox& outbox = channel().outbox;
-    while (is_open() && outbox.gather(frame) > 0) {
+    while (is_open() && outbox.gather(frame, context_.host.now()) > 0) {
         if (frame[0].size() > largest_pdu) {
             outbox.drop_frame(&SendCounters::too_big);
             continue;

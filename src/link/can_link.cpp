@@ -100,6 +100,7 @@ void CanLink::read_errors() {
 void CanLink::wait_for_room(bool kernel_tells) {
     const TimePoint now = context_.host.now();
     if (!blocked_since_) blocked_since_ = now;
+    channel_->outbox.set_congested();
     if (kernel_tells && !woken_) {
         descriptor_.when_writable([this] {
             woken_ = true;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <vector>
 
 namespace anogate {
@@ -28,6 +29,14 @@ std::string no_socket_text(int error, const char* what, const char* module) {
     if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT || error == ESOCKTNOSUPPORT)
         return std::string{"this kernel has no "} + what + " (module " + module + ")";
     return error_text(std::string{"no "} + what + " socket", error);
+}
+
+// Asked by ioctl for an interface that is absent, the kernel would start modprobe each time.
+bool is_there(const std::string& interface) {
+    const std::unique_ptr<struct if_nameindex, decltype(&::if_freenameindex)> list{::if_nameindex(), &::if_freenameindex};
+    for (const auto* i = list.get(); i && i->if_index != 0; ++i)
+        if (interface == i->if_name) return true;
+    return false;
 }
 
 ifreq request_for(const std::string& interface) {
@@ -70,6 +79,7 @@ std::string can_interface_fault(const CanSettings& can) {
         if (!can_socket.fd) return can_socket.error;
         kernel_has_can = true;
     }
+    if (!is_there(name)) return can_error_text(can, ENODEV);
     const UniqueFd any{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     ifreq request = request_for(name);
     if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);

@@ -96,8 +96,10 @@ void CanStreamLink::batch_ends() {
 void CanStreamLink::write() {
     std::array<std::span<const std::uint8_t>, Batch::most> frames;
     Outbox& outbox = channel().outbox;
-    while (is_open() && !outbox.empty()) {
-        const auto pieces = cutter_.cut(std::span{frames}.first(outbox.gather(frames)));
+    while (is_open()) {
+        const std::size_t count = outbox.gather(frames, context_.host.now());
+        if (count == 0) return;
+        const auto pieces = cutter_.cut(std::span{frames}.first(count));
         batch_->fill(pieces, can());
         const int n = ::sendmmsg(fd(), batch_->messages.data(), static_cast<unsigned>(pieces.size()), MSG_DONTWAIT);
         if (n > 0) {

@@ -393,6 +393,31 @@ TEST_F(Can, a_full_queue_never_cuts_a_frame) {
     EXPECT_EQ(there.count("far", "skipped_bytes"), 0u);
 }
 
+// A slow bus that another program keeps full; images wait, and commands among them.
+// Holds once the gateway says how a frame is to be treated: Outbox::push(frame, treatment, now).
+TEST_F(Can, DISABLED_urgent_frames_leave_first_beside_a_saturated_bus) {
+    ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
+    ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);
+    UdpApp far;
+    RunningGateway near{loop, {"can:vcan0,queue=65536", app.link("app")}};
+    RunningGateway there{loop, {"can:vcan0", far.link("app")}};
+    Process beside{"cangen vcan0 -g 1 -i -I 123 -L 8"};
+    for (std::uint8_t n = 0; n < 200; ++n) app.send(frame(0xDF, 0xFF, 0xB0, data_of(200, n)), near.port("app"));
+    EXPECT_TRUE(loop.until([&] { return near.count("vcan0", "waiting") > 100; }));
+    app.send(frame(0xFE, 0xFF, 0xC0, data_of(11)), near.port("app"));
+    std::size_t images = 0;
+    bool commanded = false;
+    loop.until([&] {
+        for (const Bytes& f : far.frames()) {
+            if (f[3] == 0xC0) commanded = true;
+            else if (!commanded) ++images;
+        }
+        return commanded;
+    }, 60s);
+    EXPECT_TRUE(commanded);
+    EXPECT_GT(near.count("vcan0", "waiting"), 100u) << images << " images came before it";
+}
+
 TEST_F(Can, two_gateways_joined_by_one_bus) {
     for (const std::string options : {"", ",fd", ",extended", ",fd,extended"}) {
         UdpApp far;

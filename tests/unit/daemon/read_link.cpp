@@ -77,6 +77,24 @@ TEST(LinkText, udp) {
     EXPECT_FALSE(link_of("udp:255.255.255.255:6670").udp.bind);
 }
 
+TEST(LinkText, can) {
+    const LinkSettings link = link_of("can:can0,fd,brs=no,extended,base=0x40000");
+    LinkSettings expected;
+    expected.kind = "can";
+    expected.name = "can0";
+    expected.can = {"can0", CanFraming::stream, true, false, true, 0x40000, {}, {}};
+    EXPECT_EQ(link, expected);
+    const CanSettings isotp = link_of("can:can0,framing=isotp,tx=0x7E0,rx=2024").can;
+    EXPECT_EQ(isotp.framing, CanFraming::isotp);
+    EXPECT_EQ(isotp.tx, 0x7E0u);
+    EXPECT_EQ(isotp.rx, 0x7E8u);
+    EXPECT_FALSE(isotp.base);
+    EXPECT_EQ(fault_of("can:can0,base=0x601"), "base is a multiple of 0x100 up to 0x700 (11-bit ids)");
+    EXPECT_EQ(fault_of("can:can0,base=0x20000000"),
+              "'base' must be a CAN id such as 0x600, at most 0x1FFFFFFF, not '0x20000000'");
+    EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
+}
+
 TEST(LinkText, pty) {
     EXPECT_EQ(link_of("pty:/run/anogate/app").pty.path, "/run/anogate/app");
 }
@@ -157,7 +175,7 @@ TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
     EXPECT_EQ(fault_of(""), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
     EXPECT_EQ(fault_of("serail:/dev/x"),
-              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, pty, sim");
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, pty, sim");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");
