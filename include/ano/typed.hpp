@@ -23,10 +23,14 @@ namespace detail {
 
 template <Name M, Name Label>
 consteval std::size_t row_index() {
-    const Message* base = find_message(M.view());
-    if (base == nullptr) table_error::no_message_has_this_name();
-    for (const Message& row : layouts_of(base->id))
-        if (row.variant.label == Label.view()) return static_cast<std::size_t>(&row - messages.data());
+    // By index, not by pointer: under UBSan, GCC 12 does not compare an address with null in a constant expression.
+    bool named = false;
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+        if (messages[i].name != M.view()) continue;
+        named = true;
+        if (messages[i].variant.label == Label.view()) return i;
+    }
+    if (!named) table_error::no_message_has_this_name();
     table_error::the_message_has_no_such_layout();
     return 0;
 }
@@ -36,9 +40,10 @@ inline constexpr const Message& row = table::messages[row_index<M, Label>()];
 
 template <Name M, Name Label, Name F>
 consteval const Field& field() {
-    const Field* f = row<M, Label>.field(F.view());
-    if (f == nullptr) table_error::the_layout_has_no_such_field();
-    return *f;
+    for (const Field& f : row<M, Label>.fields())
+        if (f.name == F.view()) return f;
+    table_error::the_layout_has_no_such_field();
+    return row<M, Label>.fields().front();
 }
 
 // clang-format off
