@@ -119,12 +119,12 @@ public:
     /// before. A sender that repeats one and the same state, such as sticks that rest, is still heard when its link
     /// fails: once the member that brought it repeatedly is silent, the others count. That holds for frames a newer one
     /// may replace alone; a command never comes through twice.
-    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replace replace, ano::TimePoint now) noexcept {
+    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now) noexcept {
         key = (key & ~std::uint64_t{0xFF}) | group;    // in place of HEAD, which all share
         heard_at_[index(from)] = now;
         if (const Brought* known = brought_.find(key, now); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
-            if (!(replace != Replace::never && known->repeats && failed)) return true;
+            if (!(replaces != Replaces::nothing && known->repeats && failed)) return true;
             brought_.put(key, {from, true}, now);
         } else {
             brought_.put(key, {from, known != nullptr}, now);

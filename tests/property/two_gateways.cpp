@@ -20,8 +20,8 @@ namespace {
 
 constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
 
-constexpr Replace replace_of(const Bytes& frame) {
-    return frame[3] == 0x40 ? Replace::same_id : Replace::never;
+constexpr Replaces replace_of(const Bytes& frame) {
+    return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing;
 }
 
 // The order of the steps is that of Gateway::receive().

@@ -75,40 +75,40 @@ TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
 
 TEST(DuplicateGuard, lets_one_copy_through) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 500ms));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Replace::never, start + 1999ms));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replace::never, start + 2s));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 500ms));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Replaces::nothing, start + 1999ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2s));
 }
 
 TEST(DuplicateGuard, the_same_link_may_repeat) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start + 1s));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 2500ms)) << "two seconds from the last";
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 1s));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2500ms)) << "two seconds from the last";
 }
 
 TEST(DuplicateGuard, groups_are_apart) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Replace::never, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Replaces::nothing, start));
 }
 
 TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
     DuplicateGuard guard;
     TimePoint now = start;
     for (int i = 0; i < 50; ++i, now += 20ms) {    // both links carry them
-        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::same_id, now));
-        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::same_id, now + 1ms));
+        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::same_id, now));
+        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::same_id, now + 1ms));
     }
     int lost = 0;
-    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Replace::same_id, now);
+    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Replaces::same_id, now);
     EXPECT_LE(lost, 10) << "200 ms";
 }
 
 TEST(DuplicateGuard, a_command_never_comes_twice) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start + 100ms));    // the user's own repeat
-    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 100ms + i * 200ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 100ms));    // the user's own repeat
+    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 100ms + i * 200ms));
 }
