@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <daemon/gateway.hpp>
 #include <gateway/pacer.hpp>
 #include <link/kinds.hpp>
@@ -152,8 +153,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
+    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), route.guarded, now_);
-    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route.channels);
     for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
@@ -164,7 +165,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatment) {
     const std::uint64_t key = key_of(frame);
     const std::uint8_t group = links_[index(from.link)].group;
-    if (loop_guard_.looped(key, from.id, now_)) {
+    const bool common = ano::address::is_host(frame.source()) && frame.destination() == ano::address::broadcast;
+    if (loop_guard_.looped(key, from.id, now_, common)) {
         ++from.routed.looped;
         return true;
     }
@@ -174,10 +176,11 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatme
 }
 
 // A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
-void Gateway::keep_from_tunnel(ChannelSet& channels) {
-    const ChannelSet kept = channels & state(*tunnel_).channels;
+void Gateway::keep_from_tunnel(Route& route) {
+    const ChannelSet kept = route.channels & state(*tunnel_).channels;
     if (kept.empty()) return;
-    channels -= kept;
+    route.channels -= kept;
+    route.guarded -= kept;
     tunnel_->refuse_nested();
 }
 

@@ -76,7 +76,7 @@ private:
     void add_aliases();
     void give_rules(LinkState& link, const RuleSettings& settings);
     bool came_before(Channel& from, ano::FrameView frame, Treatment treatment);
-    void keep_from_tunnel(ChannelSet& channels);
+    void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
     void log_conflict();

@@ -245,6 +245,7 @@ std::string read_limit(const KeyFacts&, std::string_view text, Section& section)
         for (const LimitRule& known : limit)
             if (known.id == parsed.rule->id) return address_text(known.id) + " has a limit already";
         limit.push_back(*parsed.rule);
+        std::sort(limit.begin(), limit.end(), [](const LimitRule& a, const LimitRule& b) { return a.id < b.id; });
     }
     (section.*rules).limit = std::move(limit);
     return {};

@@ -18,6 +18,12 @@ constexpr ChannelId channel(unsigned n) {
     return static_cast<ChannelId>(n);
 }
 
+ChannelSet channels(std::initializer_list<unsigned> all) {
+    ChannelSet set;
+    for (const unsigned n : all) set.insert(channel(n));
+    return set;
+}
+
 std::uint64_t key(const support::Bytes& frame) {
     return key_of(ano::FrameView{frame});
 }
@@ -71,6 +77,30 @@ TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
     EXPECT_FALSE(guard.looped(1, channel(3), start + 1s));
     guard.remember(1, channel(3), start + 1s);
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
+}
+
+TEST(LoopGuard, lets_another_host_ask_the_same_once) {
+    LoopGuard guard;
+    guard.remember(1, channels({0, 1}), start);
+    EXPECT_FALSE(guard.looped(1, channel(1), start + 100ms, true));
+    guard.remember(1, channels({0}), start + 100ms);
+    EXPECT_TRUE(guard.looped(1, channel(1), start + 1s, true)) << "and then it goes round";
+    EXPECT_FALSE(guard.looped(1, channel(0), start + 1s, true)) << "one channel says nothing of another";
+    guard.remember(2, channels({1}), start + 2s);
+    EXPECT_TRUE(guard.looped(2, channel(1), start + 2100ms, true)) << "this one is known to bring things back";
+    guard.remember(3, channels({1}), start + 70s);
+    EXPECT_FALSE(guard.looped(3, channel(1), start + 70s, true)) << "not for ever";
+}
+
+TEST(LoopGuard, a_device_that_comes_back_tells_of_hosts_that_will) {
+    LoopGuard guard;
+    guard.remember(1, channels({1}), start);
+    EXPECT_TRUE(guard.looped(1, channel(1), start + 100ms));
+    guard.remember(2, channels({1}), start + 200ms);
+    EXPECT_TRUE(guard.looped(2, channel(1), start + 300ms, true));
+    guard.open(channel(1), start + 400ms);
+    guard.remember(3, channels({1}), start + 500ms);
+    EXPECT_FALSE(guard.looped(3, channel(1), start + 600ms, true)) << "another channel by now";
 }
 
 TEST(DuplicateGuard, lets_one_copy_through) {
