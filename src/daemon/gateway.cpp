@@ -1,5 +1,6 @@
-#include <ano/address.hpp>
 #include <daemon/gateway.hpp>
+
+#include <ano/address.hpp>
 #include <gateway/pacer.hpp>
 #include <link/kinds.hpp>
 
