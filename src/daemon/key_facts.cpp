@@ -52,6 +52,9 @@ std::string expected(const KeyFacts& key) {
         case Form::network: return "an IPv4 network such as 192.168.0.0/24";
         case Form::ip: return "an IPv4 address such as 192.168.0.5" + (key.choices.empty() ? "" : " or " + std::string{key.choices});
         case Form::names: return "a list of names of links such as [\"fc\"]";
+        case Form::frames: return "ids such as 0xF0 or 0x01-0x0F, names of messages such as firmware, or urgent, telemetry, bulk";
+        case Form::senders: return "addresses such as 0xFE or ranges such as 30-40";
+        case Form::limits: return "an object such as {\"0x01\": 50}: frames a second";
     }
     return {};
 }
@@ -78,6 +81,9 @@ std::string placeholder(const KeyFacts& key) {
         case Form::network: return "CIDR";
         case Form::ip: return key.choices.empty() ? "IP" : "IP|" + std::string{key.choices};
         case Form::names: return "[LINK...]";
+        case Form::frames: return "FRAMES[+FRAMES...]";
+        case Form::senders: return "ADDR[+ADDR...]";
+        case Form::limits: return "NUMBER";
     }
     return {};
 }

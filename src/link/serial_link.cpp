@@ -56,11 +56,20 @@ std::string SerialLink::gone_text(int error) const {
                                                                            : error_text(device, error);
 }
 
+// To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
+std::uint32_t SerialLink::line_rate() const {
+    const SerialSettings& s = settings().serial;
+    if (s.pace == Pace::off || (s.pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
+    return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
+}
+
 std::size_t SerialLink::unsent() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
 
 LinkFacts SerialLink::facts() const {
-    return {{"device", settings().serial.device},
-            {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    LinkFacts facts{{"device", settings().serial.device},
+                    {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    return facts;
 }
 
 }  // namespace anogate

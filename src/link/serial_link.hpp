@@ -13,6 +13,8 @@ public:
 private:
     Opened open_wire() override;
     const std::string& peer() const override { return settings().serial.device; }
+    std::uint32_t line_rate() const override;
+    std::size_t held_by_driver() const override { return unsent(); }
     void leave_wire(int fd) override;
     std::string gone_text(int error) const override;
 

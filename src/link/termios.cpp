@@ -5,6 +5,10 @@
 #include <asm/termbits.h>
 #include <linux/serial.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <filesystem>
 
 namespace anogate::terminal {
 namespace {
@@ -61,6 +65,14 @@ void make_raw(int fd) noexcept {
 
 void claim(int fd) noexcept { ::ioctl(fd, TIOCEXCL); }
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
+
+std::string driver(int fd) {
+    struct stat status {};
+    if (::fstat(fd, &status) != 0) return {};
+    const std::string device = std::to_string(major(status.st_rdev)) + ":" + std::to_string(minor(status.st_rdev));
+    std::error_code none;
+    return std::filesystem::read_symlink("/sys/dev/char/" + device + "/device/driver", none).filename().string();
+}
 
 std::size_t unsent(int fd) noexcept { return bytes_in(fd, TIOCOUTQ); }
 std::size_t unread(int fd) noexcept { return bytes_in(fd, FIONREAD); }

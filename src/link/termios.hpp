@@ -15,6 +15,9 @@ void make_raw(int fd) noexcept;
 void claim(int fd) noexcept;
 void give_back(int fd) noexcept;
 
+/// The name of the kernel's driver behind a port; empty where it has none, as a pseudo-terminal.
+std::string driver(int fd);
+
 /// Bytes that are written and not yet on the wire; 0 where the driver does not say.
 std::size_t unsent(int fd) noexcept;
 /// Bytes that have arrived and were not read.

@@ -21,8 +21,8 @@ using support::Bytes;
 namespace {
 
 constexpr std::uint32_t rate = 11520;    // 115200 baud, 8N1
-constexpr Treatment urgent{TrafficClass::urgent, Replace::never, AgeKind::rest};
-constexpr Treatment telemetry{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
+constexpr Treatment urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr Treatment telemetry{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 // The driver and the wire behind it: bytes leave one by one at `rate`.
 struct Wire {

@@ -1,5 +1,6 @@
 // Two gateways joined by two links, each direction with its own delay: every broadcast arrives everywhere, nothing goes
 // round, and with the links in one group a command arrives exactly once, while a link fails as well.
+#include <ano/address.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/router.hpp>
 
@@ -20,8 +21,8 @@ namespace {
 
 constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
 
-constexpr Replace replace_of(const Bytes& frame) {
-    return frame[3] == 0x40 ? Replace::same_id : Replace::never;
+constexpr Replaces replace_of(const Bytes& frame) {
+    return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing;
 }
 
 // The order of the steps is that of Gateway::receive().
@@ -35,7 +36,8 @@ struct Node {
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
         const auto key = key_of(frame);
-        if (loops.looped(key, from, now)) {
+        const bool common = ano::address::is_host(frame.source()) && frame.destination() == ano::address::broadcast;
+        if (loops.looped(key, from, now, common)) {
             ++looped;
             return {};
         }
