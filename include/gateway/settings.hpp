@@ -75,7 +75,7 @@ struct CanSettings {
 
 struct SimSettings {
     std::string device = "fc";
-    std::uint16_t rate = 50;    // Hz of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
+    std::uint16_t hz = 50;    // of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
     bool operator==(const SimSettings&) const = default;
 };
 

@@ -373,8 +373,7 @@ constexpr Key<L> own_link_rows[] = {
         as("PATH") | of("pty") | needed,
 
     choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
-    integer<&L::sim, &SimSettings::rate>("rate", 1, 100,
-                                         "attitude frames a second; slower ones keep their proportion") |
+    integer<&L::sim, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion") |
         of("sim"),
 
     text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |

@@ -336,7 +336,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     } else if (link.kind == "pty") {
         link.pty.path = "/tmp/ü " + unique;
     } else {
-        link.sim.rate = static_cast<std::uint16_t>(1 + random.below(100));
+        link.sim.hz = static_cast<std::uint16_t>(1 + random.below(100));
     }
 }
 

@@ -66,7 +66,7 @@ TEST(LinkText, serial_has_defaults) {
 
 TEST(LinkText, keys_of_every_link) {
     const LinkSettings link =
-        link_of("sim:fc,rate=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
+        link_of("sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
     LinkSettings expected;
     expected.kind = "sim";
     expected.name = "飞控";
@@ -76,7 +76,7 @@ TEST(LinkText, keys_of_every_link) {
     expected.flood = false;
     expected.broadcast = false;
     expected.required = true;
-    expected.sim.rate = 100;
+    expected.sim.hz = 100;
     EXPECT_EQ(link, expected);
 }
 
@@ -171,7 +171,7 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
 }
 
 TEST(LinkText, every_fault_is_told_not_only_the_first) {
-    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,rate=0"});
+    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,hz=0"});
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
 }
 
