@@ -1,5 +1,6 @@
 // Which frames came or went lately.
 #pragma once
+#include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -24,6 +25,11 @@ inline std::uint64_t key_of(ano::FrameView frame) noexcept {
     bytes[6] = checks.sum;
     bytes[7] = checks.add;
     return std::bit_cast<std::uint64_t>(bytes);
+}
+
+/// What several stations may well say in the very same words: the question of a host to everybody who they are (0xE0).
+constexpr bool asked_by_many(ano::FrameView frame) noexcept {
+    return frame.id() == 0xE0 && frame.destination() == ano::address::broadcast && ano::address::is_host(frame.source());
 }
 
 /// Remembers a value by key for a while. Bounded: where it is full, the oldest gives way. Constant time, no allocation
@@ -99,20 +105,22 @@ public:
         sent_.put(key, {channels, repeated}, now);
         quiet_at_ = now + window_;
     }
-    /// A frame that came by `from` within the window after it went there. `common`: others may well say the very same (hosts
-    /// share their ids, and ask everybody the same question); once it is let through, unless `from` is one that brings
-    /// things back.
+    /// A frame that came by `from` within the window after it went there. A `common` one (asked_by_many()) is let through
+    /// once, unless `from` is a channel that brings things back.
     bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now, bool common = false) noexcept {
         if (now >= quiet_at_) return false;
         Sent* known = sent_.find(key, now);
         if (!known || !known->channels.contains(from) || sent_.put_at(key) < opened_at_[index(from)]) return false;
-        if (common && now >= suspect_until_[index(from)] && !known->repeated.contains(from)) {
+        if (!common) {
+            suspect_until_[index(from)] = now + suspicion;
+        } else if (!suspect(from, now) && !known->repeated.contains(from)) {
             known->repeated.insert(from);
             return false;
         }
-        suspect_until_[index(from)] = now + suspicion;
         return true;
     }
+    /// It brought back what nobody but the one who sent it can have said.
+    bool suspect(ChannelId channel, ano::TimePoint now) const noexcept { return now < suspect_until_[index(channel)]; }
 
 private:
     struct Sent {

@@ -1,6 +1,4 @@
 #include <daemon/gateway.hpp>
-
-#include <ano/address.hpp>
 #include <gateway/pacer.hpp>
 #include <link/kinds.hpp>
 
@@ -166,9 +164,10 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatment) {
     const std::uint64_t key = key_of(frame);
     const std::uint8_t group = links_[index(from.link)].group;
-    const bool common = ano::address::is_host(frame.source()) && frame.destination() == ano::address::broadcast;
+    const bool common = asked_by_many(frame);
     if (loop_guard_.looped(key, from.id, now_, common)) {
         ++from.routed.looped;
+        if (common && !loop_guard_.suspect(from.id, now_)) learn(from, frame);    // the answer is for this one as well
         return true;
     }
     if (group == 0 || !duplicates_.duplicate(key, group, from.link, treatment.replaces, now_)) return false;

@@ -86,21 +86,29 @@ TEST(LoopGuard, lets_another_host_ask_the_same_once) {
     guard.remember(1, channels({0}), start + 100ms);
     EXPECT_TRUE(guard.looped(1, channel(1), start + 1s, true)) << "and then it goes round";
     EXPECT_FALSE(guard.looped(1, channel(0), start + 1s, true)) << "one channel says nothing of another";
-    guard.remember(2, channels({1}), start + 2s);
-    EXPECT_TRUE(guard.looped(2, channel(1), start + 2100ms, true)) << "this one is known to bring things back";
-    guard.remember(3, channels({1}), start + 70s);
-    EXPECT_FALSE(guard.looped(3, channel(1), start + 70s, true)) << "not for ever";
+    EXPECT_FALSE(guard.suspect(channel(1), start + 1s)) << "two who ask all the time are no loop";
 }
 
-TEST(LoopGuard, a_device_that_comes_back_tells_of_hosts_that_will) {
+TEST(LoopGuard, a_device_that_comes_back_tells_of_questions_that_will) {
     LoopGuard guard;
     guard.remember(1, channels({1}), start);
     EXPECT_TRUE(guard.looped(1, channel(1), start + 100ms));
     guard.remember(2, channels({1}), start + 200ms);
     EXPECT_TRUE(guard.looped(2, channel(1), start + 300ms, true));
-    guard.open(channel(1), start + 400ms);
-    guard.remember(3, channels({1}), start + 500ms);
-    EXPECT_FALSE(guard.looped(3, channel(1), start + 600ms, true)) << "another channel by now";
+    guard.remember(3, channels({1}), start + 61s);
+    EXPECT_FALSE(guard.looped(3, channel(1), start + 61s, true)) << "not for ever";
+    EXPECT_TRUE(guard.looped(3, channel(1), start + 62s));
+    guard.open(channel(1), start + 62s);
+    guard.remember(4, channels({1}), start + 63s);
+    EXPECT_FALSE(guard.looped(4, channel(1), start + 63s, true)) << "another channel by now";
+}
+
+TEST(LoopGuard, only_hosts_that_ask_everybody_say_what_others_say) {
+    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xD2, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xDC, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xC0, {0, 0, 0})}));
 }
 
 TEST(DuplicateGuard, lets_one_copy_through) {
