@@ -73,6 +73,7 @@ void Gateway::add_aliases() {
         for (const AliasSettings& alias : settings_.aliases)
             if (alias.link == s.link->name()) rules.push_back({alias.device, alias.as});
         if (rules.empty()) continue;
+        for (const AliasRule& rule : rules) router_.pin(rule.as, rule.as, s.link->id());    // it is nowhere else
         links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, s.link->settings().max_data);
         ruled_.insert(s.link->id());
     }
