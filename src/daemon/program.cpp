@@ -52,10 +52,10 @@ private:
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec) return;
+            wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
             else stop();
-            wait_for_signal();
         });
     }
 
