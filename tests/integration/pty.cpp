@@ -175,4 +175,12 @@ TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
     EXPECT_EQ(daemon.link("app").at("error"), (dir / "file/app") + ": Not a directory");
 }
 
+TEST(PtyLink, is_never_up_while_its_path_cannot_be_made) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "x";
+    Daemon daemon{ANOGATED, dir / "control", {"pty:" + (dir / "file/app"), "sim:fc,hz=100"}};
+    ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.count("app", "link_down") > 50; })) << "retried some times";
+    EXPECT_EQ(daemon.output().find("app: up"), std::string::npos) << daemon.output();
+}
+
 }    // namespace
