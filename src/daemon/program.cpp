@@ -29,6 +29,7 @@ public:
     int run() {
         start_control();
         wait_for_signal();
+        if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
             spdlog::error("{} is required and was not up within 10 s", link);
             status_ = 1;
