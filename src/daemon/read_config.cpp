@@ -143,6 +143,7 @@ public:
         constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
+            if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
             if (name == "gateway")
                 gateway(value, pointer);
             else if (name == "links")

@@ -1,4 +1,5 @@
 // The pty link: a program opens the path as if it were a serial port.
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
