@@ -104,7 +104,7 @@ TEST(Config, what_is_needed_and_missing_is_told) {
               "pty, sim\n");
     EXPECT_EQ(
         faults_in(R"({"links": [{"kind": 5}, 6]})"),
-        "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be an object {...}, not 6\n");
+        "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be a LINK text or an object {...}, not 6\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "routes": [{"link": "fc"}]})"),
               "/routes/0: 'address' is missing: the address or range to pin\n");
 }
