@@ -99,7 +99,8 @@ std::string config_schema() {
     kinds.push_back({{"type", "string"}, {"description", "KIND:ADDRESS[,KEY=VALUE...]"}, {"pattern", "^[a-z-]+:.+"}});
     for (const LinkKind& kind : link_kinds()) kinds.push_back(link_of(kind));
     Json schema = closed_object();
-    schema["properties"] = {{"gateway", object_of(gateway_keys())},
+    schema["properties"] = {{"$schema", {{"type", "string"}}},
+                            {"gateway", object_of(gateway_keys())},
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},

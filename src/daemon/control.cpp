@@ -123,6 +123,8 @@ std::string Control::start(const std::string& path) {
     if (fs::is_socket(fs::symlink_status(path, ignored))) {
         if (is_alive(path)) return path + ": another anogated is using it (give this one another by --control)";
         fs::remove(path, ignored);
+    } else if (fs::exists(fs::symlink_status(path, ignored))) {
+        return path + ": exists and is no socket (give another path by --control)";
     }
     error_code ec;
     acceptor_.open(Local{}, ec);
@@ -133,7 +135,7 @@ std::string Control::start(const std::string& path) {
     if (ec) {
         error_code ignored_too;
         acceptor_.close(ignored_too);
-        return error_text(path, ec.value());
+        return error_text(path, ec.value()) + " (give another path by --control, or --control none)";
     }
     path_ = path;
     let_group_in(path);

@@ -29,6 +29,7 @@ public:
     int run() {
         start_control();
         wait_for_signal();
+        if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
             spdlog::error("{} is required and was not up within 10 s", link);
             status_ = 1;
@@ -52,10 +53,10 @@ private:
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec) return;
+            wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
             else stop();
-            wait_for_signal();
         });
     }
 

@@ -119,6 +119,9 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
             for (const auto& [entry, rate] : value.items())
                 if (std::string wrong = read_entry(*key, entry, rate, section); !wrong.empty())
                     errors.push_back({where + pointer_step(entry), std::move(wrong)});
+        } else if ((key->form == Form::frames || key->form == Form::senders) && !value.is_array()) {
+            error = in_quotes(full) + " must be a list" +
+                    (value.is_string() ? " such as [" + printable(value.dump()) + "]" : "") + ", not " + shown(value);
         } else {
             const auto text = text_of(value, key->form);
             error = text ? key->set(*text, section) : must_be(*key, shown(value));
@@ -140,6 +143,7 @@ public:
         constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
+            if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
             if (name == "gateway")
                 gateway(value, pointer);
             else if (name == "links")
@@ -180,7 +184,9 @@ private:
         if (value.is_string()) return read_link(value.get<std::string>(), pointer, draft_);
         const std::size_t before = draft_.errors.size();
         LinkSettings settings;
-        if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
+        if (!value.is_object() && !value.is_array())
+            draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + shown(value)});
+        else if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
             settings = new_link(value["kind"].get<std::string>());
             read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind);
         }

@@ -46,8 +46,9 @@ StreamLink::Opened PtyLink::open_wire() {
     const bool watched = watch_users();
     std::string error = link_path(device_);
     if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
-    if (!error.empty()) return {{}, std::move(error)};
-    return {std::move(ours), {}};
+    if (error.empty()) return {std::move(ours), {}};
+    watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
+    return {{}, std::move(error)};
 }
 
 UniqueFd PtyLink::open_user_side() const {

@@ -96,6 +96,23 @@ TEST(Daemon, ends_within_a_second_under_load_and_with_a_reader_that_is_stuck) {
     EXPECT_EQ(daemon.wait(), 0);
 }
 
+TEST(Daemon, a_second_signal_makes_an_end_at_once) {
+    const TempDir dir;
+    PtyDevice stuck{dir / "stuck"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("stuck"));
+    UdpPeer load;
+    const auto port = daemon.port("ground");
+    ASSERT_TRUE(daemon.until([&](const auto&) {
+        for (int i = 0; i < 50; ++i) load.send(port, frame(0xDD, 0xFF, 0xF1, Bytes(200, 1)));
+        return daemon.count("stuck", "waiting") > 0;
+    }));
+    daemon.signal(SIGINT);
+    daemon.signal(SIGTERM);
+    EXPECT_TRUE(wait_until([&] { return !daemon.is_running(); })) << daemon.output();
+    EXPECT_EQ(daemon.wait(), 0);
+}
+
 TEST(Daemon, what_waits_reaches_a_reader_before_the_end) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"};

@@ -1,4 +1,5 @@
 // The pty link: a program opens the path as if it were a serial port.
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -173,6 +174,14 @@ TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
     RunningGateway daemon{pty("app", dir / "file/app")};
     EXPECT_EQ(daemon.link("app").at("state"), "waiting");
     EXPECT_EQ(daemon.link("app").at("error"), (dir / "file/app") + ": Not a directory");
+}
+
+TEST(PtyLink, is_never_up_while_its_path_cannot_be_made) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "x";
+    Daemon daemon{ANOGATED, dir / "control", {"pty:" + (dir / "file/app"), "sim:fc,hz=100"}};
+    ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.count("app", "link_down") > 50; })) << "retried some times";
+    EXPECT_EQ(daemon.output().find("app: up"), std::string::npos) << daemon.output();
 }
 
 }    // namespace
