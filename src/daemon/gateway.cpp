@@ -28,6 +28,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     : io_{io},
       settings_{std::move(settings)},
       alarms_{io},
+      peer_log_{alarms_},
       router_{settings_.gateway},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
@@ -127,13 +128,13 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     state(link).channels.insert(id);
     router_.open(id, link.id());
     loop_guard_.open(id, now_);
-    if (!channels_[i]->peer.empty() && state(link).up) spdlog::info("{}: peer {}", link.name(), channels_[i]->peer);
+    if (!channels_[i]->peer.empty() && state(link).up) peer_log_.came(link.name(), channels_[i]->peer, now_);
     return channels_[i].get();
 }
 
 void Gateway::close_channel(Channel& channel) {
     LinkState& s = links_[index(channel.link)];
-    if (s.up) spdlog::info("{}: peer {} is gone", s.link->name(), channel.peer);
+    if (s.up) peer_log_.went(s.link->name(), channel.peer, now_);
     channel.outbox.close();
     add(s.gone_received, channel.received());
     add(s.gone_sent, channel.outbox.counters());
@@ -295,6 +296,7 @@ bool Gateway::nothing_waits() const {
 
 void Gateway::finish_stop() {
     stop_check_.cancel();
+    peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }
