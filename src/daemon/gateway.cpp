@@ -151,11 +151,12 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const Treatment treatment = treatment_of(frame.id());
     if (came_before(from, frame, treatment)) return;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
+    if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), route.guarded, now_);
+    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
     for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
