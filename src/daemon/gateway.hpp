@@ -1,5 +1,6 @@
 // Owns the links, the channels and the router; the only place that sees them all.
 #pragma once
+#include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/recent.hpp>
@@ -86,6 +87,7 @@ private:
     asio::io_context& io_;
     Settings settings_;
     AlarmClock alarms_;
+    PeerLog peer_log_;
     DatagramBatch batch_;
     DatagramSender sender_;
     Router router_;

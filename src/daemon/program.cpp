@@ -86,9 +86,7 @@ private:
     int status_ = 0;
 };
 
-}  // namespace
-
-int run_program(int argc, char** argv) {
+int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
         (exit->code == 0 ? std::cout : std::cerr) << exit->text;
@@ -96,11 +94,28 @@ int run_program(int argc, char** argv) {
     }
     CommandLine& line = std::get<CommandLine>(parsed);
     if (line.check) std::cerr << line.warnings;
-    if (line.print_config) std::cout << print_config(line.settings);
+    if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
+        std::cerr << "anogated: the configuration could not be written\n";
+        return 1;
+    }
     if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);
     start_log(line.settings.log);
     return Program{std::move(line.settings)}.run();
+}
+
+}  // namespace
+
+// What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
+int run_program(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::cerr << "anogated: out of memory\n";
+    } catch (const std::exception& error) {
+        std::cerr << "anogated: " << error.what() << "\n";
+    }
+    return 1;
 }
 
 }  // namespace anogate

@@ -58,7 +58,7 @@ UniqueFd PtyLink::open_user_side() const {
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
     std::error_code ec;
-    fs::create_directories(path.parent_path(), ec);
+    if (path.has_parent_path()) fs::create_directories(path.parent_path(), ec);
     if (ec) return error_text(path.string(), ec.value());
     if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
     const fs::path fresh = path.string() + ".anogate-new";

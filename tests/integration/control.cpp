@@ -131,7 +131,7 @@ TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
 
 TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
     Daemon second{ANOGATED, socket, {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("another anogated is using it")) << second.output();
+    EXPECT_TRUE(second.until_says("another program is using it")) << second.output();
     second.signal(SIGTERM);
     EXPECT_EQ(second.wait(), 0);
     EXPECT_EQ(daemon.link("ground").at("state"), "up") << "the socket is still that of the first";

@@ -168,6 +168,27 @@ TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
     EXPECT_TRUE(daemon.until_up("app"));
 }
 
+TEST(PtyLink, is_never_up_while_its_path_is_taken) {
+    const TempDir dir;
+    std::ofstream{dir / "app"} << "mine";
+    RunningGateway daemon{pty("app", dir / "app")};
+    daemon.run_for(300ms);
+    EXPECT_FALSE(daemon.gateway().links()[0].was_up);
+    EXPECT_NE(daemon.link("app").at("error").get<std::string>().find("exists and is not ours"), std::string::npos);
+}
+
+TEST(PtyLink, a_path_may_be_relative) {
+    const TempDir dir;
+    const fs::path before = fs::current_path();
+    fs::current_path(dir / "");
+    {
+        RunningGateway daemon{pty("app", "app")};
+        const PortUser user{dir / "app"};
+        EXPECT_TRUE(daemon.until_up("app"));
+    }
+    fs::current_path(before);
+}
+
 TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "x";
