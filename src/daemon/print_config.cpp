@@ -104,6 +104,7 @@ std::string print_config(const Settings& settings) {
     document["alias"] = Json::array();
     for (const AliasSettings& alias : settings.aliases) document["alias"].push_back(object_of(alias, alias_keys()));
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
+    document["flexible"] = Json::parse(settings.flexible);
     document["control"] = object_of(settings.control, control_keys());
     document["log"] = object_of(settings.log, log_keys());
     return document.dump(2) + "\n";

@@ -1,7 +1,8 @@
+#include <ano_json/flexible_json.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/config.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <link/kinds.hpp>
 
@@ -140,7 +141,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "flexible", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
@@ -154,6 +155,8 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
             else if (name == "tunnel")
                 tunnel(value, pointer);
+            else if (name == "flexible")
+                flexible(value, pointer);
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control);
             else if (name == "log")
@@ -230,6 +233,13 @@ private:
         each(value["wrap"], pointer + "/wrap", [&](const json& entry, const std::string& where) {
             section(entry, where, wrap_keys(), tunnel.wrap.emplace_back());
         });
+    }
+
+    void flexible(const json& value, const std::string& pointer) {
+        ano::FlexibleLayouts layouts;
+        for (ano::JsonFault& fault : ano::add_flexible(value, pointer, layouts))
+            draft_.errors.push_back({std::move(fault.pointer), std::move(fault.what)});
+        draft_.settings.flexible = value.dump();
     }
 
     std::string file_;

@@ -435,6 +435,24 @@ Settings random_settings(support::Random& random) {
     return s;
 }
 
+TEST(Config, flexible_layouts_are_read_and_kept_for_the_tools) {
+    const std::string layout =
+        R"({"fields":[{"name":"t","scale":0.1,"type":"i16","unit":"°C"}],"id":"0xF1","source":30})";
+    const Draft draft = parse_config(R"({"flexible": [)" + layout + "]}");
+    EXPECT_TRUE(draft.errors.empty());
+    EXPECT_EQ(draft.settings.flexible, "[" + layout + "]");
+    EXPECT_EQ(parse_config(print_config(draft.settings)).settings, draft.settings);
+}
+
+TEST(Config, faults_of_flexible_layouts_name_their_place) {
+    const Draft draft = parse_config(
+        R"({"flexible": [{"id": 240, "fields": [{"name": "a", "type": "u8"}]},
+                         {"id": "0xF1", "fields": [{"name": "a", "type": "u9"}]}]})", "f");
+    ASSERT_EQ(draft.errors.size(), 2u);
+    EXPECT_EQ(draft.errors[0].where, "f: /flexible/0/id");
+    EXPECT_EQ(draft.errors[1].where, "f: /flexible/1/fields/0/type");
+}
+
 TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
     for (std::uint64_t seed = 0; seed < (support::sanitized ? 100 : 1000); ++seed) {
         support::Random random{seed};
