@@ -24,7 +24,7 @@ struct Origin {
 /// What was read so far.
 struct Draft {
     Settings settings;
-    std::vector<Origin> links, routes;    // where settings.links and settings.routes were said, one by one
+    std::vector<Origin> links, routes, gpio;    // where settings.links, .routes and .gpio were said, one by one
     Origin unknown;                       // where settings.gateway.unknown was said
     Origin tunnel;                        // where settings.tunnel was said
     ConfigErrors errors;
@@ -32,6 +32,7 @@ struct Draft {
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);
+    void add(GpioSettings line, Origin origin);
 };
 
 /// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none.

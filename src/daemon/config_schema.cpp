@@ -36,6 +36,9 @@ Json type_of(const KeyFacts& key) {
         case Form::endpoint: return text("^.+:[0-9]+$");
         case Form::network:
         case Form::ip: return {{"type", "string"}};
+        case Form::line:
+            return {{"anyOf", {Json{{"type", "integer"}, {"minimum", 0}}, Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
+        case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
         case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
         case Form::networks:
             return {
@@ -92,6 +95,7 @@ std::string config_schema() {
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"tunnel", tunnel()},
+                            {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
                             {"control", object_of(control_keys())},
                             {"log", object_of(log_keys())}};
     Json document{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "anogate configuration"}};

@@ -26,6 +26,8 @@ enum class Form : std::uint8_t {
     network,    // one of them
     ip,         // an IPv4 address, or one of the choices
     names,      // of links; as text, one a line
+    line,       // of a GPIO chip: its number or its name
+    silence,    // "silent" and a duration
 };
 
 struct KeyFacts {

@@ -31,6 +31,8 @@ Keys<RouteSettings> route_keys() noexcept;
 /// But for "wrap", a list of objects with the wrap_keys().
 Keys<TunnelSettings> tunnel_keys() noexcept;
 Keys<WrapSettings> wrap_keys() noexcept;
+/// The uses are their kinds.
+Keys<GpioSettings> gpio_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 

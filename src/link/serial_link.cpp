@@ -38,6 +38,10 @@ StreamLink::Opened SerialLink::open_wire() {
         terminal::give_back(fd.get());
         return {{}, serial.device + ": " + error};
     }
+    if (std::string error = begin_half_duplex(fd.get()); !error.empty()) {
+        terminal::give_back(fd.get());
+        return {{}, serial.device + ": " + error};
+    }
     terminal::discard_input(fd.get());
     wire_ = fd.get();
     return {std::move(fd), {}};
@@ -45,9 +49,37 @@ StreamLink::Opened SerialLink::open_wire() {
 
 // Closing waits for what the driver still holds: it goes. What is on its way (in a pty: read by nobody yet) stays.
 void SerialLink::leave_wire(int fd) {
-    if (terminal::unsent(fd) > 0) terminal::discard_output(fd);
+    if (terminal::unsent(fd) > 0 || rs485_) terminal::discard_output(fd);
+    if (rs485_) rs485_->close();
+    if (rs485_by_driver_) terminal::switch_by_nobody(fd);
     terminal::give_back(fd);
     wire_ = -1;
+}
+
+void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
+    rs485_active_low_ = active_low;
+    rs485_ = std::make_unique<HalfDuplex>(context_.io, std::move(send));
+}
+
+// A driver that can turn the transceiver by its RTS line is told to. Whether the transceiver hangs on that line or on the GPIO
+// line of the configuration can't be seen from here: the GPIO line is driven all the same.
+std::string SerialLink::begin_half_duplex(int fd) {
+    if (!rs485_) return {};
+    rs485_by_driver_ = terminal::switch_by_rts(fd, rs485_active_low_);
+    const SerialSettings& serial = settings().serial;
+    const unsigned bits = 9u + (serial.parity == Parity::none ? 0u : 1u) + serial.stop_bits;
+    const std::uint32_t baud = actual_baud_ == 0 ? serial.baud : actual_baud_;
+    return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den * bits / baud}));
+}
+
+ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
+    if (!rs485_) return StreamLink::write_some(pieces);
+    rs485_->writing();
+    const ssize_t n = StreamLink::write_some(pieces);
+    const int error = errno;
+    rs485_->written();
+    errno = error;
+    return n;
 }
 
 std::string SerialLink::gone_text(int error) const {
@@ -59,8 +91,10 @@ std::string SerialLink::gone_text(int error) const {
 std::size_t SerialLink::unsent() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
 
 LinkFacts SerialLink::facts() const {
-    return {{"device", settings().serial.device},
-            {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    LinkFacts facts{{"device", settings().serial.device},
+                    {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
+    return facts;
 }
 
 }  // namespace anogate

@@ -1,8 +1,6 @@
 #include <link/errors.hpp>
 #include <link/stream_link.hpp>
 
-#include <sys/uio.h>
-
 #include <array>
 
 namespace anogate {
@@ -88,6 +86,10 @@ void StreamLink::deliver() {
 
 void StreamLink::flush(Channel&) { write(); }
 
+ssize_t StreamLink::write_some(std::span<const iovec> pieces) {
+    return ::writev(descriptor_.fd(), pieces.data(), static_cast<int>(pieces.size()));
+}
+
 void StreamLink::write() {
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
@@ -96,7 +98,7 @@ void StreamLink::write() {
         const std::size_t count = outbox.gather(frames);
         for (std::size_t i = 0; i < count; ++i)
             pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
-        const ssize_t n = ::writev(descriptor_.fd(), pieces.data(), static_cast<int>(count));
+        const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             outbox.sent(static_cast<std::size_t>(n));
         } else if (n == 0 || errno == EAGAIN) {

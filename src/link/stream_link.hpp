@@ -5,6 +5,10 @@
 
 #include <gateway/backoff.hpp>
 
+#include <span>
+
+#include <sys/uio.h>
+
 namespace anogate {
 
 class StreamLink : public Link {
@@ -25,6 +29,8 @@ protected:
     virtual Opened open_wire() = 0;
     /// What the channel is called.
     virtual const std::string& peer() const = 0;
+    /// writev() to the open descriptor.
+    virtual ssize_t write_some(std::span<const iovec> pieces);
     /// Leaves the wire as it should be found; the descriptor is closed right after.
     virtual void leave_wire(int) {}
     /// What a read that ends (`error` is 0) or fails means to the user.

@@ -25,6 +25,7 @@ void for_every_key(auto visit) {
     section("routes", route_keys());
     section("tunnel", tunnel_keys());
     section("wrap", wrap_keys());
+    section("gpio", gpio_keys());
     section("control", control_keys());
     section("log", log_keys());
 }
@@ -95,6 +96,7 @@ TEST(Keys, are_all_in_the_schema) {
     const json schema = json::parse(config_schema())["properties"];
     const auto properties = [&](const std::string& section, const KeyFacts& key) -> std::vector<json> {
         if (section == "routes") return {schema["routes"]["items"]["properties"]};
+        if (section == "gpio") return {schema["gpio"]["items"]["properties"]};
         if (section == "wrap") return {schema["tunnel"]["properties"]["wrap"]["items"]["properties"]};
         if (section != "links") return {schema[section]["properties"]};
         std::vector<json> all;
@@ -140,6 +142,8 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     for (const char* section : {"gateway", "tunnel", "control", "log"})
         for (const auto& [name, value] : document[section].items()) seen[section].insert(name);
     for (const auto& [name, value] : document["routes"][0].items()) seen["routes"].insert(name);
+    for (const json& line : document["gpio"])
+        for (const auto& [name, value] : line.items()) seen["gpio"].insert(name);
     for (const json& link : document["links"])
         if (link.is_object())
             for (const auto& [name, value] : link.items()) seen[link["kind"].get<std::string>()].insert(name);
