@@ -25,6 +25,9 @@ public:
     /// Listens. Waits for the thread, which ends at once when nothing waits in the driver (throw that away before).
     void close() noexcept;
 
+    /// Something may not be out yet.
+    bool is_sending() const noexcept { return sending_; }
+
     /// Before each write.
     void writing();
     /// After it: what was written is on its way.
@@ -36,7 +39,7 @@ private:
     Descriptor sent_;    // an eventfd: the thread says that all is out
     std::function<void(bool)> send_;
     std::thread thread_;
-    std::binary_semaphore wait_{0};    // tells the thread to wait for the port
+    std::counting_semaphore<> wait_{0};    // tells the thread to wait for the port
     std::atomic<bool> closing_{false};
     bool sending_ = false;
     bool waiting_ = false;    // the thread is

@@ -3,6 +3,8 @@
 #include <link/serial_link.hpp>
 #include <link/termios.hpp>
 
+#include <algorithm>
+
 #include <fcntl.h>
 #include <sys/file.h>
 
@@ -88,7 +90,10 @@ std::string SerialLink::gone_text(int error) const {
                                                                            : error_text(device, error);
 }
 
-std::size_t SerialLink::unsent() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
+std::size_t SerialLink::unsent() const {
+    if (wire_ < 0) return 0;
+    return std::max<std::size_t>(terminal::unsent(wire_), rs485_ && rs485_->is_sending() ? 1 : 0);
+}
 
 LinkFacts SerialLink::facts() const {
     LinkFacts facts{{"device", settings().serial.device},
