@@ -121,7 +121,6 @@ void Gpio::begin_pulse(Line& line, TimePoint now) {
 
 std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
     const GpioUse use = line.settings().use;
-    if (use != GpioUse::reset && use != GpioUse::power) return Refusal{"only reset and power lines can be asked to do something"};
     if (!line.pin.is_held()) return Refusal{"the line is not there: " + line.pin.error()};
     if (line.pulsing) return Refusal{"it is being done already", pulse_of(line.settings())};
     if (use == GpioUse::reset && !line.reset.may_pulse(now))

@@ -40,11 +40,12 @@ public:
     LinkSet inhibited() const noexcept { return inhibit_.links(); }
 
     const std::vector<std::unique_ptr<Line>>& lines() const noexcept { return lines_; }
-    /// Pulses a reset, or switches power off and on again. Empty, or why not.
+    /// Why a line does not do now what it is asked.
     struct Refusal {
         std::string why;
-        Duration wait{};    // worth waiting for so long; zero: not by waiting alone
+        Duration wait{};    // and then it will; zero: not by waiting alone
     };
+    /// Pulses a reset, or switches power off and on again, as asked.
     std::optional<Refusal> act(Line& line, TimePoint now);
 
 private:

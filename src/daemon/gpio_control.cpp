@@ -45,6 +45,8 @@ std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::erro
 
 Control::Reply refuse(unsigned status, const std::string& why) { return {status, dump({{"error", why}})}; }
 
+bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
+
 // What a request says of the line it means; what it does not say fits every line.
 struct Wanted {
     std::string line, chip, link, use, action;
@@ -93,13 +95,13 @@ Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
     if (const std::string wrong = read(body, wanted); !wrong.empty()) return refuse(400, wrong);
     std::vector<Gpio::Line*> fitting;
     for (const auto& line : gpio.lines()) {
-        const GpioUse use = line->settings().use;
         const bool named = !wanted.line.empty() || !wanted.use.empty();    // then a line of another use is an error of its own
-        if (wanted.fits(*line) && (named || use == GpioUse::reset || use == GpioUse::power)) fitting.push_back(line.get());
+        if (wanted.fits(*line) && (named || can_act(line->settings().use))) fitting.push_back(line.get());
     }
     if (fitting.empty()) return refuse(404, "no GPIO line fits; GET /status lists them under gpio");
     if (fitting.size() > 1) return refuse(400, std::to_string(fitting.size()) + " GPIO lines fit; say which by line, chip, link or use");
     Gpio::Line& line = *fitting.front();
+    if (!can_act(line.settings().use)) return refuse(400, "only reset and power lines can be asked to do something");
     if (!wanted.fits_action(line.settings().use)) return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
