@@ -27,6 +27,8 @@ void the_wire_type_cannot_hold_this_value();
 void the_first_row_of_a_message_is_its_base_layout();
 void a_layout_needs_a_length_or_a_mode_of_its_own();
 void two_layouts_share_a_label();
+void a_layout_before_takes_this_length_already();
+void a_layout_is_no_longer_than_its_length();
 void the_layouts_of_a_message_share_its_traffic_class();
 void no_message_has_this_name();
 void the_message_has_no_such_layout();
@@ -303,8 +305,13 @@ consteval MessageIndex index_messages(std::span<const Message> rows) {
             if (row.is_base() || row.name != base.name || first + count != i) table_error::two_messages_share_an_id();
             if (row.traffic != base.traffic) table_error::the_layouts_of_a_message_share_its_traffic_class();
             if (row.variant.length == 0 && !row.selective) table_error::a_layout_needs_a_length_or_a_mode_of_its_own();
-            for (std::size_t j = first; j < i; ++j)
+            const std::size_t length = row.variant.length;
+            if (length != 0 && length < row.fixed_size) table_error::a_layout_is_no_longer_than_its_length();
+            for (std::size_t j = first; j < i; ++j) {
                 if (rows[j].variant.label == row.variant.label) table_error::two_layouts_share_a_label();
+                if (length != 0 && length == rows[j].variant.length && !rows[j].selective)
+                    table_error::a_layout_before_takes_this_length_already();
+            }
         }
         ++count;
     }

@@ -1,11 +1,15 @@
 // Which frames a link takes or gives, and how often.
 #pragma once
+#include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <gateway/counters.hpp>
 
 #include <array>
 #include <bitset>
 #include <cassert>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace anogate {
@@ -24,6 +28,20 @@ struct FilterSettings {
     std::vector<ByteRange> allow_sources, deny_sources;
     std::vector<ByteRange> allow_destinations, deny_destinations;
     bool operator==(const FilterSettings&) const = default;
+};
+
+/// At most so many frames a second of an id.
+struct LimitRule {
+    std::uint8_t id = 0;
+    double per_second = 0;    // above 0
+    bool operator==(const LimitRule&) const = default;
+};
+
+/// What a link takes and gives.
+struct RuleSettings {
+    FilterSettings receive, send;
+    std::vector<LimitRule> limit;    // of what leaves; an id has one at the most
+    bool operator==(const RuleSettings&) const = default;
 };
 
 /// Three look-ups a frame. A link without a filter has none, rather than one that passes all.
@@ -56,7 +74,7 @@ private:
 };
 
 /// At most so many frames a second of an id, spaced: one that comes sooner than 1/rate after the last that passed does
-/// not pass, however long it was quiet before. One for each channel, since each has its own last frames.
+/// not pass, however long it was quiet before.
 class Limit {
 public:
     /// `per_second` frames of `id`, above 0.
@@ -79,6 +97,39 @@ private:
         all.fill(ano::TimePoint::min());
         return all;
     }();
+};
+
+/// The rules of one link. A link without any has none of these, rather than one that passes all.
+class Rules {
+public:
+    explicit Rules(const RuleSettings& settings) {
+        if (settings.receive != FilterSettings{}) receive_.emplace(settings.receive);
+        if (settings.send != FilterSettings{}) send_.emplace(settings.send);
+        if (settings.limit.empty()) return;
+        limit_ = std::make_unique<Limit>();
+        for (const LimitRule& rule : settings.limit) limit_->set(rule.id, rule.per_second);
+    }
+
+    bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
+    /// nullptr: it may leave; else the cause that keeps it back. A frame that goes to several channels of the link is one
+    /// for its limits: `number` tells which frame of the gateway it is, above 0.
+    std::uint64_t SendCounters::*refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
+        if (number == judged_) return verdict_;
+        judged_ = number;
+        if (send_ && !passes(*send_, frame)) return verdict_ = &SendCounters::denied_out;
+        if (limit_ && !limit_->passes(frame.id(), now)) return verdict_ = &SendCounters::limited;
+        return verdict_ = nullptr;
+    }
+
+private:
+    static bool passes(const Filter& filter, ano::FrameView frame) noexcept {
+        return filter.passes(frame.source(), frame.destination(), frame.id());
+    }
+
+    std::optional<Filter> receive_, send_;
+    std::unique_ptr<Limit> limit_;
+    std::uint64_t judged_ = 0;
+    std::uint64_t SendCounters::*verdict_ = nullptr;
 };
 
 }    // namespace anogate

@@ -18,14 +18,6 @@
 
 namespace anogate {
 
-/// How long a frame may wait.
-struct AgeLimits {
-    ano::Duration control = std::chrono::milliseconds{200};
-    ano::Duration telemetry = std::chrono::seconds{1};
-    ano::Duration rest = std::chrono::seconds{5};
-    bool operator==(const AgeLimits&) const = default;
-};
-
 /// Urgent frames leave first, then telemetry, then bulk, but whenever a class sends, those below it that wait keep a
 /// tenth of the bytes. Within a class, first in, first out. A frame of which a part has left is never dropped but by
 /// close(). Neither throws nor allocates after construction; constant time a frame, amortised.

@@ -15,6 +15,11 @@
 
 namespace anogate {
 
+/// Bytes/s of an asynchronous serial line: a start bit, eight data bits, parity, stop bits.
+constexpr std::uint32_t uart_rate(std::uint32_t baud, bool parity, unsigned stop_bits) noexcept {
+    return std::max(baud / (9u + (parity ? 1u : 0u) + stop_bits), 1u);
+}
+
 /// A clock of the line: when it will have put everything on the wire that it was given. Serves a UART at its line rate
 /// and any link with a `rate`. A call that comes late finds an idle line, never a saved-up burst.
 class Pacer {

@@ -1,5 +1,6 @@
 // Which frames came or went lately.
 #pragma once
+#include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -24,6 +25,11 @@ inline std::uint64_t key_of(ano::FrameView frame) noexcept {
     bytes[6] = checks.sum;
     bytes[7] = checks.add;
     return std::bit_cast<std::uint64_t>(bytes);
+}
+
+/// What several stations may well say in the very same words: the question of a host to everybody who they are (0xE0).
+constexpr bool asked_by_many(ano::FrameView frame) noexcept {
+    return frame.id() == 0xE0 && frame.destination() == ano::address::broadcast && ano::address::is_host(frame.source());
 }
 
 /// Remembers a value by key for a while. Bounded: where it is full, the oldest gives way. Constant time, no allocation
@@ -81,29 +87,55 @@ public:
     explicit LoopGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
         : window_{window}, sent_{window, capacity} {}
 
+    /// How long a channel is taken for one that brings back what went there, after it did.
+    static constexpr ano::Duration suspicion = std::chrono::seconds{60};
+
     /// The channel is new; what went to one that had its number before does not count.
-    void open(ChannelId channel, ano::TimePoint now) noexcept { opened_at_[index(channel)] = now; }
+    void open(ChannelId channel, ano::TimePoint now) noexcept {
+        opened_at_[index(channel)] = now;
+        suspect_until_[index(channel)] = ano::TimePoint::min();
+    }
     /// A frame went, or could come back, by each of `channels`: Route::guarded.
     void remember(std::uint64_t key, ChannelSet channels, ano::TimePoint now) noexcept {
-        if (const Sent* known = sent_.find(key, now)) channels |= known->channels;
-        sent_.put(key, {channels}, now);
+        ChannelSet repeated;
+        if (const Sent* known = sent_.find(key, now)) {
+            channels |= known->channels;
+            repeated = known->repeated;
+        }
+        sent_.put(key, {channels, repeated}, now);
         quiet_at_ = now + window_;
     }
-    /// A frame that came by `from` within the window after it went there.
-    bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now) noexcept {
+    /// A frame that came by `from` within the window after it went there. A `common` one (asked_by_many()) is let through
+    /// once, unless `from` is a channel that brings things back.
+    bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now, bool common = false) noexcept {
         if (now >= quiet_at_) return false;
-        const Sent* known = sent_.find(key, now);
-        return known && known->channels.contains(from) && sent_.put_at(key) >= opened_at_[index(from)];
+        Sent* known = sent_.find(key, now);
+        if (!known || !known->channels.contains(from) || sent_.put_at(key) < opened_at_[index(from)]) return false;
+        if (!common) {
+            suspect_until_[index(from)] = now + suspicion;
+        } else if (!suspect(from, now) && !known->repeated.contains(from)) {
+            known->repeated.insert(from);
+            return false;
+        }
+        return true;
     }
+    /// It brought back what nobody but the one who sent it can have said.
+    bool suspect(ChannelId channel, ano::TimePoint now) const noexcept { return now < suspect_until_[index(channel)]; }
 
 private:
     struct Sent {
         ChannelSet channels;
+        ChannelSet repeated;    // of these, by which it came once more
     };
     ano::Duration window_;
     Recent<Sent> sent_;
     ano::TimePoint quiet_at_ = ano::TimePoint::min();
     std::array<ano::TimePoint, most_channels> opened_at_{};
+    std::array<ano::TimePoint, most_channels> suspect_until_ = [] {
+        std::array<ano::TimePoint, most_channels> all;
+        all.fill(ano::TimePoint::min());
+        return all;
+    }();
 };
 
 /// Of a frame that comes by several links of a group, lets one through.
@@ -119,12 +151,12 @@ public:
     /// before. A sender that repeats one and the same state, such as sticks that rest, is still heard when its link
     /// fails: once the member that brought it repeatedly is silent, the others count. That holds for frames a newer one
     /// may replace alone; a command never comes through twice.
-    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replace replace, ano::TimePoint now) noexcept {
+    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now) noexcept {
         key = (key & ~std::uint64_t{0xFF}) | group;    // in place of HEAD, which all share
         heard_at_[index(from)] = now;
         if (const Brought* known = brought_.find(key, now); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
-            if (!(replace != Replace::never && known->repeats && failed)) return true;
+            if (!(replaces != Replaces::nothing && known->repeats && failed)) return true;
             brought_.put(key, {from, true}, now);
         } else {
             brought_.put(key, {from, known != nullptr}, now);

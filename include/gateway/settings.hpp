@@ -2,7 +2,9 @@
 // (src/daemon/keys.cpp); what each one does stands where it is used.
 #pragma once
 #include <ano/time.hpp>
+#include <gateway/filter.hpp>
 #include <gateway/ip.hpp>
+#include <gateway/treatment.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -16,6 +18,12 @@ using ano::Duration;
 using ano::TimePoint;
 
 enum class Parity : std::uint8_t { none, even, odd };
+/// Whether a serial line is given no more than it carries.
+enum class Pace : std::uint8_t {
+    automatic,    // unless the driver is one to which the rate means nothing (cdc_acm)
+    on,
+    off,
+};
 enum class FlowControl : std::uint8_t { none, hardware };
 
 struct SerialSettings {
@@ -25,6 +33,7 @@ struct SerialSettings {
     std::uint8_t stop_bits = 1;    // 1 or 2
     FlowControl flow = FlowControl::none;
     bool low_latency = true;
+    Pace pace = Pace::automatic;
     std::optional<bool> dtr;    // nothing: left as the driver sets it
     std::optional<bool> rts;
     bool operator==(const SerialSettings&) const = default;
@@ -66,7 +75,7 @@ struct CanSettings {
 
 struct SimSettings {
     std::string device = "fc";
-    std::uint16_t rate = 50;    // Hz of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
+    std::uint16_t hz = 50;    // of attitude and inertial frames, 1 to 100; the slower ones keep their proportion
     bool operator==(const SimSettings&) const = default;
 };
 
@@ -78,6 +87,13 @@ struct LinkSettings {
     std::uint32_t queue = 32 * 1024;    // bytes; at least one frame of max_data
     bool flood = true;                  // takes frames for addresses nobody has heard of
     bool broadcast = true;              // takes frames to 0xFF
+    std::string group;                  // links of one group lead to the same place; empty: none
+    std::uint32_t rate = 0;             // bytes/s that it is given at most; 0: what the line carries, or no limit
+    Duration latency = std::chrono::milliseconds{20};    // how far the system may be ahead of the line, where it is paced
+    bool pack = true;                                    // datagrams: several frames in one when they wait anyway,
+    std::uint16_t mtu = 1400;                            // and so many bytes
+    AgeLimits age;
+    RuleSettings rules;
     bool required = false;              // the program ends with 1 when this link is not up within 10 s
 
     // Only the one of its kind means something.
@@ -107,6 +123,14 @@ struct GatewaySettings {
     bool operator==(const GatewaySettings&) const = default;
 };
 
+/// A device behind `link` appears under another address.
+struct AliasSettings {
+    std::string link;
+    std::uint8_t device = 0;
+    std::uint8_t as = 0;
+    bool operator==(const AliasSettings&) const = default;
+};
+
 /// What a device is given when plain frames come in from `from`: a tunnel frame.
 struct WrapSettings {
     Network from;
@@ -132,6 +156,7 @@ struct TunnelSettings {
     Deliver deliver = Deliver::frames;
     std::vector<WrapSettings> wrap;    // the first that matches counts
     std::vector<Network> allow;        // empty: the networks of our interfaces
+    RuleSettings rules;                // of the link `tunnel`
     bool operator==(const TunnelSettings&) const = default;
 };
 
@@ -175,6 +200,7 @@ struct Settings {
     GatewaySettings gateway;
     std::vector<LinkSettings> links;
     std::vector<RouteSettings> routes;
+    std::vector<AliasSettings> aliases;
     std::optional<TunnelSettings> tunnel;
     std::vector<GpioSettings> gpio;
     ControlSettings control;

@@ -1,29 +1,46 @@
 // How a frame is treated where a line is slow (protocol text, section 5). Which id is treated how, the message table says.
 #pragma once
+#include <ano/schema.hpp>
+#include <ano/time.hpp>
+
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
 namespace anogate {
 
 /// In the order in which they leave.
-enum class TrafficClass : std::uint8_t { urgent, telemetry, bulk };
-inline constexpr std::size_t traffic_classes = 3;
+using ano::TrafficClass;
+inline constexpr std::size_t traffic_classes = ano::traffic_class_names.size();
 
 /// Which waiting frame of the same source and destination a newer one may replace.
-enum class Replace : std::uint8_t {
-    never,
-    same_id,
-    same_id_and_first_byte,    // of DATA
-};
+using ano::Replaces;
 
 /// Which age limit holds for it.
-enum class AgeKind : std::uint8_t { control, telemetry, rest };
+enum class AgeKind : std::uint8_t {
+    control,    // sticks and the like: urgent, and a newer one replaces it
+    telemetry,
+    rest,
+};
+
+/// How long a frame may wait.
+struct AgeLimits {
+    ano::Duration control = std::chrono::milliseconds{200};
+    ano::Duration telemetry = std::chrono::seconds{1};
+    ano::Duration rest = std::chrono::seconds{5};
+    bool operator==(const AgeLimits&) const = default;
+};
 
 struct Treatment {
     TrafficClass traffic = TrafficClass::bulk;
-    Replace replace = Replace::never;
+    Replaces replaces = Replaces::nothing;
     AgeKind age = AgeKind::rest;
     friend constexpr bool operator==(Treatment, Treatment) noexcept = default;
 };
+
+/// By id.
+extern const std::array<Treatment, 256> treatments;
+inline Treatment treatment_of(std::uint8_t id) noexcept { return treatments[id]; }
 
 }  // namespace anogate

@@ -145,7 +145,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     read_options(arguments, draft);
     finish(draft);
     if (!draft.errors.empty()) return failure(draft.errors);
-    return CommandLine{std::move(draft.settings), file, arguments.check, arguments.print_config};
+    return CommandLine{std::move(draft.settings), file, lines(draft.warnings), arguments.check, arguments.print_config};
 }
 
 }  // namespace anogate

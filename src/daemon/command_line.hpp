@@ -12,6 +12,7 @@ inline constexpr char default_config_file[] = "/etc/anogate/anogate.json";
 struct CommandLine {
     Settings settings;          // file, LINKs and options together, without fault
     std::string config_file;    // that was read; empty: none
+    std::string warnings;       // a line each
     bool check = false;
     bool print_config = false;
 };

@@ -24,15 +24,17 @@ struct Origin {
 /// What was read so far.
 struct Draft {
     Settings settings;
-    std::vector<Origin> links, routes, gpio;    // where settings.links, .routes and .gpio were said, one by one
+    std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
     Origin unknown;                       // where settings.gateway.unknown was said
     Origin tunnel;                        // where settings.tunnel was said
     ConfigErrors errors;
+    ConfigErrors warnings;    // of what is allowed and may not be meant
     bool broken_links = false;    // not every link is known: what names one can't be judged
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);
     void add(GpioSettings line, Origin origin);
+    void add(AliasSettings alias, Origin origin);
 };
 
 /// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none.

@@ -39,6 +39,10 @@ Json type_of(const KeyFacts& key) {
         case Form::line:
             return {{"anyOf", {Json{{"type", "integer"}, {"minimum", 0}}, Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
         case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
+        case Form::frames:
+        case Form::senders:
+            return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
+        case Form::limits: return {{"type", "object"}, {"additionalProperties", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
         case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
         case Form::networks:
             return {
@@ -58,7 +62,14 @@ Json& add_keys(Json& object, Keys<Section> keys, std::string_view kind = {}) {
         if (!key.is_of(kind)) continue;
         Json property{{"description", key.help}};
         property.update(type_of(key));
-        object["properties"][std::string{key.name}] = property;
+        Json* in = &object;
+        const auto names = split(key.name, '.');
+        for (const std::string_view outer : std::span{names}.first(names.size() - 1)) {
+            Json& inner = (*in)["properties"][std::string{outer}];
+            if (inner.is_null()) inner = closed_object();
+            in = &inner;
+        }
+        (*in)["properties"][std::string{names.back()}] = property;
         if (key.required) object["required"].push_back(key.name);
     }
     return object;
@@ -94,6 +105,7 @@ std::string config_schema() {
     schema["properties"] = {{"gateway", object_of(gateway_keys())},
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
+                            {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},
                             {"tunnel", tunnel()},
                             {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
                             {"control", object_of(control_keys())},

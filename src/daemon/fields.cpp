@@ -80,6 +80,23 @@ std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_
     return {};
 }
 
+std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<ByteRange>& field) {
+    std::vector<ByteRange> ranges;
+    for (const std::string_view word : split(text, '+')) {
+        if (key.form == Form::frames) {
+            const auto ids = parse_frames(word);
+            if (!ids) return must_be(key, in_quotes(word)) + did_you_mean(word, frame_words());
+            ranges.insert(ranges.end(), ids->begin(), ids->end());
+        } else {
+            const auto range = parse_addresses(word);
+            if (!range) return must_be(key, in_quotes(word));
+            ranges.push_back({range->first, range->last});
+        }
+    }
+    field = std::move(ranges);
+    return {};
+}
+
 std::string read_choice(const KeyFacts& key, std::string_view text, std::size_t& field) {
     const auto choices = split(key.choices, '|');
     const auto found = std::find(choices.begin(), choices.end(), text);

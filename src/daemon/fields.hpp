@@ -1,5 +1,6 @@
 // How a field of the settings is read from text and written, by its type. For the table of keys alone.
 #pragma once
+#include <daemon/frame_words.hpp>
 #include <daemon/key_facts.hpp>
 #include <daemon/values.hpp>
 #include <gateway/settings.hpp>
@@ -22,6 +23,7 @@ std::string read_endpoint(const KeyFacts& key, std::string_view text, Endpoint& 
 std::string read_duration(const KeyFacts& key, std::string_view text, Duration& field);
 std::string read_boolean(const KeyFacts& key, std::string_view text, bool& field);
 std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_t& field);
+std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<ByteRange>& field);
 std::string read_choice(const KeyFacts& key, std::string_view text, std::size_t& field);
 
 template <class Field>
@@ -43,6 +45,8 @@ std::string read_field(const KeyFacts& key, std::string_view text, Field& field)
         return read_duration(key, text, field);
     } else if constexpr (std::is_same_v<Field, Endpoint>) {
         return read_endpoint(key, text, field);
+    } else if constexpr (std::is_same_v<Field, std::vector<ByteRange>>) {
+        return read_ranges(key, text, field);
     } else {
         return read_text(key, text, field);
     }
@@ -65,6 +69,8 @@ std::optional<std::string> write_field(const KeyFacts& key, const Field& field) 
         return duration_text(field);
     } else if constexpr (std::is_same_v<Field, Endpoint>) {
         return field.text();
+    } else if constexpr (std::is_same_v<Field, std::vector<ByteRange>>) {
+        return field.empty() ? std::nullopt : std::optional{ranges_text(field)};
     } else {
         if (field.size() < key.least) return std::nullopt;
         return field;

@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <daemon/config.hpp>
 #include <daemon/keys.hpp>
@@ -5,12 +6,15 @@
 #include <daemon/values.hpp>
 #include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
+#include <gateway/pacer.hpp>
 
 #include <algorithm>
 #include <set>
 
 namespace anogate {
 namespace {
+
+constexpr std::uint64_t slow_frame = 100;    // ms
 
 // Words that mean something else where a link is named, and the links that the gateway has of itself.
 constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
@@ -89,6 +93,7 @@ public:
         gateway();
         for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i)
             route(draft_.settings.routes[i], draft_.routes[i]);
+        for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
         for (std::size_t i = 0; i < draft_.settings.gpio.size(); ++i)
             if (!draft_.gpio[i].broken) gpio(i);
@@ -112,6 +117,24 @@ private:
                       std::to_string(link.queue));
         if (link.id != 0 && link.id == draft_.settings.gateway.id)
             error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
+        slow_line(i);
+    }
+
+    // While a frame is on its way, nothing overtakes it.
+    void slow_line(std::size_t i) {
+        const LinkSettings& link = links_[i];
+        std::uint32_t rate = link.rate;
+        if (rate == 0 && link.kind == "serial" && link.serial.pace != Pace::off)
+            rate = uart_rate(link.serial.baud, link.serial.parity != Parity::none, link.serial.stop_bits);
+        if (rate == 0) return;
+        const std::uint64_t milliseconds = (ano::overhead + link.max_data) * std::uint64_t{1000} / rate;
+        if (milliseconds <= slow_frame) return;
+        const std::uint64_t fits = rate * slow_frame / 1000;
+        draft_.warnings.push_back({draft_.links[i].key("max_data"),
+                                   "warning: a frame of max_data " + std::to_string(link.max_data) + " takes " + std::to_string(milliseconds) +
+                                       " ms at " + std::to_string(rate) + " bytes/s, and what is urgent waits behind it; max_data " +
+                                       std::to_string(fits > ano::overhead ? fits - ano::overhead : 0) + " keeps it under " +
+                                       std::to_string(slow_frame) + " ms"});
     }
 
     void udp(std::size_t i) {
@@ -173,6 +196,26 @@ private:
                 error(origin, "address",
                       "'address' " + addresses_text({route.first, route.last}) + ": " + std::to_string(links_[i].id) +
                           " is the port id of " + who(i) + ", frames to it go there");
+    }
+
+    void alias(std::size_t i) {
+        const AliasSettings& alias = draft_.settings.aliases[i];
+        const Origin& origin = draft_.aliases[i];
+        const std::string as = "'as' " + address_text(alias.as);
+        must_exist(alias.link, origin, "link", "", false);
+        if (alias.as == alias.device) error(origin, "as", as + " is the id that the device has already");
+        if (alias.as == draft_.settings.gateway.id) error(origin, "as", as + " is the gateway's own id");
+        if (ano::address::is_host(alias.as) || ano::address::is_host(alias.device))
+            error(origin, "as", "a host (0xFE, 0xD2) can't have an alias, nor be one: there may be several");
+        for (std::size_t k = 0; k < links_.size(); ++k)
+            if (links_[k].id == alias.as) error(origin, "as", as + " is the port id of " + who(k));
+        for (std::size_t k = 0; k < i; ++k) {
+            const AliasSettings& other = draft_.settings.aliases[k];
+            if (other.as == alias.as) error(origin, "as", as + " is given at " + draft_.aliases[k].where + " too");
+            if (other.link == alias.link && (other.device == alias.device || other.as == alias.device || other.device == alias.as))
+                error(origin, "device", "'device' " + address_text(alias.device) + ": " + draft_.aliases[k].where +
+                                            " says otherwise, one device has one alias and an alias none");
+        }
     }
 
     void tunnel(const TunnelSettings& tunnel) {
@@ -260,6 +303,11 @@ void Draft::add(RouteSettings route, Origin origin) {
 void Draft::add(GpioSettings line, Origin origin) {
     settings.gpio.push_back(std::move(line));
     gpio.push_back(std::move(origin));
+}
+
+void Draft::add(AliasSettings alias, Origin origin) {
+    settings.aliases.push_back(std::move(alias));
+    aliases.push_back(std::move(origin));
 }
 
 void finish(Draft& draft) {

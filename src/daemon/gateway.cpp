@@ -1,4 +1,5 @@
 #include <daemon/gateway.hpp>
+#include <gateway/pacer.hpp>
 #include <link/kinds.hpp>
 
 #include <spdlog/spdlog.h>
@@ -11,11 +12,9 @@ constexpr Duration stop_look = std::chrono::milliseconds{2};
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 
-// What the line carries, to know when the rest of a frame is overdue: start bit, eight data bits, parity, stop bits.
+// What the line carries, to know when the rest of a frame is overdue.
 std::uint32_t line_rate(const LinkSettings& s) {
-    if (s.kind != "serial") return 0;
-    const unsigned bits = 9u + (s.serial.parity == Parity::none ? 0u : 1u) + s.serial.stop_bits;
-    return std::max(s.serial.baud / bits, 1u);
+    return s.kind == "serial" ? uart_rate(s.serial.baud, s.serial.parity != Parity::none, s.serial.stop_bits) : 0;
 }
 
 ano::FrameParser::Options parser_options(const LinkSettings& s) {
@@ -39,11 +38,9 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                       else stop_check_.set(now_ + stop_look);
                   }} {
     links_.reserve(most_links);
-    for (const LinkSettings& link : settings_.links) {
-        const LinkId id = router_.add_link({link.id, link.flood, link.broadcast});
-        links_.emplace_back().link = make_link(id, link, {io_, alarms_, *this, batch_});
-    }
+    add_links();
     if (settings_.tunnel) add_tunnel(*settings_.tunnel);
+    add_aliases();
     gpio_ = std::make_unique<Gpio>(io_, alarms_, settings_.gpio,
                                    [this](const std::string& name) -> Link& { return *links_[index(link_named(name))].link; });
     for (const RouteSettings& route : settings_.routes) router_.pin(route.first, route.last, link_named(route.link));
@@ -51,6 +48,38 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
 }
 
 Gateway::~Gateway() = default;
+
+void Gateway::add_links() {
+    std::vector<std::string> groups{""};
+    for (const LinkSettings& link : settings_.links) {
+        auto group = std::find(groups.begin(), groups.end(), link.group);
+        if (group == groups.end()) group = groups.insert(group, link.group);
+        const auto number = static_cast<std::uint8_t>(group - groups.begin());
+        const LinkId id = router_.add_link({link.id, link.flood, link.broadcast, number});
+        LinkState& added = links_.emplace_back();
+        added.link = make_link(id, link, {io_, alarms_, *this, batch_, sender_});
+        added.group = number;
+        give_rules(added, link.rules);
+    }
+}
+
+void Gateway::give_rules(LinkState& link, const RuleSettings& settings) {
+    if (settings == RuleSettings{}) return;
+    link.rules = std::make_unique<Rules>(settings);
+    ruled_.insert(link.link->id());
+}
+
+void Gateway::add_aliases() {
+    for (const LinkState& s : links_) {
+        std::vector<AliasRule> rules;
+        for (const AliasSettings& alias : settings_.aliases)
+            if (alias.link == s.link->name()) rules.push_back({alias.device, alias.as});
+        if (rules.empty()) continue;
+        for (const AliasRule& rule : rules) router_.pin(rule.as, rule.as, s.link->id());    // it is nowhere else
+        links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, s.link->settings().max_data);
+        ruled_.insert(s.link->id());
+    }
+}
 
 void Gateway::add_tunnel(const TunnelSettings& settings) {
     std::vector<TunnelLink::Target> wrap_to;
@@ -60,9 +89,10 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
     }
     for (const std::string& name : settings.links) tunnelled_.insert(link_named(name));
     const LinkId id = router_.add_link({});
-    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to), LinkContext{io_, alarms_, *this, batch_}, *this);
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to), LinkContext{io_, alarms_, *this, batch_, sender_}, *this);
     tunnel_ = tunnel.get();
     links_.emplace_back().link = std::move(tunnel);
+    give_rules(links_.back(), settings.rules);
 }
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
@@ -95,10 +125,11 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     const auto id = static_cast<ChannelId>(i);
     const LinkSettings& s = link.settings();
     channels_[i].reset(new Channel{id, link.id(), std::move(peer), ano::FrameParser{parser_options(s)},
-                                   Outbox{{s.queue, s.max_data}}, {}, now_, {}, {}});
+                                   Outbox{{s.queue, s.max_data, s.age}}, {}, now_, {}, {}});
     used_.insert(id);
     state(link).channels.insert(id);
     router_.open(id, link.id());
+    loop_guard_.open(id, now_);
     if (!channels_[i]->peer.empty() && state(link).up) spdlog::info("{}: peer {}", link.name(), channels_[i]->peer);
     return channels_[i].get();
 }
@@ -117,28 +148,52 @@ void Gateway::close_channel(Channel& channel) {
 }
 
 void Gateway::receive(Channel& from, ano::FrameView frame) {
+    ++frame_number_;
+    from.heard_at = now_;
+    if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
+    const Treatment treatment = treatment_of(frame.id());
+    if (came_before(from, frame, treatment)) return;
+    if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
-    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route.channels);
-    for (const ChannelId to : route.channels) offer(to, frame);
-    for (const LinkId to : route.absent) miss(to);
+    if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
+    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), route.guarded, now_);
+    for (const ChannelId to : route.channels) offer(to, frame, treatment);
+    for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
     if (route.new_conflict) log_conflict();
 }
 
+// Our own, come back by another way, or a copy of one that another link of the group brought.
+bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatment) {
+    const std::uint64_t key = key_of(frame);
+    const std::uint8_t group = links_[index(from.link)].group;
+    const bool common = asked_by_many(frame);
+    if (loop_guard_.looped(key, from.id, now_, common)) {
+        ++from.routed.looped;
+        if (common && !loop_guard_.suspect(from.id, now_)) learn(from, frame);    // the answer is for this one as well
+        return true;
+    }
+    if (group == 0 || !duplicates_.duplicate(key, group, from.link, treatment.replaces, now_)) return false;
+    ++from.routed.duplicate;
+    return true;
+}
+
 // A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
-void Gateway::keep_from_tunnel(ChannelSet& channels) {
-    const ChannelSet kept = channels & state(*tunnel_).channels;
+void Gateway::keep_from_tunnel(Route& route) {
+    const ChannelSet kept = route.channels & state(*tunnel_).channels;
     if (kept.empty()) return;
-    channels -= kept;
+    route.channels -= kept;
+    route.guarded -= kept;
     tunnel_->refuse_nested();
 }
 
 bool Gateway::admit(Channel& from, ano::FrameView frame) {
     from.heard_at = now_;
-    if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
+    const Rules* rules = links_[index(from.link)].rules.get();
+    if (rules && !rules->takes(frame)) return ++from.routed.denied_in, false;
     if (gpio_->inhibited().contains(from.link) && is_control(frame)) return ++from.routed.inhibited, false;
     return true;
 }
@@ -150,7 +205,12 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
     return false;
 }
 
-bool Gateway::may_leave(LinkId, ano::FrameView) { return true; }
+bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
+    Rules* rules = links_[index(to)].rules.get();
+    const auto cause = rules ? rules->refusal(frame, ++frame_number_, now_) : nullptr;
+    if (cause) refuse(to, cause);
+    return !cause;
+}
 
 void Gateway::learn(Channel& from, ano::FrameView frame) {
     router_.learn(from.id, frame.source(), now_);
@@ -158,19 +218,28 @@ void Gateway::learn(Channel& from, ano::FrameView frame) {
 }
 
 void Gateway::send(LinkId to, ano::FrameView frame) {
-    if (links_[index(to)].channels.empty()) miss(to);
-    for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame);
+    ++frame_number_;
+    if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
+    for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame, treatment_of(frame.id()));
 }
 
-void Gateway::offer(ChannelId to, ano::FrameView frame) {
-    channels_[index(to)]->outbox.push(frame);
+void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
+    Channel& channel = *channels_[index(to)];
+    if (ruled_.contains(channel.link)) {
+        const LinkState& link = links_[index(channel.link)];
+        const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
+        const auto seen = link.aliases ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
+        if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
+        frame = *seen;
+    }
+    channel.outbox.push(frame, treatment, now_);
     to_flush_.insert(to);
 }
 
-// A frame for a link that has no channel now.
-void Gateway::miss(LinkId to) {
+// A frame that was for the link and for none of its channels.
+void Gateway::refuse(LinkId to, std::uint64_t SendCounters::*cause) {
     ++links_[index(to)].gone_sent.offered;
-    ++links_[index(to)].gone_sent.link_down;
+    ++(links_[index(to)].gone_sent.*cause);
 }
 
 bool Gateway::is_own_port(std::uint16_t port) const {
@@ -192,7 +261,10 @@ void Gateway::flush() {
 
 void Gateway::link_up(Link& link) {
     LinkState& s = state(link);
-    for (const ChannelId id : s.channels) channels_[index(id)]->outbox.open();
+    for (const ChannelId id : s.channels) {
+        channels_[index(id)]->outbox.open();
+        router_.came_up(id);
+    }
     if (s.up) return;
     s.up = s.was_up = true;
     s.since = now_;

@@ -1,6 +1,9 @@
 // Owns the links, the channels and the router; the only place that sees them all.
 #pragma once
 #include <daemon/gpio.hpp>
+#include <gateway/alias.hpp>
+#include <gateway/filter.hpp>
+#include <gateway/recent.hpp>
 #include <gateway/router.hpp>
 #include <gateway/settings.hpp>
 #include <link/link_context.hpp>
@@ -24,6 +27,9 @@ struct LinkState {
     ChannelSet channels;
     ReceiveCounters gone_received;    // of channels that are no more
     SendCounters gone_sent;           // and of frames for a link that had no channel
+    std::uint8_t group = 0;           // 1 to 64: its number; 0: none
+    std::unique_ptr<Rules> rules;        // nullptr: none
+    std::unique_ptr<Aliases> aliases;    // nullptr: none
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -46,6 +52,7 @@ public:
     void flush() override;
     void link_up(Link& link) override;
     void link_down(Link& link, std::string why) override;
+    void doubt(Link& link) override { router_.doubt(link.id()); }
     TimePoint now() override { return now_ = Clock::now(); }
 
     bool admit(Channel& from, ano::FrameView frame) override;
@@ -67,10 +74,14 @@ public:
 private:
     LinkState& state(const Link& link) { return links_[index(link.id())]; }
     LinkId link_named(const std::string& name) const;
+    void add_links();
     void add_tunnel(const TunnelSettings& settings);
-    void keep_from_tunnel(ChannelSet& channels);
-    void offer(ChannelId to, ano::FrameView frame);
-    void miss(LinkId to);
+    void add_aliases();
+    void give_rules(LinkState& link, const RuleSettings& settings);
+    bool came_before(Channel& from, ano::FrameView frame, Treatment treatment);
+    void keep_from_tunnel(Route& route);
+    void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
+    void refuse(LinkId to, std::uint64_t SendCounters::*cause);
     void log_conflict();
     bool nothing_waits() const;
     void finish_stop();
@@ -79,7 +90,10 @@ private:
     Settings settings_;
     AlarmClock alarms_;
     DatagramBatch batch_;
+    DatagramSender sender_;
     Router router_;
+    LoopGuard loop_guard_;
+    DuplicateGuard duplicates_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;
     ChannelSet to_flush_;
@@ -87,6 +101,8 @@ private:
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes
+    LinkSet ruled_;                   // that have rules or aliases
+    std::uint64_t frame_number_ = 0;
     TimePoint now_{};
     TimePoint started_at_{};
     Alarm required_check_;

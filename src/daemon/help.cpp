@@ -36,7 +36,7 @@ std::string links() {
         for (const Key<LinkSettings>& key : link_keys())
             if (!key.kinds.empty() && key.is_of(kind.name) && key.name != kind.address) text += key_line(key, 4, "=");
     }
-    text += "Keys of every link; a key alone means true:\n";
+    text += "Keys of every link; a key alone means true; send.deny=... is {\"send\": {\"deny\": [...]}} in the file:\n";
     for (const Key<LinkSettings>& key : link_keys())
         if (key.kinds.empty()) text += key_line(key, 4, "=");
     return text;
@@ -59,6 +59,7 @@ std::string links_and_keys_help() {
     return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" +
            links() + "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
            section("gateway", gateway_keys()) + link_objects() + section("routes: a list of objects", route_keys()) +
+           section("alias: a list of objects", alias_keys()) +
            section("tunnel", tunnel_keys()) + section("tunnel/wrap: a list of objects", wrap_keys()) +
            section("gpio: a list of objects", gpio_keys()) + section("control", control_keys()) + section("log", log_keys());
 }

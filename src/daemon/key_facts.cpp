@@ -54,6 +54,9 @@ std::string expected(const KeyFacts& key) {
         case Form::names: return "a list of names of links such as [\"fc\"]";
         case Form::line: return "a line's number such as 17 or its name such as \"GPIO17\"";
         case Form::silence: return "\"silent\" and a duration such as \"silent 10s\"," + between(milliseconds(key.least), milliseconds(key.most));
+        case Form::frames: return "ids such as 0xF0 or 0x01-0x0F, names of messages such as firmware, or urgent, telemetry, bulk";
+        case Form::senders: return "addresses such as 0xFE or ranges such as 30-40";
+        case Form::limits: return "an object such as {\"0x01\": 50}: frames a second";
     }
     return {};
 }
@@ -82,6 +85,9 @@ std::string placeholder(const KeyFacts& key) {
         case Form::names: return "[LINK...]";
         case Form::line: return "NUMBER|NAME";
         case Form::silence: return "silent DURATION";
+        case Form::frames: return "FRAMES[+FRAMES...]";
+        case Form::senders: return "ADDR[+ADDR...]";
+        case Form::limits: return "NUMBER";
     }
     return {};
 }

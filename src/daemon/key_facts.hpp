@@ -8,7 +8,8 @@
 
 namespace anogate {
 
-/// How a value is written. On the command line and in a LINK text everything is text. In JSON a boolean and an integer
+/// How a value is written. A key with a dot in its name is one of an object in JSON: "send.deny" is {"send": {"deny": []}}.
+/// On the command line and in a LINK text everything is text. In JSON a boolean and an integer
 /// are themselves, an address and a CAN id are a number or text, networks are a list, and all else is text.
 enum class Form : std::uint8_t {
     boolean,
@@ -28,6 +29,9 @@ enum class Form : std::uint8_t {
     names,      // of links; as text, one a line
     line,       // of a GPIO chip: its number or its name
     silence,    // "silent" and a duration
+    frames,     // ids, messages, classes; joined by + as text, a list in JSON
+    senders,    // addresses and ranges of them, in the same way
+    limits,     // an object of its own: each of its keys names a message; as text "NAME=RATE", one a line
 };
 
 struct KeyFacts {

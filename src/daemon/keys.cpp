@@ -4,6 +4,8 @@
 
 #include <gateway/ids.hpp>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 namespace anogate {
@@ -56,6 +58,14 @@ constexpr auto choice(std::string_view name, std::string_view choices, std::stri
 template <auto... Path>
 constexpr auto text(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::text, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto frames(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::frames, .help = help});
+}
+template <auto... Path>
+constexpr auto senders(std::string_view name, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::senders, .help = help});
 }
 template <auto... Path>
 constexpr auto endpoint(std::string_view name, std::string_view help) {
@@ -233,6 +243,30 @@ std::string read_silence(const KeyFacts& key, std::string_view text, GpioSetting
     return {};
 }
 
+template <class Section, RuleSettings Section::*rules>
+std::optional<std::string> write_limit(const KeyFacts&, const Section& section) {
+    std::string text;
+    for (const LimitRule& rule : (section.*rules).limit)
+        text += (text.empty() ? "" : "\n") + address_text(rule.id) + "=" + rate_text(rule.per_second);
+    return text.empty() ? std::nullopt : std::optional{text};
+}
+
+// Adds to what was said before.
+template <class Section, RuleSettings Section::*rules>
+std::string read_limit(const KeyFacts&, std::string_view text, Section& section) {
+    std::vector<LimitRule> limit = (section.*rules).limit;
+    for (const std::string_view line : split(text, '\n')) {
+        LimitText parsed = parse_limit(line);
+        if (!parsed.rule) return parsed.error;
+        for (const LimitRule& known : limit)
+            if (known.id == parsed.rule->id) return address_text(known.id) + " has a limit already";
+        limit.push_back(*parsed.rule);
+        std::sort(limit.begin(), limit.end(), [](const LimitRule& a, const LimitRule& b) { return a.id < b.id; });
+    }
+    (section.*rules).limit = std::move(limit);
+    return {};
+}
+
 // The table.
 
 using G = GatewaySettings;
@@ -241,10 +275,48 @@ using R = RouteSettings;
 using Serial = SerialSettings;
 using Listen = UdpListenSettings;
 using Can = CanSettings;
+using A = AliasSettings;
+using T = TunnelSettings;
+using W = WrapSettings;
+using Rule = RuleSettings;
+using F = FilterSettings;
 
 constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are nobody's
 constexpr std::uint64_t second = 1000, day = 24 * 3600 * second;
 constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_path = 107, longest_interface = 15;
+
+// The rules of links, and of the tunnel, which is one.
+constexpr std::size_t rule_rows = 13;
+template <class Section, RuleSettings Section::*rules>
+constexpr std::array<Key<Section>, rule_rows> rules_of() {
+    return {frames<rules, &Rule::receive, &F::allow>("receive.allow", "of what comes in, only these frames are taken"),
+            frames<rules, &Rule::receive, &F::deny>("receive.deny", "of what comes in, these frames are not taken"),
+            senders<rules, &Rule::receive, &F::allow_sources>("receive.allow_sources", "only from these addresses"),
+            senders<rules, &Rule::receive, &F::deny_sources>("receive.deny_sources", "not from these addresses"),
+            senders<rules, &Rule::receive, &F::allow_destinations>("receive.allow_destinations", "only to these addresses"),
+            senders<rules, &Rule::receive, &F::deny_destinations>("receive.deny_destinations", "not to these addresses"),
+            frames<rules, &Rule::send, &F::allow>("send.allow", "only these frames leave"),
+            frames<rules, &Rule::send, &F::deny>("send.deny", "these frames do not leave"),
+            senders<rules, &Rule::send, &F::allow_sources>("send.allow_sources", "only from these addresses"),
+            senders<rules, &Rule::send, &F::deny_sources>("send.deny_sources", "not from these addresses"),
+            senders<rules, &Rule::send, &F::allow_destinations>("send.allow_destinations", "only to these addresses"),
+            senders<rules, &Rule::send, &F::deny_destinations>("send.deny_destinations", "not to these addresses"),
+            Key<Section>{{.name = "limit",
+                          .form = Form::limits,
+                          .help = "frames a second, at most and evenly spaced, of an id or message: limit.0x01=50"},
+                         write_limit<Section, rules>,
+                         read_limit<Section, rules>}};
+}
+
+template <class Section, std::size_t N, std::size_t M>
+constexpr std::array<Key<Section>, N + M> operator+(const Key<Section> (&a)[N], const std::array<Key<Section>, M>& b) {
+    std::array<Key<Section>, N + M> all;
+    std::copy(std::begin(a), std::end(a), all.begin());
+    std::copy(b.begin(), b.end(), all.begin() + N);
+    return all;
+}
+
+constexpr std::string_view paced = "serial pty can udp udp-listen", datagrams = "udp udp-listen";
 
 constexpr Key<G> gateway_rows[] = {
     address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
@@ -261,7 +333,7 @@ constexpr Key<G> gateway_rows[] = {
     duration<&G::forget_after>("forget_after", second, day, "an address not heard for so long is forgotten"),
 };
 
-constexpr Key<L> link_rows[] = {
+constexpr Key<L> own_link_rows[] = {
     text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") |
         needed,
     integer<&L::serial, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
@@ -271,6 +343,10 @@ constexpr Key<L> link_rows[] = {
     integer<&L::serial, &Serial::stop_bits>("stop_bits", 1, 2, "stop bits") | of("serial"),
     choice<&L::serial, &Serial::flow>("flow", "none|hardware", "flow control; hardware is RTS/CTS") | of("serial"),
     boolean<&L::serial, &Serial::low_latency>("low_latency", "ask the driver not to collect bytes") | of("serial"),
+    choice<&L::serial, &Serial::pace>("pace", "auto|on|off",
+                                      "give the port no more than the line carries, so that what is urgent can overtake; auto: "
+                                      "not a cdc_acm port, whose baud means nothing") |
+        of("serial"),
     boolean<&L::serial, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)") |
         of("serial"),
     boolean<&L::serial, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)") |
@@ -313,8 +389,7 @@ constexpr Key<L> link_rows[] = {
         as("PATH") | of("pty") | needed,
 
     choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
-    integer<&L::sim, &SimSettings::rate>("rate", 1, 100,
-                                         "attitude frames a second; slower ones keep their proportion") |
+    integer<&L::sim, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion") |
         of("sim"),
 
     text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |
@@ -325,7 +400,24 @@ constexpr Key<L> link_rows[] = {
     integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data + 8"),
     boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
     boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
+    text<&L::group>("group", 1, longest_name, "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
+        as("GROUP"),
+    integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") | of(paced),
+    duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
+    boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),
+    integer<&L::mtu>("mtu", 64, 65507, "most bytes in a datagram of several frames") | of(datagrams),
+    duration<&L::age, &AgeLimits::control>("age.control", 1, day, "sticks (0x40, 0x41) that waited longer are dropped"),
+    duration<&L::age, &AgeLimits::telemetry>("age.telemetry", 1, day, "telemetry that waited longer is dropped"),
+    duration<&L::age, &AgeLimits::rest>("age.rest", 1, day, "any other frame that waited longer is dropped"),
     boolean<&L::required>("required", "the program ends with 1 when this link is not up within 10 s"),
+};
+
+constexpr auto link_rows = own_link_rows + rules_of<L, &L::rules>();
+
+constexpr Key<A> alias_rows[] = {
+    text<&A::link>("link", 1, longest_name, "the name of the link that the device is behind") | as("LINK") | needed,
+    address<&A::device>("device", first_id, last_id, "the id that the device has") | needed,
+    address<&A::as>("as", first_id, last_id, "the id under which all others see it") | needed,
 };
 
 constexpr Key<R> route_rows[] = {
@@ -340,10 +432,7 @@ constexpr Key<R> route_rows[] = {
     text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
-using T = TunnelSettings;
-using W = WrapSettings;
-
-constexpr Key<T> tunnel_rows[] = {
+constexpr Key<T> own_tunnel_rows[] = {
     Key<T>{{.name = "links",
             .form = Form::names,
             .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
@@ -369,6 +458,8 @@ constexpr Key<T> tunnel_rows[] = {
            write_tunnel_allow,
            read_tunnel_allow},
 };
+
+constexpr auto tunnel_rows = own_tunnel_rows + rules_of<T, &T::rules>();
 
 constexpr Key<W> wrap_rows[] = {
     Key<W>{{.name = "from",
@@ -450,6 +541,9 @@ Keys<LinkSettings> link_keys() noexcept {
 }
 Keys<RouteSettings> route_keys() noexcept {
     return route_rows;
+}
+Keys<AliasSettings> alias_keys() noexcept {
+    return alias_rows;
 }
 Keys<TunnelSettings> tunnel_keys() noexcept {
     return tunnel_rows;

@@ -28,6 +28,7 @@ using Keys = std::span<const Key<Section>>;
 Keys<GatewaySettings> gateway_keys() noexcept;
 Keys<LinkSettings> link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
+Keys<AliasSettings> alias_keys() noexcept;
 /// But for "wrap", a list of objects with the wrap_keys().
 Keys<TunnelSettings> tunnel_keys() noexcept;
 Keys<WrapSettings> wrap_keys() noexcept;
@@ -42,6 +43,14 @@ const Key<Section>* find_key(Keys<Section> keys, std::string_view name, std::str
     for (const Key<Section>& key : keys)
         if (key.name == name && key.is_of(kind)) return &key;
     return nullptr;
+}
+
+/// Whether `name` is an object of keys: "send" of "send.deny".
+template <class Section>
+bool is_object_of_keys(Keys<Section> keys, std::string_view name, std::string_view kind = {}) {
+    for (const Key<Section>& key : keys)
+        if (key.is_of(kind) && key.name.starts_with(name) && key.name.substr(name.size()).starts_with('.')) return true;
+    return false;
 }
 
 template <class Section>

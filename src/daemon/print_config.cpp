@@ -35,6 +35,20 @@ Json json_of(const std::string& text, Form form) {
         case Form::line:
             if (const auto number = parse_number(text)) return *number;
             return text;
+        case Form::frames:
+        case Form::senders: {
+            Json list = Json::array();
+            for (const std::string_view word : split(text, '+')) list.push_back(word);
+            return list;
+        }
+        case Form::limits: {
+            Json object = Json::object();
+            for (const std::string_view line : split(text, '\n')) {
+                const std::size_t equals = line.find('=');
+                object[std::string{line.substr(0, equals)}] = Json::parse(line.substr(equals + 1));
+            }
+            return object;
+        }
         case Form::network:
         case Form::ip:
         case Form::silence:
@@ -52,9 +66,14 @@ Json json_of(const std::string& text, Form form) {
 
 template <class Section>
 void print_keys(const Section& section, Keys<Section> keys, Json& into, std::string_view kind = {}) {
-    for (const Key<Section>& key : keys)
-        if (const auto text = key.text_in(section); text && key.is_of(kind))
-            into[std::string{key.name}] = json_of(*text, key.form);
+    for (const Key<Section>& key : keys) {
+        const auto text = key.text_in(section);
+        if (!text || !key.is_of(kind)) continue;
+        Json* object = &into;
+        const auto names = split(key.name, '.');
+        for (const std::string_view outer : std::span{names}.first(names.size() - 1)) object = &(*object)[std::string{outer}];
+        (*object)[std::string{names.back()}] = json_of(*text, key.form);
+    }
 }
 
 template <class Section>
@@ -93,6 +112,8 @@ std::string print_config(const Settings& settings) {
     Json document{{"gateway", object_of(settings.gateway, gateway_keys())},
                   {"links", links},
                   {"routes", routes}};
+    document["alias"] = Json::array();
+    for (const AliasSettings& alias : settings.aliases) document["alias"].push_back(object_of(alias, alias_keys()));
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
     document["gpio"] = Json::array();
     for (const GpioSettings& line : settings.gpio) document["gpio"].push_back(object_of(line));

@@ -96,6 +96,7 @@ int run_program(int argc, char** argv) {
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
+    if (line.check) std::cerr << line.warnings;
     if (line.print_config) std::cout << print_config(line.settings);
     if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);

@@ -46,6 +46,19 @@ std::optional<std::string> names_text(const json& value) {
     return text;
 }
 
+/// Words and numbers, joined by +.
+std::optional<std::string> words_text(const json& value) {
+    if (!value.is_array() || value.empty()) return std::nullopt;
+    std::string text;
+    for (const json& entry : value) {
+        if (!entry.is_string() && !entry.is_number_integer()) return std::nullopt;
+        const std::string word = entry.is_string() ? entry.get<std::string>() : entry.dump();
+        if (word.find('+') != std::string::npos) return std::nullopt;
+        text += (text.empty() ? "" : "+") + word;
+    }
+    return text;
+}
+
 /// The value as it stands in a LINK text; nothing when it is not of the key's JSON type.
 std::optional<std::string> text_of(const json& value, Form form) {
     const auto digits = [&] { return value.is_number_integer() ? std::optional{value.dump()} : std::nullopt; };
@@ -60,6 +73,9 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::line: return value.is_string() ? text() : value.is_number_unsigned() ? digits() : std::nullopt;
         case Form::networks: return networks_text(value);
         case Form::names: return names_text(value);
+        case Form::frames:
+        case Form::senders: return words_text(value);
+        case Form::limits: return std::nullopt;    // each of its keys is read by itself
         case Form::network:
         case Form::ip:
         case Form::duration:
@@ -77,22 +93,41 @@ bool is_object(const json& value, const std::string& where, ConfigErrors& errors
     return value.is_object();
 }
 
-/// Every key of `object` into `section`; the kind of a link is known already.
+/// One entry of a limit, {"0x01": 50}.
+template <class Section>
+std::string read_entry(const Key<Section>& key, const std::string& name, const json& value, Section& section) {
+    if (!value.is_number()) return in_quotes(name) + " must be a number of frames a second, not " + shown(value);
+    return key.set(name + "=" + value.dump(), section);
+}
+
+/// Every key of `object` into `section`; the kind of a link is known already. `inside` is what comes before their names in
+/// the table: "send.".
 template <class Section>
 void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
-               std::string_view kind = {}, std::string_view but = {}) {
+               std::string_view kind = {}, std::string_view but = {}, const std::string& inside = {}) {
     for (const auto& [name, value] : object.items()) {
         if (name == but) continue;
         const auto where = origin.where + pointer_step(name);
-        const Key<Section>* key = find_key(keys, name, kind);
-        if (key == nullptr) {
-            errors.push_back({where, unknown_key_of(keys, name, kind)});
-            continue;
+        const std::string full = inside + name;
+        const Key<Section>* key = name.find('.') == name.npos ? find_key(keys, full, kind) : nullptr;
+        std::string error;
+        if (key == nullptr && is_object_of_keys(keys, full, kind)) {
+            if (is_object(value, where, errors))
+                read_keys(value, {where, true}, keys, section, errors, kind, but, full + ".");
+        } else if (key == nullptr) {
+            error = unknown_key_of(keys, full, kind);
+        } else if (key->form == Form::limits) {
+            if (!is_object(value, where, errors)) continue;
+            for (const auto& [entry, rate] : value.items())
+                if (std::string wrong = read_entry(*key, entry, rate, section); !wrong.empty())
+                    errors.push_back({where + pointer_step(entry), std::move(wrong)});
+        } else {
+            const auto text = text_of(value, key->form);
+            error = text ? key->set(*text, section) : must_be(*key, shown(value));
         }
-        const auto text = text_of(value, key->form);
-        std::string error = text ? key->set(*text, section) : must_be(*key, shown(value));
         if (!error.empty()) errors.push_back({where, std::move(error)});
     }
+    if (!inside.empty()) return;
     for (const Key<Section>& key : keys)
         if (key.required && key.is_of(kind) && !object.contains(key.name))
             errors.push_back({origin.where, in_quotes(key.name) + " is missing: " + std::string{key.help}});
@@ -104,7 +139,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "tunnel", "gpio", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
             if (name == "gateway")
@@ -113,6 +148,8 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { link(entry, where); });
             else if (name == "routes")
                 each(value, pointer, [&](const json& entry, const std::string& where) { route(entry, where); });
+            else if (name == "alias")
+                each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
             else if (name == "tunnel")
                 tunnel(value, pointer);
             else if (name == "gpio")
@@ -173,6 +210,13 @@ private:
         RouteSettings route;
         section(value, pointer, route_keys(), route);
         if (draft_.errors.size() == before) draft_.add(std::move(route), {pointer, true});
+    }
+
+    void alias(const json& value, const std::string& pointer) {
+        const std::size_t before = draft_.errors.size();
+        AliasSettings alias;
+        section(value, pointer, alias_keys(), alias);
+        if (draft_.errors.size() == before) draft_.add(std::move(alias), {pointer, true});
     }
 
     void tunnel(const json& value, const std::string& pointer) {

@@ -69,14 +69,24 @@ private:
     }
 
     void set(std::string_view name, std::string_view value) {
+        if (name.starts_with(one_limit)) return set_limit(name, value);
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
         if (key == nullptr) return error(unknown_key_of(link_keys(), name, link_.kind));
+        if (key->form == Form::limits) return error("write " + std::string{one_limit} + "0x01=50: " + std::string{key->help});
         if (std::find(given_.begin(), given_.end(), name) != given_.end())
             return error(in_quotes(name) + " is given twice");
         given_.push_back(name);
         if (std::string wrong = key->set(value, link_); !wrong.empty()) error(std::move(wrong));
     }
 
+    void set_limit(std::string_view name, std::string_view value) {
+        const std::string_view message = name.substr(one_limit.size());
+        const Key<LinkSettings>* key = find_key(link_keys(), "limit", link_.kind);
+        if (std::string wrong = key->set(std::string{message} + "=" + std::string{value}, link_); !wrong.empty())
+            error(std::move(wrong));
+    }
+
+    static constexpr std::string_view one_limit = "limit.";
     std::string where_;
     Draft& draft_;
     LinkSettings link_;

@@ -15,15 +15,20 @@ std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_
            std::uint64_t{checks.sum} << 24 | std::uint64_t{checks.add} << 32;
 }
 
+std::span<std::uint8_t> copy(ano::FrameView frame, std::uint8_t* to) noexcept {
+    std::copy(frame.bytes().begin(), frame.bytes().end(), to);
+    return {to, frame.bytes().size()};
+}
+
 // Streams are never acknowledged and would push what is out of the memory.
 constexpr bool may_be_acknowledged(Treatment treatment) noexcept {
-    return treatment.traffic == TrafficClass::urgent && treatment.replace == Replace::never;
+    return treatment.traffic == TrafficClass::urgent && treatment.replaces == Replaces::nothing;
 }
 
 }    // namespace
 
 Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
-    : largest_{ano::overhead + max_data}, buffer_{new std::uint8_t[largest_]} {
+    : largest_{ano::overhead + max_data}, in_{new std::uint8_t[largest_]}, out_{new std::uint8_t[largest_]} {
     for (const AliasRule& rule : rules) {
         assert(rule.device != 0 && rule.as != 0 && rule.device != 0xFF && rule.as != 0xFF);
         as_[rule.device] = rule.as;
@@ -34,7 +39,7 @@ Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
 ano::FrameView Aliases::inbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
     const std::uint8_t alias = as_[frame.source()];
     if (alias == 0 || frame.bytes().size() > largest_) return frame;
-    const auto bytes = copy(frame);
+    const auto bytes = copy(frame, in_.get());
     bytes[1] = alias;
     if (frame.id() == check_id) restore_checks(bytes, frame.destination(), alias, now);
     if (frame.id() == device_info_id && !frame.data().empty() && frame.data()[0] == frame.source())
@@ -47,16 +52,10 @@ std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, Treatment 
     const std::uint8_t alias = frame.destination();
     if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
     if (frame.bytes().size() > largest_) return frame;
-    const auto bytes = copy(frame);
+    const auto bytes = copy(frame, out_.get());
     bytes[2] = device_[alias];
     if (frame.id() == check_id) restore_checks(bytes, alias, alias, now);
     return finish(bytes, frame, frame.source(), alias, treatment, now);
-}
-
-std::span<std::uint8_t> Aliases::copy(ano::FrameView frame) noexcept {
-    const std::span bytes{buffer_.get(), frame.bytes().size()};
-    std::copy(frame.bytes().begin(), frame.bytes().end(), bytes.begin());
-    return bytes;
 }
 
 void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,

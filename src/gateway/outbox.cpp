@@ -27,8 +27,8 @@ ano::Duration limit(const AgeLimits& limits, AgeKind kind) noexcept {
     return limits.rest;
 }
 
-std::uint32_t key_of(ano::FrameView frame, Replace replace) noexcept {
-    const std::uint32_t first_byte = replace == Replace::same_id_and_first_byte ? frame.data()[0] : 0u;
+std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
+    const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
     return static_cast<std::uint32_t>(frame.source() | frame.destination() << 8 | frame.id() << 16) | first_byte << 24;
 }
 
@@ -55,9 +55,9 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     const bool congested = congested_;    // even if, for a moment, nothing waits
     const std::uint64_t number = ++pushed_;
     std::uint64_t turn = number;
-    const bool replaceable = treatment.replace == Replace::same_id ||
-                             (treatment.replace == Replace::same_id_and_first_byte && !frame.data().empty());
-    const std::uint32_t key = replaceable ? key_of(frame, treatment.replace) : 0;
+    const bool replaceable = treatment.replaces == Replaces::same_id ||
+                             (treatment.replaces == Replaces::same_first_byte && !frame.data().empty());
+    const std::uint32_t key = replaceable ? key_of(frame, treatment.replaces) : 0;
     if (replaceable && congested) turn = std::min(turn, supersede(key));
     if (!make_room(bytes.size(), treatment.traffic)) return refuse(&SendCounters::queue_full);
 

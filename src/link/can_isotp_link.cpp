@@ -62,12 +62,16 @@ void CanIsotpLink::read() {
 void CanIsotpLink::write() {
     std::array<std::span<const std::uint8_t>, 1> frame;
     Outbox& outbox = channel().outbox;
-    while (is_open() && outbox.gather(frame, context_.host.now()) > 0) {
+    while (is_open()) {
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        if (budget == 0 || outbox.gather(frame, now, budget) == 0) return;
         if (frame[0].size() > largest_pdu) {
             outbox.drop_frame(&SendCounters::too_big);
             continue;
         }
         if (::send(fd(), frame[0].data(), frame[0].size(), MSG_DONTWAIT) >= 0) {
+            pacing_.sent(frame[0].size(), now);
             outbox.sent_frame();
             found_room();
         } else if (errno == EAGAIN) {

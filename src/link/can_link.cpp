@@ -24,6 +24,7 @@ CanLink::CanLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
+      pacing_{context.alarms, [this] { write(); }},
       errors_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
       again_{context.alarms, [this] { write(); }},
@@ -50,6 +51,7 @@ void CanLink::try_open() {
     }
     found_room();
     descriptor_.open(std::move(opened.fd));
+    pacing_.start(settings().rate, settings().latency);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);
 }
@@ -58,6 +60,7 @@ void CanLink::fail(std::string why) {
     old_kernel_drops_ += kernel_drops(descriptor_.fd());
     close_wire();
     again_.cancel();
+    pacing_.stop();
     lost();
     context_.host.link_down(*this, std::move(why));
     retry_.set(backoff_.retry_at(context_.host.now()));
@@ -72,6 +75,7 @@ void CanLink::stop_reading() {
 void CanLink::stop() {
     retry_.cancel();
     again_.cancel();
+    pacing_.stop();
     errors_.close();
     close_wire();
 }

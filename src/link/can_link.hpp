@@ -6,6 +6,7 @@
 #include <link/can_socket.hpp>
 #include <link/descriptor.hpp>
 #include <link/link_context.hpp>
+#include <link/pacing.hpp>
 
 #include <memory>
 
@@ -48,6 +49,7 @@ protected:
 
     LinkContext context_;
     Descriptor descriptor_;
+    Pacing pacing_;    // where a `rate` is given
 
 private:
     void try_open();

@@ -97,13 +97,17 @@ void CanStreamLink::write() {
     std::array<std::span<const std::uint8_t>, Batch::most> frames;
     Outbox& outbox = channel().outbox;
     while (is_open()) {
-        const std::size_t count = outbox.gather(frames, context_.host.now());
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        const std::size_t count = budget > 0 ? outbox.gather(frames, now, budget) : 0;
         if (count == 0) return;
         const auto pieces = cutter_.cut(std::span{frames}.first(count));
         batch_->fill(pieces, can());
         const int n = ::sendmmsg(fd(), batch_->messages.data(), static_cast<unsigned>(pieces.size()), MSG_DONTWAIT);
         if (n > 0) {
-            outbox.sent(cutter_.taken(static_cast<std::size_t>(n)));
+            const std::size_t bytes = cutter_.taken(static_cast<std::size_t>(n));
+            outbox.sent(bytes);
+            pacing_.sent(bytes, now);
             found_room();
         } else if (n == 0 || errno == EAGAIN) {
             return wait_for_room(true);

@@ -13,7 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t datagrams_per_send = 64;
+constexpr int small_send_buffer = 8 << 10;   // bytes: some datagrams; one that is larger passes when nothing else waits
 constexpr int receive_buffer = 1 << 20;    // bytes; the kernel gives what net.core.rmem_max allows
 
 IpAddress address_of(const sockaddr_in6& in) noexcept {
@@ -36,11 +36,6 @@ std::uint8_t prefix_of(const sockaddr* mask) noexcept {
     unsigned count = 0;
     for (const std::uint8_t byte : bits.bytes) count += static_cast<unsigned>(std::popcount(byte));
     return static_cast<std::uint8_t>(count);
-}
-
-SendReport broken(SendReport report) noexcept {
-    report.result = SendResult::broken;
-    return report;
 }
 
 template <class Call>
@@ -144,6 +139,10 @@ OpenedSocket open_udp(const Endpoint& local, bool share_port) {
     }
 }
 
+void keep_send_buffer_small(int fd) noexcept {
+    ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &small_send_buffer, sizeof small_send_buffer);
+}
+
 Endpoint local_endpoint(int fd) noexcept {
     sockaddr_storage storage{};
     socklen_t size = sizeof storage;
@@ -160,58 +159,6 @@ std::int64_t kernel_drops(int fd) noexcept {
 int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept {
     const SocketAddress address = SocketAddress::of(to, v6_socket);
     return ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT, address.get(), address.size) >= 0 ? 0 : errno;
-}
-
-SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept {
-    std::array<std::span<const std::uint8_t>, datagrams_per_send> frames;
-    std::array<iovec, datagrams_per_send> pieces;
-    std::array<mmsghdr, datagrams_per_send> messages;
-    SendReport report;
-    int failures = 0;    // of one frame: an error may be about an earlier datagram, so each frame has a second try
-    while (!outbox.empty()) {
-        const std::size_t count = outbox.gather(frames);
-        for (std::size_t i = 0; i < count; ++i) {
-            pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
-            messages[i] = {};
-            messages[i].msg_hdr.msg_iov = &pieces[i];
-            messages[i].msg_hdr.msg_iovlen = 1;
-            if (!to) continue;
-            messages[i].msg_hdr.msg_name = const_cast<sockaddr_storage*>(&to->storage);
-            messages[i].msg_hdr.msg_namelen = to->size;
-        }
-        const int sent = ::sendmmsg(fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
-        for (int i = 0; i < sent; ++i) outbox.sent_frame();
-        if (sent > 0) failures = 0;
-        if (sent >= 0) continue;
-        report.error = errno;
-        switch (errno) {
-        case EINTR: break;
-        case EAGAIN: report.result = SendResult::full; return report;
-        case ENOBUFS:
-        case ENOMEM: report.result = SendResult::no_memory; return report;
-        case EMSGSIZE: outbox.drop_frame(&SendCounters::too_big); break;
-        case ECONNREFUSED:
-            ++report.refused;
-            if (++failures < 2) break;
-            failures = 0;
-            outbox.drop_frame(&SendCounters::send_failed);
-            break;
-        case ENETUNREACH:
-            if (!to) return broken(report);    // connected when our address was another: it would never find a way again
-            [[fallthrough]];
-        default:
-            failures = 0;
-            outbox.drop_frame(&SendCounters::send_failed);
-            break;
-        case EBADF:
-        case EINVAL:
-        case ENODEV:
-        case ENETDOWN:
-        case EADDRNOTAVAIL:
-        case ENOTCONN: return broken(report);
-        }
-    }
-    return report;
 }
 
 }  // namespace anogate

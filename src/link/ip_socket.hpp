@@ -1,7 +1,6 @@
-// UDP sockets: endpoints as the kernel wants them, opening, and sending an outbox in batches.
+// UDP sockets: endpoints as the kernel wants them, and opening.
 #pragma once
 #include <gateway/ip.hpp>
-#include <gateway/outbox.hpp>
 #include <link/descriptor.hpp>
 
 #include <sys/socket.h>
@@ -39,27 +38,14 @@ struct OpenedSocket {
 };
 /// A non-blocking UDP socket bound to `local`, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
 OpenedSocket open_udp(const Endpoint& local, bool share_port);
+/// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
+void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to; port 0 became a real one.
 Endpoint local_endpoint(int fd) noexcept;
 /// Datagrams that the kernel dropped because they were not read in time.
 std::int64_t kernel_drops(int fd) noexcept;
 
-enum class SendResult {
-    done,         // the outbox is empty
-    full,         // go on when the socket is writable
-    no_memory,    // go on a little later: the system says so without saying when
-    broken,       // the socket is of no use any more; errno says why
-};
 /// Sends one datagram; 0, or what errno says.
 int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept;
-
-struct SendReport {
-    SendResult result = SendResult::done;
-    int error = 0;                // the last errno; 0: none
-    std::uint64_t refused = 0;    // "connection refused" answers to earlier datagrams
-};
-/// Sends what waits, a datagram a frame, to `to` (nullptr: the connected peer), with one system call for many.
-/// Frames that can't go are counted in the outbox by cause.
-SendReport send_all(int fd, Outbox& outbox, const SocketAddress* to) noexcept;
 
 }  // namespace anogate

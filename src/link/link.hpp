@@ -32,6 +32,9 @@ public:
     /// The wire is gone, `why` says it in a clause. Closes the outboxes. Repeated calls only change `why`.
     virtual void link_down(Link& link, std::string why) = 0;
 
+    /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
+    virtual void doubt(Link&) {}
+
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <link/alarm.hpp>
 #include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
 #include <link/link.hpp>
 
 namespace anogate {
@@ -11,6 +12,7 @@ struct LinkContext {
     AlarmClock& alarms;
     LinkHost& host;
     DatagramBatch& batch;
+    DatagramSender& sender;
 };
 
 /// A retry may come this much later than Backoff says: the absent devices of a whole vehicle share one wake-up a second.

@@ -146,6 +146,10 @@ std::string PtyLink::nobody_there() const { return "no program has " + settings(
 
 std::string PtyLink::gone_text(int error) const { return error_text(device_, error == 0 ? EIO : error); }
 
-LinkFacts PtyLink::facts() const { return {{"path", settings().pty.path}, {"device", device_}}; }
+LinkFacts PtyLink::facts() const {
+    LinkFacts facts{{"path", settings().pty.path}, {"device", device_}};
+    if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    return facts;
+}
 
 }  // namespace anogate

@@ -95,10 +95,18 @@ std::size_t SerialLink::unsent() const {
     return std::max<std::size_t>(terminal::unsent(wire_), rs485_ && rs485_->is_sending() ? 1 : 0);
 }
 
+// To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
+std::uint32_t SerialLink::line_rate() const {
+    const SerialSettings& s = settings().serial;
+    if (s.pace == Pace::off || (s.pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
+    return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
+}
+
 LinkFacts SerialLink::facts() const {
     LinkFacts facts{{"device", settings().serial.device},
                     {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
     if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
+    if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }
 

@@ -8,7 +8,7 @@ namespace anogate {
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
-      fc_{this->settings().sim.rate, Clock::now()},
+      fc_{this->settings().sim.hz, Clock::now()},
       tick_{context.alarms, [this] { tick(); }} {}
 
 void SimLink::start() {

@@ -19,7 +19,8 @@ StreamLink::StreamLink(LinkId id, LinkSettings settings, const LinkContext& cont
       expiry_{context.alarms, [this] {
                   if (channel_->parser.expire(context_.host.now())) deliver();
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
-              }} {}
+              }},
+      pacing_{context.alarms, [this] { write(); }} {}
 
 void StreamLink::start() {
     channel_ = context_.host.open_channel(*this, peer());
@@ -29,6 +30,7 @@ void StreamLink::start() {
 void StreamLink::stop() {
     retry_.cancel();
     expiry_.cancel();
+    pacing_.stop();
     if (descriptor_.is_open()) leave_wire(descriptor_.fd());
     descriptor_.close();
 }
@@ -43,6 +45,7 @@ void StreamLink::try_open() {
     }
     backoff_.came_up(now);
     descriptor_.open(std::move(opened.fd));
+    pacing_.start(settings().rate != 0 ? settings().rate : line_rate(), settings().latency);
     resume_reading();
     came_up();
 }
@@ -60,6 +63,7 @@ void StreamLink::end_of_input() {
 void StreamLink::fail(std::string why) {
     leave_wire(descriptor_.fd());
     descriptor_.close();
+    pacing_.stop();
     end_of_input();
     context_.host.link_down(*this, std::move(why));
     retry_.set(backoff_.retry_at(context_.host.now()));
@@ -95,13 +99,20 @@ void StreamLink::write() {
     std::array<iovec, frames_per_write> pieces;
     Outbox& outbox = channel_->outbox;
     while (descriptor_.is_open() && !outbox.empty()) {
-        const std::size_t count = outbox.gather(frames);
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        if (budget == 0) return;
+        const std::size_t count = outbox.gather(frames, now, budget);
         for (std::size_t i = 0; i < count; ++i)
             pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
+        if (count == 0) return;
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             outbox.sent(static_cast<std::size_t>(n));
+            pacing_.sent(static_cast<std::size_t>(n), now);
+            if (pacing_.is_on()) pacing_.correct(held_by_driver(), now);
         } else if (n == 0 || errno == EAGAIN) {
+            outbox.set_congested();
             descriptor_.when_writable([this] { write(); });
             return;
         } else if (errno != EINTR) {

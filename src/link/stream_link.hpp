@@ -2,6 +2,7 @@
 #pragma once
 #include <link/descriptor.hpp>
 #include <link/link_context.hpp>
+#include <link/pacing.hpp>
 
 #include <gateway/backoff.hpp>
 
@@ -31,6 +32,10 @@ protected:
     virtual const std::string& peer() const = 0;
     /// writev() to the open descriptor.
     virtual ssize_t write_some(std::span<const iovec> pieces);
+    /// What the open wire carries, in bytes/s, when it is to be given no more; 0: it takes what it takes.
+    virtual std::uint32_t line_rate() const { return 0; }
+    /// Bytes that the driver holds and has not put on the wire, where asking is cheap.
+    virtual std::size_t held_by_driver() const { return 0; }
     /// Leaves the wire as it should be found; the descriptor is closed right after.
     virtual void leave_wire(int) {}
     /// What a read that ends (`error` is 0) or fails means to the user.
@@ -47,6 +52,7 @@ protected:
     virtual void came_up() { context_.host.link_up(*this); }
 
     int fd() const noexcept { return descriptor_.fd(); }
+    const Pacing& pacing() const noexcept { return pacing_; }
 
     LinkContext context_;
 
@@ -61,6 +67,7 @@ private:
     Backoff backoff_;
     Alarm retry_;
     Alarm expiry_;
+    Pacing pacing_;
 };
 
 }  // namespace anogate

@@ -5,6 +5,10 @@
 #include <asm/termbits.h>
 #include <linux/serial.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <filesystem>
 
 #include <algorithm>
 #include <thread>
@@ -89,6 +93,14 @@ bool switch_by_rts(int fd, bool active_low) noexcept {
 void switch_by_nobody(int fd) noexcept {
     serial_rs485 rs485{};
     ::ioctl(fd, TIOCSRS485, &rs485);
+}
+
+std::string driver(int fd) {
+    struct stat status {};
+    if (::fstat(fd, &status) != 0) return {};
+    const std::string device = std::to_string(major(status.st_rdev)) + ":" + std::to_string(minor(status.st_rdev));
+    std::error_code none;
+    return std::filesystem::read_symlink("/sys/dev/char/" + device + "/device/driver", none).filename().string();
 }
 
 std::size_t unsent(int fd) noexcept { return bytes_in(fd, TIOCOUTQ); }

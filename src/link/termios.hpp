@@ -16,6 +16,9 @@ void make_raw(int fd) noexcept;
 void claim(int fd) noexcept;
 void give_back(int fd) noexcept;
 
+/// The name of the kernel's driver behind a port; empty where it has none, as a pseudo-terminal.
+std::string driver(int fd);
+
 /// Bytes that are written and not yet on the wire; 0 where the driver does not say.
 std::size_t unsent(int fd) noexcept;
 /// Returns when the last bit is on the wire, as exactly as the driver knows, or soon after `stop`. Blocks: for a thread of its own.

@@ -25,7 +25,8 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                   if (channel_->parser.expire(context_.host.now())) deliver();
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
-      again_{context.alarms, [this] { flush(*channel_); }} {}
+      again_{context.alarms, [this] { flush(*channel_); }},
+      pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().udp.peer.text());
@@ -43,6 +44,8 @@ void UdpLink::try_open() {
     backoff_.came_up(now);
     trouble_.clear();
     local_ = local_endpoint(opened.fd.get());
+    pacing_.start(settings().rate, settings().latency);
+    if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);
@@ -93,6 +96,7 @@ std::string UdpLink::join_group(int fd, unsigned interface) const {
 
 void UdpLink::fail(std::string why) {
     descriptor_.close();
+    pacing_.stop();
     expiry_.cancel();
     channel_->parser.finish();
     deliver();
@@ -109,6 +113,7 @@ void UdpLink::stop() {
     retry_.cancel();
     expiry_.cancel();
     again_.cancel();
+    pacing_.stop();
     descriptor_.close();
 }
 
@@ -154,10 +159,12 @@ void UdpLink::deliver() {
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
-    const SendReport report = send_all(descriptor_.fd(), channel.outbox, connected_ ? nullptr : &to_);
+    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u};
+    const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);
     switch (report.result) {
-    case SendResult::done: return;
+    case SendResult::done:
+    case SendResult::paced: return;
     case SendResult::full: descriptor_.when_writable([this] { flush(*channel_); }); return;
     case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
     case SendResult::broken: return fail(error_text("the way to " + settings().udp.peer.text(), report.error));
@@ -166,6 +173,7 @@ void UdpLink::flush(Channel& channel) {
 
 void UdpLink::note(const SendReport& report) {
     refused_ += report.refused;
+    if (report.refused > 0) context_.host.doubt(*this);
     if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
     trouble_at_ = context_.host.now();
     trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().udp.peer.text()

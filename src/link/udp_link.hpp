@@ -3,6 +3,7 @@
 #include <gateway/backoff.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
+#include <link/pacing.hpp>
 
 namespace anogate {
 
@@ -36,6 +37,7 @@ private:
     Alarm retry_;
     Alarm expiry_;
     Alarm again_;    // after the system had no memory to send
+    Pacing pacing_;
     bool connected_ = false;    // not towards many at once
     SocketAddress to_;
     Endpoint local_;

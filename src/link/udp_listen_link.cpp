@@ -35,6 +35,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
       silence_{context.alarms, [this] { forget_silent_peers(); }, silence_slack},
+      pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
       allow_{this->settings().udp_listen.allow} {}
 
@@ -50,6 +51,8 @@ void UdpListenLink::try_open() {
     }
     backoff_.came_up(now);
     local_ = local_endpoint(socket.fd.get());
+    pacing_.start(settings().rate, settings().latency);
+    if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
     descriptor_.open(std::move(socket.fd));
     opened(local_);
     descriptor_.read_with([this] { read(); });
@@ -58,6 +61,7 @@ void UdpListenLink::try_open() {
 
 void UdpListenLink::fail(std::string why) {
     descriptor_.close();
+    pacing_.stop();
     while (!peers_.empty()) forget(*peers_.back());
     context_.host.link_down(*this, std::move(why));
     retry_.set(backoff_.retry_at(context_.host.now()));
@@ -71,6 +75,7 @@ void UdpListenLink::stop_reading() {
 void UdpListenLink::stop() {
     retry_.cancel();
     silence_.cancel();
+    pacing_.stop();
     peers_.clear();
     descriptor_.close();
 }
@@ -201,18 +206,22 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
+    const DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u};
     for (;;) {
-        switch (send_all(descriptor_.fd(), channel.outbox, &peer.address).result) {
-        case SendResult::done: return;
-        case SendResult::full:
-            descriptor_.when_writable([this] {
-                for (std::size_t i = 0; i < peers_.size(); ++i) flush(peers_[i]->channel);
-            });
-            return;
-        case SendResult::no_memory: peer.again.set(context_.host.now() + no_memory_pause); return;
+        const TimePoint now = context_.host.now();
+        switch (context_.sender.send_all(way, channel.outbox, pacing_, now).result) {
+        case SendResult::done:
+        case SendResult::paced: return;
+        case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
+        case SendResult::no_memory: peer.again.set(now + no_memory_pause); return;
         case SendResult::broken: channel.outbox.drop_frame(&SendCounters::send_failed); break;    // towards this peer only
         }
     }
+}
+
+void UdpListenLink::flush_all() {
+    ++first_served_;
+    for (std::size_t i = 0; i < peers_.size(); ++i) flush(peers_[(first_served_ + i) % peers_.size()]->channel);
 }
 
 LinkFacts UdpListenLink::facts() const {

@@ -3,6 +3,7 @@
 #include <gateway/backoff.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
+#include <link/pacing.hpp>
 
 namespace anogate {
 
@@ -49,12 +50,15 @@ private:
     void forget(Peer& peer);
     void forget_silent_peers();
     void expire(Peer& peer);
+    void flush_all();
 
     LinkContext context_;
     Descriptor descriptor_;
     Backoff backoff_;
     Alarm retry_;
     Alarm silence_;
+    Pacing pacing_;                   // of all peers together
+    std::size_t first_served_ = 0;    // of the peers, when more may go: each has its turn
     std::vector<std::unique_ptr<Peer>> peers_;
     Peer* latest_ = nullptr;    // the one heard last: most datagrams are its
     ano::FrameParser probe_;    // for senders that are no peers yet

@@ -11,6 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace support;
+using anogate::LinkSettings;
+using anogate::Pace;
 
 Bytes numbered(std::uint32_t n) {
     Bytes data(13 + n % 60, 0xAB);    // full of false headers, of many lengths
@@ -36,10 +38,17 @@ testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& co
     return testing::AssertionSuccess();
 }
 
+// As fast as the reader takes it: the pace of a line is another matter.
+LinkSettings unpaced(const std::string& name, const std::string& device) {
+    LinkSettings link = serial(name, device);
+    link.serial.pace = Pace::off;
+    return link;
+}
+
 TEST(BackPressure, a_reader_of_a_few_bytes_at_a_time_gets_whole_frames_only) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"};
-    auto link = serial("slow", slow.path());
+    auto link = unpaced("slow", slow.path());
     link.queue = 8 * 1024;
     RunningGateway daemon{link, udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("slow"));
@@ -72,7 +81,7 @@ TEST(BackPressure, a_reader_of_a_few_bytes_at_a_time_gets_whole_frames_only) {
 TEST(BackPressure, a_reader_that_stops_and_comes_back_gets_whole_frames_only) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"}, other{dir / "other"};
-    RunningGateway daemon{serial("slow", slow.path()), serial("other", other.path()), udp_listen("air")};
+    RunningGateway daemon{unpaced("slow", slow.path()), unpaced("other", other.path()), udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("slow") && daemon.until_up("other"));
     UdpPeer air;
     std::uint32_t n = 0;
@@ -105,7 +114,7 @@ TEST(BackPressure, a_reader_that_stops_and_comes_back_gets_whole_frames_only) {
 TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_whole_one) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"};
-    RunningGateway daemon{serial("slow", slow.path()), udp_listen("air")};
+    RunningGateway daemon{unpaced("slow", slow.path()), udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("slow"));
     UdpPeer air;
     std::uint32_t n = 0;
@@ -127,7 +136,9 @@ TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_who
 TEST(BackPressure, a_flood_is_forwarded_or_counted_frame_by_frame) {
     const TempDir dir;
     UdpPeer air, host;
-    RunningGateway daemon{udp("host", host.local().text()), udp_listen("air")};
+    auto one_by_one = udp("host", host.local().text());
+    one_by_one.pack = false;
+    RunningGateway daemon{one_by_one, udp_listen("air")};
     std::uint32_t n = 0;
     std::size_t heard = 0;
     Bytes got;

@@ -73,7 +73,7 @@ TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
 TEST(Daemon, ends_within_a_second_under_load_and_with_a_reader_that_is_stuck) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};
-    Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground", "sim:fc,rate=100"}};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground", "sim:fc,hz=100"}};
     ASSERT_TRUE(daemon.until_up("stuck"));
     UdpPeer load;
     const auto port = daemon.port("ground");
@@ -210,7 +210,7 @@ TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {
     };
     const std::string first = printed({"--id", "199", "--route", "30-40=fc", "serial:/dev/ttyUSB0,name=fc,baud=250000,id=3",
                                        "udp-listen:[::]:12333,allow=10.0.0.0/8+192.168.1.1", "udp:192.168.1.20:6670,bind=0.0.0.0:6669",
-                                       "pty:/tmp/x", "sim:fc,rate=7"});
+                                       "pty:/tmp/x", "sim:fc,hz=7"});
     std::ofstream{dir / "config.json"} << first;
     EXPECT_EQ(printed({"--config", dir / "config.json"}), first);
 }

@@ -158,7 +158,7 @@ TEST_F(Routing, two_hosts_both_0xFE_both_get_the_answer) {
 
 TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && say(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})));
+    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && say(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 1})));
     ASSERT_TRUE(daemon->until([&] { return !daemon->status().at("conflicts").empty(); }));
     const auto conflict = daemon->status().at("conflicts").at(0);
     EXPECT_EQ(conflict.at("address"), "0xDE");
@@ -170,7 +170,7 @@ TEST_F(Routing, frames_of_one_link_keep_their_order) {
     ASSERT_TRUE(say(b, "b", frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));
     heard();
     Bytes sent;
-    for (std::uint8_t n = 0; n < 200; ++n) sent = sent + frame(0xDC, 0xFE, n, Bytes(n % 14, n));
+    for (std::uint8_t n = 0; n < 200; ++n) sent = sent + frame(0xDC, 0xFE, 0xA0, Bytes(1 + n % 14, n));
     for (std::size_t done = 0; done < sent.size();) {
         done += a.write(std::span{sent}.subspan(done, std::min<std::size_t>(sent.size() - done, 333)));
         daemon->run_for(1ms);
@@ -208,8 +208,8 @@ TEST(Gateway, sixty_four_channels_and_no_more) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") == 6; }));
     EXPECT_EQ(daemon.link("ground").at("channels").size(), 64u);
     hosts[0]->forget();
-    hosts[1]->send(daemon.port("ground"), vendor::who_are_you);
-    EXPECT_TRUE(daemon.until([&] { return hosts[0]->heard() == vendor::who_are_you; })) << "those who are in are served";
+    hosts[1]->send(daemon.port("ground"), vendor::write_parameter);
+    EXPECT_TRUE(daemon.until([&] { return hosts[0]->heard() == vendor::write_parameter; })) << "those who are in are served";
 }
 
 }    // namespace

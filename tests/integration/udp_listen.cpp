@@ -165,7 +165,7 @@ TEST(UdpListenLink, the_first_datagram_of_a_stranger_counts_with_all_its_frames)
     host.send(t.daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
     t.say(Bytes(5, 0x42) + telemetry + vendor::i_am_an_mcu);
-    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + vendor::i_am_an_mcu; }));
+    EXPECT_TRUE(t.daemon.until([&] { return host.heard() == vendor::i_am_an_mcu + telemetry; })) << "urgent first";
 }
 
 TEST(UdpListenLink, a_stranger_whose_first_frame_stands_behind_a_false_header_is_a_peer_like_any_other) {

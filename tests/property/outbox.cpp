@@ -53,9 +53,9 @@ struct Model {
         congested = false;
         owed = {};
     }
-    static bool same_kind(const Bytes& a, const Bytes& b, Replace replace) {
-        if (a[1] != b[1] || a[2] != b[2] || a[3] != b[3] || replace == Replace::never) return false;
-        if (replace == Replace::same_id) return true;
+    static bool same_kind(const Bytes& a, const Bytes& b, Replaces replaces) {
+        if (a[1] != b[1] || a[2] != b[2] || a[3] != b[3] || replaces == Replaces::nothing) return false;
+        if (replaces == Replaces::same_id) return true;
         return a.size() > ano::overhead && b.size() > ano::overhead && a[6] == b[6];
     }
 
@@ -68,7 +68,7 @@ struct Model {
         Frame incoming{frame, treatment, now, ++pushed, pushed};
         if (congested) {
             for (auto it = queue.rbegin(); it != queue.rend(); ++it) {
-                if (!same_kind(it->bytes, frame, treatment.replace)) continue;
+                if (!same_kind(it->bytes, frame, treatment.replaces)) continue;
                 if (queue.front().number > it->turn && queue.size() > 1) break;
                 incoming.turn = it->turn;
                 queue.erase(std::next(it).base());
@@ -149,12 +149,12 @@ struct Model {
 };
 
 constexpr Treatment treatments[] = {
-    {TrafficClass::urgent, Replace::never, AgeKind::rest},
-    {TrafficClass::urgent, Replace::same_id, AgeKind::control},
-    {TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry},
-    {TrafficClass::telemetry, Replace::same_id_and_first_byte, AgeKind::telemetry},
-    {TrafficClass::telemetry, Replace::never, AgeKind::telemetry},
-    {TrafficClass::bulk, Replace::never, AgeKind::rest},
+    {TrafficClass::urgent, Replaces::nothing, AgeKind::rest},
+    {TrafficClass::urgent, Replaces::same_id, AgeKind::control},
+    {TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry},
+    {TrafficClass::telemetry, Replaces::same_first_byte, AgeKind::telemetry},
+    {TrafficClass::telemetry, Replaces::nothing, AgeKind::telemetry},
+    {TrafficClass::bulk, Replaces::nothing, AgeKind::rest},
 };
 
 struct Trial {

@@ -21,8 +21,8 @@ using support::Bytes;
 namespace {
 
 constexpr std::uint32_t rate = 11520;    // 115200 baud, 8N1
-constexpr Treatment urgent{TrafficClass::urgent, Replace::never, AgeKind::rest};
-constexpr Treatment telemetry{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
+constexpr Treatment urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr Treatment telemetry{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 // The driver and the wire behind it: bytes leave one by one at `rate`.
 struct Wire {
@@ -138,4 +138,36 @@ TEST(Pacing, light_traffic_does_not_wait) {
     line.run(20s, 6, rate / 2);
     EXPECT_LE(line.telemetry_delay.percentile_98(), 10ms);
     EXPECT_EQ(line.outbox.counters().superseded, 0u);
+}
+
+// A machine that slept, a clock that somebody set: nothing stands still, no line is overrun, every frame has its cause.
+TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
+    support::Random random{5};
+    Outbox outbox{{}};
+    outbox.open();
+    Pacer pacer{{.rate = rate}};
+    TimePoint now{48h};
+    std::array<std::span<const std::uint8_t>, 64> pieces;
+    for (int step = 0; step < 200'000; ++step) {
+        now += random.one_in(100) ? random.of<Duration>({-3h, -1s, -5ms, 100ms, 1s, 3h}) : Duration{random.below(4u) * 1ms};
+        const Treatment treatment = random.one_in(5) ? urgent : telemetry;
+        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, random.byte(), Bytes(random.below(std::size_t{30})))}, treatment, now);
+        const auto next = outbox.next(now);
+        ASSERT_GT(next.size, 0u);
+        const std::size_t budget = pacer.allowance(next.size, next.urgent, now);
+        if (budget == 0) {
+            ASSERT_LE(pacer.next_at(next.size) - now, 20ms) << "more may go soon";
+            outbox.set_congested();
+            continue;
+        }
+        std::size_t bytes = 0;
+        const std::size_t count = outbox.gather(pieces, now, budget);
+        ASSERT_GT(count, 0u);
+        for (const auto piece : std::span{pieces}.first(count)) bytes += piece.size();
+        ASSERT_LE(bytes, rate / 50 + 38) << "what the line carries in 20 ms, or one frame";
+        outbox.sent(bytes);
+        pacer.sent(bytes, now);
+        ASSERT_EQ(unaccounted(outbox.counters()), outbox.waiting());
+    }
+    EXPECT_GT(outbox.counters().frames_out, 100'000u / 10);
 }

@@ -20,8 +20,8 @@ namespace {
 
 constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
 
-constexpr Replace replace_of(const Bytes& frame) {
-    return frame[3] == 0x40 ? Replace::same_id : Replace::never;
+constexpr Replaces replace_of(const Bytes& frame) {
+    return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing;
 }
 
 // The order of the steps is that of Gateway::receive().
@@ -35,8 +35,9 @@ struct Node {
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
         const auto key = key_of(frame);
-        if (loops.looped(key, from, now)) {
+        if (loops.looped(key, from, now, asked_by_many(frame))) {
             ++looped;
+            if (asked_by_many(frame) && !loops.suspect(from, now)) router->learn(from, frame.source(), now);
             return {};
         }
         const std::uint8_t group = channel == device ? 0 : group_of_links;
@@ -150,6 +151,22 @@ TEST(TwoGateways, a_broadcast_that_repeats_still_arrives) {
         world.run();
         EXPECT_GE(world.times(1, frame), 100);
         EXPECT_LE(world.times(1, frame), 130);
+    });
+}
+
+// Ground stations on both sides ask everybody who they are, once a second, in the same words.
+TEST(TwoGateways, a_question_goes_round_at_most_once) {
+    for_all_delays([](const Duration(&&delay)[2][2]) {
+        World world{0};
+        std::copy_n(&delay[0][0], 4, &world.delay[0][0]);
+        const Bytes question = support::frame(0xFE, 0xFF, 0xE0, {0, 0, 0});
+        for (int n = 0; n < 50; ++n) {
+            const unsigned from = static_cast<unsigned>(n) % 2;
+            world.send(from, device, question, TimePoint{} + n * 500ms);
+        }
+        world.run();
+        EXPECT_LE(world.handled, 50u * 8);
+        for (unsigned node : {0u, 1u}) EXPECT_GE(world.times(node, question), 1);
     });
 }
 

@@ -39,9 +39,9 @@ inline anogate::LinkSettings pty(const std::string& name, const std::string& pat
     s.pty.path = path;
     return s;
 }
-inline anogate::LinkSettings sim(const std::string& name, std::uint16_t rate = 50) {
+inline anogate::LinkSettings sim(const std::string& name, std::uint16_t hz = 50) {
     auto s = link("sim", name);
-    s.sim.rate = rate;
+    s.sim.hz = hz;
     return s;
 }
 

@@ -43,7 +43,7 @@ public:
           left_{count},
           streams_{streams},
           printer_{streams, frames},
-          link_{make_link(LinkId{0}, settings, {io_, alarms_, *this, batch_})} {}
+          link_{make_link(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
 
     int run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -139,6 +139,7 @@ private:
     asio::io_context io_{1};
     AlarmClock alarms_{io_};
     DatagramBatch batch_;
+    DatagramSender sender_;
     Filter filter_;
     std::uint64_t left_;    // 0: no end
     Streams& streams_;

@@ -225,6 +225,65 @@ TEST(Config, faults_of_a_tunnel_name_their_place) {
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
 }
 
+// Traffic.
+
+TEST(Config, rules_are_objects_in_objects) {
+    const Draft draft = parse_config(R"({"links": [{"kind": "sim", "device": "fc", "age": {"control": "50ms"},
+        "receive": {"deny": ["firmware", 1, "0x10-0x12"], "allow_sources": [254, "30-40"]},
+        "send": {"allow": ["urgent"]}, "limit": {"inertial": 50, "0x03": 12.5}}]})");
+    EXPECT_EQ(lines(draft.errors), "");
+    const LinkSettings& link = draft.settings.links.at(0);
+    EXPECT_EQ(link.age, (AgeLimits{std::chrono::milliseconds{50}}));
+    EXPECT_EQ(link.rules.receive.deny, (std::vector<ByteRange>{{0xF0, 0xF0}, {1, 1}, {0x10, 0x12}}));
+    EXPECT_EQ(link.rules.receive.allow_sources, (std::vector<ByteRange>{{254, 254}, {30, 40}}));
+    EXPECT_TRUE(Filter{link.rules.send}.passes(0xDC, 0xFE, 0xE0));
+    EXPECT_FALSE(Filter{link.rules.send}.passes(0xDC, 0xFE, 0x03));
+    EXPECT_EQ(link.rules.limit, (std::vector<LimitRule>{{1, 50}, {3, 12.5}}));
+}
+
+TEST(Config, faults_of_rules_name_their_place) {
+    const auto fault = [](const std::string& keys) {
+        return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
+    };
+    EXPECT_EQ(fault(R"("send": {"denny": []})"), "/links/0/send/denny: unknown key 'send.denny' (did you mean 'send.deny'?)\n");
+    EXPECT_EQ(fault(R"("send": ["0xB0"])"), "/links/0/send: must be an object {...}, not a list\n");
+    EXPECT_NE(fault(R"("send": {"deny": ["firmwear"]})").find("(did you mean 'firmware'?)"), std::string::npos);
+    EXPECT_NE(fault(R"("receive": {"allow": "0x01"})").find("/links/0/receive/allow: 'receive.allow' must be"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"0x01": 0})").find("/links/0/limit/0x01: '0x01' must be a number of frames a second"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"0x01": "many"})").find("/links/0/limit/0x01: "), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"eulr": 5})").find("(did you mean 'euler'?)"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"0x03": 5, "euler": 6})").find("0x03 has a limit already"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": 5)").find("/links/0/limit: must be an object"), std::string::npos);
+    EXPECT_NE(fault(R"("age": {"control": "soon"})").find("/links/0/age/control: "), std::string::npos);
+    EXPECT_NE(fault(R"("send.deny": ["0xB0"])").find("unknown key 'send.deny'"), std::string::npos);
+}
+
+TEST(Config, an_alias_is_one_id_of_one_device) {
+    const auto fault = [](const std::string& aliases) {
+        return faults_in(R"({"gateway": {"id": 199}, "links": ["sim:fc,id=5", "pty:/tmp/x"], "alias": [)" + aliases + "]}");
+    };
+    EXPECT_EQ(fault(R"({"link": "fc", "device": "0xDE", "as": 31}, {"link": "x", "device": "0xDE", "as": 32})"), "");
+    EXPECT_NE(fault(R"({"link": "fcc", "device": "0xDE", "as": 31})").find("/alias/0/link: there is no link 'fcc'"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": "0xDE"})").find("/alias/0: 'as' is missing"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 31})").find("the id that the device has already"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 199})").find("the gateway's own id"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 5})").find("is the port id of 'fc'"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": "0xFE", "as": 31})").find("a host"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is given at"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})").find("says otherwise"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})").find("says otherwise"), std::string::npos);
+}
+
+TEST(Config, warns_of_frames_that_block_a_slow_line) {
+    const auto warnings = [](const std::string& link) { return lines(parse_config("{\"links\": [\"" + link + "\"]}").warnings); };
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=500000"), "");
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data=1140"), "");
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,pace=off"), "");
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("takes 356 ms at 11520 bytes/s"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data 1144 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data 492"), std::string::npos);
+}
+
 // Printing.
 
 Endpoint random_endpoint(support::Random& random, bool v6) {
@@ -248,6 +307,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
                        static_cast<std::uint8_t>(1 + random.below(2)),
                        random.of({FlowControl::none, FlowControl::hardware}),
                        random.one_in(2),
+                       random.of({Pace::automatic, Pace::on, Pace::off}),
                        line(),
                        line()};
     } else if (link.kind == "udp-listen") {
@@ -276,8 +336,38 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     } else if (link.kind == "pty") {
         link.pty.path = "/tmp/ü " + unique;
     } else {
-        link.sim.rate = static_cast<std::uint16_t>(1 + random.below(100));
+        link.sim.hz = static_cast<std::uint16_t>(1 + random.below(100));
     }
+}
+
+RuleSettings random_rules(support::Random& random) {
+    RuleSettings rules;
+    for (FilterSettings* filter : {&rules.receive, &rules.send}) {
+        for (auto* ranges : {&filter->allow, &filter->deny, &filter->allow_sources, &filter->deny_sources,
+                             &filter->allow_destinations, &filter->deny_destinations}) {
+            for (unsigned i = random.below(3u); i > 0; --i) {
+                const auto first = static_cast<std::uint8_t>(random.below(256));
+                ranges->push_back({first, static_cast<std::uint8_t>(first + random.below(256u - first))});
+            }
+        }
+    }
+    const unsigned limits = random.below(3u);
+    for (unsigned i = 0; i < limits; ++i)
+        rules.limit.push_back({static_cast<std::uint8_t>(i * 80), random.of({0.001, 12.5, 1.0 / 3, 1e6})});
+    return rules;
+}
+
+void give_traffic(LinkSettings& link, support::Random& random) {
+    const auto duration = [&](unsigned most) { return std::chrono::milliseconds{1 + random.below(most)}; };
+    link.group = random.of({"", "vehicle", "飞"});
+    link.age = {duration(5000), duration(5000), duration(86'400'000)};
+    link.rules = random_rules(random);
+    if (link.kind == "sim") return;
+    link.rate = random.of<std::uint32_t>({0, 1, 5000, 1'000'000'000});
+    link.latency = duration(1000);
+    if (link.kind != "udp" && link.kind != "udp-listen") return;
+    link.pack = random.one_in(2);
+    link.mtu = static_cast<std::uint16_t>(64 + random.below(65444));
 }
 
 TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSettings>& links) {
@@ -295,6 +385,7 @@ TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSett
     for (unsigned i = random.below(4u); i > 0; --i)
         t.wrap.push_back({network(), name(), random.of<std::uint8_t>({0xB1, 0xB2}), id(), id()});
     for (unsigned i = random.below(4u); i > 0; --i) t.allow.push_back(network());
+    t.rules = random_rules(random);
     return t;
 }
 
@@ -318,6 +409,7 @@ Settings random_settings(support::Random& random) {
         link.flood = random.one_in(2);
         link.broadcast = random.one_in(2);
         link.required = random.one_in(2);
+        give_traffic(link, random);
         s.links.push_back(link);
     }
     for (unsigned i = links == 0 ? 0 : random.below(4u); i > 0; --i) {
@@ -325,6 +417,8 @@ Settings random_settings(support::Random& random) {
         s.routes.push_back(
             {first, static_cast<std::uint8_t>(first + random.below(20)), s.links[random.below(links)].name});
     }
+    for (unsigned i = links == 0 ? 0 : random.below(4u); i > 0; --i)
+        s.aliases.push_back({s.links[random.below(links)].name, static_cast<std::uint8_t>(150 + i), static_cast<std::uint8_t>(160 + i)});
     if (links != 0 && random.one_in(3)) {
         s.gateway.unknown = Unknown::link;
         s.gateway.unknown_link = s.links[0].name;

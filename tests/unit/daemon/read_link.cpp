@@ -26,12 +26,34 @@ std::string fault_of(const std::string& link) {
 
 TEST(LinkText, serial) {
     const LinkSettings link =
-        link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,dtr=off,rts");
+        link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
     LinkSettings expected;
     expected.kind = "serial";
     expected.name = "ttyUSB0";
-    expected.serial = {"/dev/ttyUSB0", 123456, Parity::even, 2, FlowControl::hardware, false, false, true};
+    expected.serial = {"/dev/ttyUSB0", 123456, Parity::even, 2, FlowControl::hardware, false, Pace::off, false, true};
     EXPECT_EQ(link, expected);
+}
+
+TEST(LinkText, traffic) {
+    const LinkSettings link = link_of("udp:10.0.0.1:5,group=air,rate=5000,latency=50ms,pack=no,mtu=500,age.telemetry=300ms,"
+                                      "receive.deny=firmware+0xB0,send.allow_destinations=30-40,limit.0x01=50,limit.euler=0.5");
+    EXPECT_EQ(link.group, "air");
+    EXPECT_EQ(link.rate, 5000u);
+    EXPECT_EQ(link.latency, std::chrono::milliseconds{50});
+    EXPECT_FALSE(link.pack);
+    EXPECT_EQ(link.mtu, 500);
+    EXPECT_EQ(link.age.telemetry, std::chrono::milliseconds{300});
+    EXPECT_EQ(link.rules.receive.deny, (std::vector<ByteRange>{{0xF0, 0xF0}, {0xB0, 0xB0}}));
+    EXPECT_EQ(link.rules.send.allow_destinations, (std::vector<ByteRange>{{30, 40}}));
+    EXPECT_EQ(link.rules.limit, (std::vector<LimitRule>{{1, 50}, {3, 0.5}}));
+}
+
+TEST(LinkText, faults_of_traffic) {
+    EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("a limit is of one id"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 has a limit already"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
+    EXPECT_NE(fault_of("serial:/dev/x,pack=no").find("'pack' is not a key of serial, but of udp udp-listen"), std::string::npos);
 }
 
 TEST(LinkText, serial_has_defaults) {
@@ -44,7 +66,7 @@ TEST(LinkText, serial_has_defaults) {
 
 TEST(LinkText, keys_of_every_link) {
     const LinkSettings link =
-        link_of("sim:fc,rate=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
+        link_of("sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
     LinkSettings expected;
     expected.kind = "sim";
     expected.name = "飞控";
@@ -54,7 +76,7 @@ TEST(LinkText, keys_of_every_link) {
     expected.flood = false;
     expected.broadcast = false;
     expected.required = true;
-    expected.sim.rate = 100;
+    expected.sim.hz = 100;
     EXPECT_EQ(link, expected);
 }
 
@@ -149,7 +171,7 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
 }
 
 TEST(LinkText, every_fault_is_told_not_only_the_first) {
-    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,rate=0"});
+    const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,hz=0"});
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
 }
 

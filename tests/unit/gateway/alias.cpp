@@ -11,8 +11,8 @@ using support::frame;
 
 namespace {
 
-constexpr Treatment command{TrafficClass::urgent, Replace::never, AgeKind::rest};
-constexpr Treatment stream{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
+constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr Treatment stream{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 struct Alias : testing::Test {
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};

@@ -13,12 +13,12 @@ using support::Bytes;
 
 namespace {
 
-constexpr Treatment command{TrafficClass::urgent, Replace::never, AgeKind::rest};
-constexpr Treatment stick{TrafficClass::urgent, Replace::same_id, AgeKind::control};
-constexpr Treatment attitude{TrafficClass::telemetry, Replace::same_id, AgeKind::telemetry};
-constexpr Treatment ranging{TrafficClass::telemetry, Replace::same_id_and_first_byte, AgeKind::telemetry};
-constexpr Treatment text{TrafficClass::telemetry, Replace::never, AgeKind::telemetry};
-constexpr Treatment image{TrafficClass::bulk, Replace::never, AgeKind::rest};
+constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr Treatment stick{TrafficClass::urgent, Replaces::same_id, AgeKind::control};
+constexpr Treatment attitude{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
+constexpr Treatment ranging{TrafficClass::telemetry, Replaces::same_first_byte, AgeKind::telemetry};
+constexpr Treatment text{TrafficClass::telemetry, Replaces::nothing, AgeKind::telemetry};
+constexpr Treatment image{TrafficClass::bulk, Replaces::nothing, AgeKind::rest};
 constexpr ano::TimePoint start{1h};
 
 using Piece = std::span<const std::uint8_t>;

@@ -18,6 +18,12 @@ constexpr ChannelId channel(unsigned n) {
     return static_cast<ChannelId>(n);
 }
 
+ChannelSet channels(std::initializer_list<unsigned> all) {
+    ChannelSet set;
+    for (const unsigned n : all) set.insert(channel(n));
+    return set;
+}
+
 std::uint64_t key(const support::Bytes& frame) {
     return key_of(ano::FrameView{frame});
 }
@@ -73,42 +79,74 @@ TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
 }
 
+TEST(LoopGuard, lets_another_host_ask_the_same_once) {
+    LoopGuard guard;
+    guard.remember(1, channels({0, 1}), start);
+    EXPECT_FALSE(guard.looped(1, channel(1), start + 100ms, true));
+    guard.remember(1, channels({0}), start + 100ms);
+    EXPECT_TRUE(guard.looped(1, channel(1), start + 1s, true)) << "and then it goes round";
+    EXPECT_FALSE(guard.looped(1, channel(0), start + 1s, true)) << "one channel says nothing of another";
+    EXPECT_FALSE(guard.suspect(channel(1), start + 1s)) << "two who ask all the time are no loop";
+}
+
+TEST(LoopGuard, a_device_that_comes_back_tells_of_questions_that_will) {
+    LoopGuard guard;
+    guard.remember(1, channels({1}), start);
+    EXPECT_TRUE(guard.looped(1, channel(1), start + 100ms));
+    guard.remember(2, channels({1}), start + 200ms);
+    EXPECT_TRUE(guard.looped(2, channel(1), start + 300ms, true));
+    guard.remember(3, channels({1}), start + 61s);
+    EXPECT_FALSE(guard.looped(3, channel(1), start + 61s, true)) << "not for ever";
+    EXPECT_TRUE(guard.looped(3, channel(1), start + 62s));
+    guard.open(channel(1), start + 62s);
+    guard.remember(4, channels({1}), start + 63s);
+    EXPECT_FALSE(guard.looped(4, channel(1), start + 63s, true)) << "another channel by now";
+}
+
+TEST(LoopGuard, only_hosts_that_ask_everybody_say_what_others_say) {
+    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xD2, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xDC, 0xFF, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})}));
+    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xC0, {0, 0, 0})}));
+}
+
 TEST(DuplicateGuard, lets_one_copy_through) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 500ms));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Replace::never, start + 1999ms));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replace::never, start + 2s));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 500ms));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(2), Replaces::nothing, start + 1999ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2s));
 }
 
 TEST(DuplicateGuard, the_same_link_may_repeat) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start + 1s));
-    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 2500ms)) << "two seconds from the last";
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 1s));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2500ms)) << "two seconds from the last";
 }
 
 TEST(DuplicateGuard, groups_are_apart) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Replace::never, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Replaces::nothing, start));
 }
 
 TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
     DuplicateGuard guard;
     TimePoint now = start;
     for (int i = 0; i < 50; ++i, now += 20ms) {    // both links carry them
-        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::same_id, now));
-        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::same_id, now + 1ms));
+        EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::same_id, now));
+        EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::same_id, now + 1ms));
     }
     int lost = 0;
-    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Replace::same_id, now);
+    for (int i = 0; i < 50; ++i, now += 20ms) lost += guard.duplicate(1, 1, link(1), Replaces::same_id, now);
     EXPECT_LE(lost, 10) << "200 ms";
 }
 
 TEST(DuplicateGuard, a_command_never_comes_twice) {
     DuplicateGuard guard;
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start));
-    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replace::never, start + 100ms));    // the user's own repeat
-    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replace::never, start + 100ms + i * 200ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 100ms));    // the user's own repeat
+    for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 100ms + i * 200ms));
 }

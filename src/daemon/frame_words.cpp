@@ -1,0 +1,74 @@
+#include <ano/messages.hpp>
+#include <ano/traffic.hpp>
+#include <daemon/frame_words.hpp>
+#include <daemon/key_facts.hpp>
+#include <daemon/nearest.hpp>
+#include <daemon/values.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+namespace anogate {
+namespace {
+
+constexpr double slowest = 0.001, fastest = 1'000'000;    // frames a second
+
+std::vector<ByteRange> ids_of(ano::TrafficClass traffic) {
+    std::vector<ByteRange> ranges;
+    for (unsigned n = 0; n < 256; ++n) {
+        const auto id = static_cast<std::uint8_t>(n);
+        if (ano::traffic_class_of(id) != traffic) continue;
+        if (!ranges.empty() && ranges.back().last + 1u == n) ranges.back().last = id;
+        else ranges.push_back({id, id});
+    }
+    return ranges;
+}
+
+}  // namespace
+
+std::optional<std::vector<ByteRange>> parse_frames(std::string_view text) {
+    for (std::size_t i = 0; i < ano::traffic_class_names.size(); ++i)
+        if (text == ano::traffic_class_names[i]) return ids_of(static_cast<ano::TrafficClass>(i));
+    if (const ano::Message* message = ano::find_message(text)) return {{ByteRange{message->id, message->id}}};
+    const auto range = parse_addresses(text);
+    if (!range) return std::nullopt;
+    return {{ByteRange{range->first, range->last}}};
+}
+
+std::vector<std::string_view> frame_words() {
+    std::vector<std::string_view> words{ano::traffic_class_names.begin(), ano::traffic_class_names.end()};
+    for (const ano::Message& message : ano::messages)
+        if (std::find(words.begin(), words.end(), message.name) == words.end()) words.push_back(message.name);
+    return words;
+}
+
+std::string ranges_text(const std::vector<ByteRange>& ranges) {
+    std::string text;
+    for (const ByteRange& range : ranges) {
+        text += (text.empty() ? "" : "+") + address_text(range.first);
+        if (range.last != range.first) text += "-" + address_text(range.last);
+    }
+    return text;
+}
+
+LimitText parse_limit(std::string_view text) {
+    const std::size_t equals = text.find('=');
+    const std::string_view name = text.substr(0, equals);
+    const std::string_view rate = equals == text.npos ? std::string_view{} : text.substr(equals + 1);
+    const auto ids = parse_frames(name);
+    if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
+        return {{}, "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
+                        did_you_mean(name, frame_words())};
+    double value = 0;
+    const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
+    if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= slowest && value <= fastest))
+        return {{}, in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate)};
+    return {LimitRule{ids->front().first, value}, {}};
+}
+
+std::string rate_text(double per_second) {
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, per_second).ptr};
+}
+
+}  // namespace anogate

@@ -1,0 +1,29 @@
+// The words by which rules name frames: ids, messages and classes for what they say, addresses for who says it to whom.
+#pragma once
+#include <gateway/filter.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+/// An id (0xF0, 240), a range of them (0x01-0x0F), the name of a message (firmware) or of a traffic class (telemetry).
+/// Nothing when it is none of these.
+std::optional<std::vector<ByteRange>> parse_frames(std::string_view text);
+/// All words that parse_frames() knows, for suggestions.
+std::vector<std::string_view> frame_words();
+
+/// 0x01+0xF0-0xF1: in hex, joined by +.
+std::string ranges_text(const std::vector<ByteRange>& ranges);
+
+/// NAME=RATE of one id or message; what is wrong with it, or nothing.
+struct LimitText {
+    std::optional<LimitRule> rule;
+    std::string error;
+};
+LimitText parse_limit(std::string_view text);
+std::string rate_text(double per_second);
+
+}  // namespace anogate

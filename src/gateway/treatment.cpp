@@ -1,0 +1,26 @@
+#include <ano/traffic.hpp>
+#include <gateway/treatment.hpp>
+
+namespace anogate {
+namespace {
+
+consteval AgeKind age_of(ano::Traffic traffic) {
+    if (traffic.traffic_class == TrafficClass::telemetry) return AgeKind::telemetry;
+    const bool state = traffic.traffic_class == TrafficClass::urgent && traffic.replaces != Replaces::nothing;
+    return state ? AgeKind::control : AgeKind::rest;
+}
+
+consteval std::array<Treatment, 256> by_id() {
+    std::array<Treatment, 256> all;
+    for (std::size_t id = 0; id < all.size(); ++id) {
+        const ano::Traffic traffic = ano::table::traffic[id];
+        all[id] = {traffic.traffic_class, traffic.replaces, age_of(traffic)};
+    }
+    return all;
+}
+
+}  // namespace
+
+constinit const std::array<Treatment, 256> treatments = by_id();
+
+}  // namespace anogate

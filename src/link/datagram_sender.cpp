@@ -1,0 +1,94 @@
+#include <gateway/pack.hpp>
+#include <link/datagram_sender.hpp>
+
+#include <cerrno>
+
+namespace anogate {
+
+// Frames that came one behind the other stand so in the outbox: the kernel is given them as one piece.
+unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept {
+    auto rest = std::span{std::as_const(room_->frames)}.first(frames);
+    std::size_t pieces = 0;
+    std::size_t datagrams = 0;
+    while (!rest.empty() && datagrams < most_datagrams) {
+        const std::size_t count = frames_in_datagram(rest, mtu);
+        const std::size_t first = pieces;
+        for (const auto frame : rest.first(count)) {
+            iovec* last = pieces > first ? &room_->pieces[pieces - 1] : nullptr;
+            if (last && static_cast<std::uint8_t*>(last->iov_base) + last->iov_len == frame.data())
+                last->iov_len += frame.size();
+            else
+                room_->pieces[pieces++] = {const_cast<std::uint8_t*>(frame.data()), frame.size()};
+        }
+        mmsghdr& message = room_->messages[datagrams];
+        message = {};
+        message.msg_hdr.msg_iov = &room_->pieces[first];
+        message.msg_hdr.msg_iovlen = pieces - first;
+        if (to) {
+            message.msg_hdr.msg_name = const_cast<sockaddr_storage*>(&to->storage);
+            message.msg_hdr.msg_namelen = to->size;
+        }
+        room_->frames_in[datagrams++] = count;
+        rest = rest.subspan(count);
+    }
+    return static_cast<unsigned>(datagrams);
+}
+
+SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now) {
+    SendReport report;
+    const auto stop = [&report](SendResult result) {
+        report.result = result;
+        return report;
+    };
+    std::size_t mtu = way.mtu;
+    int failures = 0;    // of one datagram: an error may be about an earlier one, so each has a second try
+    while (!outbox.empty()) {
+        const std::size_t budget = pacing.budget(outbox, now);
+        if (budget == 0) return stop(SendResult::paced);
+        const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now, budget);
+        if (frames == 0) break;
+        const unsigned datagrams = fill(frames, way.to, mtu);
+        const int sent = ::sendmmsg(way.fd, room_->messages.data(), datagrams, MSG_DONTWAIT);
+        std::size_t frame = 0;
+        for (std::size_t datagram = 0; static_cast<int>(datagram) < sent; ++datagram) {
+            for (std::size_t i = 0; i < room_->frames_in[datagram]; ++i, ++frame) {
+                pacing.sent(room_->frames[frame].size(), now);
+                outbox.sent_frame();
+            }
+        }
+        if (sent > 0) failures = 0;
+        if (sent >= 0) continue;
+        const auto give_up = [&](std::uint64_t SendCounters::*cause) {
+            failures = 0;
+            for (std::size_t i = 0; i < room_->frames_in[0]; ++i) outbox.drop_frame(cause);
+        };
+        report.error = errno;
+        switch (errno) {
+        case EINTR: break;
+        case EAGAIN: outbox.set_congested(); return stop(SendResult::full);
+        case ENOBUFS:
+        case ENOMEM: outbox.set_congested(); return stop(SendResult::no_memory);
+        case EMSGSIZE:
+            if (room_->frames_in[0] > 1) mtu = 0;    // one by one they may pass
+            else give_up(&SendCounters::too_big);
+            break;
+        case ECONNREFUSED:
+            ++report.refused;
+            if (++failures == 2) give_up(&SendCounters::send_failed);
+            break;
+        case ENETUNREACH:
+            if (!way.to) return stop(SendResult::broken);    // connected when our address was another: it would never find a way again
+            [[fallthrough]];
+        default: give_up(&SendCounters::send_failed); break;
+        case EBADF:
+        case EINVAL:
+        case ENODEV:
+        case ENETDOWN:
+        case EADDRNOTAVAIL:
+        case ENOTCONN: return stop(SendResult::broken);
+        }
+    }
+    return report;
+}
+
+}  // namespace anogate

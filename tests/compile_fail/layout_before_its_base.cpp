@@ -1,0 +1,13 @@
+// error: the_first_row_of_a_message_is_its_base_layout
+#include <ano/messages.hpp>
+
+namespace ano::table {
+#ifdef BAD
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}},
+                            {0x01, "one", "", report, {{"a", u8}}}};
+#else
+constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}},
+                            {0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}}};
+#endif
+constexpr MessageIndex checked = index_messages(rows);
+}    // namespace ano::table

@@ -1,0 +1,254 @@
+// Whatever a kernel answers when frames are to leave: only whole frames leave, in order, none twice, and every one that was
+// offered is accounted for.
+#include <support/failing_calls.hpp>
+#include <support/pty_device.hpp>
+#include <support/random.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::LinkSettings;
+
+// Of many lengths, all of one class and never replaced: what leaves, leaves in order.
+Bytes numbered(std::uint32_t n) {
+    Bytes data(4 + n % 40, 0xAB);
+    for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(n >> 8 * i);
+    return frame(0xDC, 0xFF, 0xA0, data);
+}
+std::uint32_t number(const Bytes& frame) {
+    return static_cast<std::uint32_t>(frame[6] | frame[7] << 8 | frame[8] << 16 | frame[9] << 24);
+}
+
+// Whole frames as they were sent, in order, none twice.
+void expect_in_order(const Bytes& stream) {
+    const Split got = split(stream);
+    EXPECT_TRUE(got.rest.empty()) << got.rest.size() << " bytes that are no whole frame";
+    std::int64_t last = -1;
+    for (const Bytes& one : got.frames) {
+        ASSERT_GT(number(one), last);
+        last = number(one);
+        ASSERT_EQ(one, numbered(number(one)));
+    }
+}
+
+class Faults : public testing::Test {
+protected:
+    ~Faults() override { fate_of_writev = fate_of_sendmmsg = nullptr; }
+    void start(LinkSettings to) {
+        to.name = "to";
+        to.age.rest = 1min;    // only what the kernel does is to count
+        daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), udp_listen("air")}));
+        ASSERT_TRUE(daemon->until_up("to") && daemon->until_up("air"));
+        in(1);    // and now the peer is known
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("to", "frames_out") == 1; }));
+    }
+    void in(int frames) {
+        Bytes datagram;
+        for (int i = 0; i < frames; ++i) datagram = datagram + numbered(sent++);
+        air.send(daemon->port("air"), datagram);
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("air", "frames_in") == sent; }));
+    }
+    std::uint64_t count(const std::string& counter) { return daemon->count("to", counter); }
+    bool until_nothing_waits() {
+        return daemon->until([&] { return count("waiting") == 0; });
+    }
+    void expect_accounted() {
+        EXPECT_TRUE(daemon->counters_add_up());
+        std::uint64_t sum = 0;
+        for (const char* cause : {"frames_out", "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big",
+                                  "send_failed", "waiting"})
+            sum += count(cause);
+        EXPECT_EQ(sum, sent);
+    }
+
+    const TempDir dir;
+    UdpPeer air;
+    std::uint32_t sent = 0;
+    std::unique_ptr<RunningGateway> daemon;
+};
+
+class SerialFaults : public Faults {
+protected:
+    void start() {
+        LinkSettings to = serial("to", device.path());
+        to.serial.pace = anogate::Pace::off;
+        Faults::start(to);
+    }
+    PtyDevice device{dir / "port"};
+};
+
+TEST_F(SerialFaults, writes_of_every_length) {
+    start();
+    std::size_t length = 0;
+    fate_of_writev = [&](int) { return Fate{0, ++length}; };    // 1 byte, then 2, then 3 …
+    for (int round = 0; round < 30; ++round) in(20);
+    EXPECT_GT(length, 100u);
+    EXPECT_TRUE(daemon->until([&] { return split(device.heard()).frames.size() == sent; }));
+    expect_in_order(device.heard());
+    expect_accounted();
+}
+
+TEST_F(SerialFaults, writes_of_random_lengths_between_interruptions) {
+    start();
+    Random random{7};
+    fate_of_writev = [&](int) -> Fate {
+        if (random.one_in(4)) return {EINTR, 0};
+        return {0, 1 + random.below(std::size_t{30})};
+    };
+    for (int round = 0; round < 50; ++round) {
+        in(20);
+        device.heard();
+    }
+    EXPECT_TRUE(daemon->until([&] { return split(device.heard()).frames.size() == sent; }));
+    expect_in_order(device.heard());
+    expect_accounted();
+}
+
+TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_begins_with_a_whole_one) {
+    start();
+    for (int failure = 0; failure < 4; ++failure) {
+        std::size_t calls = 0;
+        fate_of_writev = [&](int) -> Fate {
+            switch (++calls) {
+                case 1: return {0, 7};    // a part of a frame
+                case 2: return {EIO, 0};
+                default: return Fate{};
+            }
+        };
+        in(5);
+        ASSERT_TRUE(daemon->until([&] { return calls >= 2 && daemon->link("to").at("state") == "up"; }));
+        fate_of_writev = nullptr;
+        in(3);
+        ASSERT_TRUE(until_nothing_waits());
+    }
+    EXPECT_GE(count("link_down"), 4u * 5);
+    EXPECT_TRUE(daemon->counters_add_up());
+    // The terminal lives on in the device: torn frames are in what it heard, and each is followed by whole ones.
+    std::size_t whole = 0;
+    ano::FrameParser parser{{}};
+    const Bytes all = device.heard();
+    for (std::size_t at = 0; at < all.size();) {
+        const auto room = parser.prepare();
+        const std::size_t n = std::min(room.size(), all.size() - at);
+        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(at), n, room.begin());
+        at += n;
+        parser.commit(n, anogate::Clock::now());
+        while (parser.next()) ++whole;
+    }
+    EXPECT_GE(whole, 1u + 4 * 3);
+}
+
+class UdpFaults : public Faults {
+protected:
+    void start(bool pack) {
+        LinkSettings to = udp("to", peer.local().text());
+        to.pack = pack;
+        Faults::start(to);
+    }
+    std::size_t arrived() { return split(peer.heard()).frames.size(); }
+    UdpPeer peer;
+};
+
+TEST_F(UdpFaults, nothing_is_lost_while_the_kernel_has_no_room) {
+    for (const bool pack : {false, true}) {
+        for (const int error : {EAGAIN, ENOBUFS, ENOMEM, EINTR}) {
+            SCOPED_TRACE(testing::Message() << "errno " << error << (pack ? ", packed" : ""));
+            sent = 0;
+            peer.forget();
+            start(pack);
+            int calls = 0;
+            fate_of_sendmmsg = [&](int) -> Fate {
+                ++calls;
+                if (calls % 3 != 0) return {error, 0};
+                return {0, 2};    // two datagrams of those offered
+            };
+            for (int round = 0; round < 10; ++round) in(20);
+            EXPECT_TRUE(until_nothing_waits());
+            EXPECT_TRUE(daemon->until([&] { return arrived() == sent; }));
+            expect_in_order(peer.heard());
+            expect_accounted();
+            EXPECT_EQ(count("frames_out"), sent) << daemon->link("to").dump();
+            EXPECT_EQ(daemon->link("to").at("state"), "up");
+            fate_of_sendmmsg = nullptr;
+        }
+    }
+}
+
+TEST_F(UdpFaults, a_refusal_is_counted_and_the_next_frames_go) {
+    for (const bool pack : {false, true}) {
+        for (const int error : {ECONNREFUSED, EHOSTUNREACH, EPERM, EACCES}) {
+            SCOPED_TRACE(testing::Message() << "errno " << error << (pack ? ", packed" : ""));
+            sent = 0;
+            peer.forget();
+            start(pack);
+            int calls = 0;
+            fate_of_sendmmsg = [&](int) { return ++calls % 5 == 0 ? Fate{error, 0} : Fate{0, 3}; };
+            for (int round = 0; round < 10; ++round) in(20);
+            EXPECT_TRUE(until_nothing_waits());
+            const std::uint64_t failed = count("send_failed");
+            EXPECT_TRUE(daemon->until([&] { return arrived() == sent - failed; }));
+            if (error == ECONNREFUSED) EXPECT_EQ(failed, 0u) << "it was about an earlier one";
+            else EXPECT_GE(failed, 1u);
+            expect_in_order(peer.heard());
+            expect_accounted();
+            EXPECT_EQ(daemon->link("to").at("state"), "up");
+            fate_of_sendmmsg = nullptr;
+        }
+    }
+}
+
+TEST_F(UdpFaults, what_is_too_long_for_the_way_goes_one_by_one_or_is_counted) {
+    start(true);
+    bool every = false;
+    int calls = 0;
+    fate_of_sendmmsg = [&](int) { return every || ++calls % 2 == 1 ? Fate{EMSGSIZE, 0} : Fate{}; };
+    in(20);
+    EXPECT_TRUE(until_nothing_waits());
+    EXPECT_TRUE(daemon->until([&] { return arrived() == sent; })) << "packed it was too long, one by one it is not";
+    every = true;
+    in(5);
+    EXPECT_TRUE(until_nothing_waits());
+    EXPECT_EQ(count("too_big"), 5u);
+    expect_in_order(peer.heard());
+    expect_accounted();
+}
+
+TEST_F(UdpFaults, a_way_that_breaks_is_looked_for_again) {
+    for (const int error : {ENETDOWN, ENODEV, EADDRNOTAVAIL, EINVAL, ENETUNREACH}) {
+        SCOPED_TRACE(testing::Message() << "errno " << error);
+        sent = 0;
+        peer.forget();
+        start(true);
+        int calls = 0;
+        fate_of_sendmmsg = [&](int) { return ++calls == 1 ? Fate{error, 0} : Fate{}; };
+        in(5);
+        ASSERT_TRUE(daemon->until_up("to"));
+        in(5);
+        EXPECT_TRUE(until_nothing_waits());
+        EXPECT_EQ(count("link_down"), 5u);
+        EXPECT_EQ(count("frames_out"), 6u);
+        expect_accounted();
+        fate_of_sendmmsg = nullptr;
+    }
+}
+
+TEST_F(UdpFaults, a_reader_that_is_gone_costs_what_was_sent_to_nobody) {
+    auto gone = std::make_unique<UdpPeer>();
+    LinkSettings to = udp("to", gone->local().text());
+    Faults::start(to);
+    gone.reset();
+    for (int round = 0; round < 30; ++round) in(10);
+    EXPECT_TRUE(until_nothing_waits());
+    EXPECT_EQ(daemon->link("to").at("state"), "up");
+    expect_accounted();
+}
+
+}    // namespace

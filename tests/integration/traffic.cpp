@@ -1,0 +1,251 @@
+// What the keys of a link do to the frames of a running gateway: aliases, filters, limits, rate, age, packing.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::LinkSettings;
+using anogate::Pace;
+using anogate::Settings;
+
+constexpr std::uint8_t host = 0xFE;
+
+Bytes check_frame(std::uint8_t source, std::uint8_t destination, const Bytes& of) {
+    return frame(source, destination, 0x00, {of[3], of[of.size() - 2], of[of.size() - 1]});
+}
+
+// Two sensors with the id they left the factory with, one of them under another address; a ground station.
+class Alias : public testing::Test {
+protected:
+    Alias() {
+        std::vector<LinkSettings> links{port("flow1"), port("flow2"), udp_listen("ground")};
+        Settings settings = settings_of(std::move(links));
+        settings.aliases = {{"flow2", sensor, alias}};
+        daemon = std::make_unique<RunningGateway>(std::move(settings));
+        EXPECT_TRUE(daemon->until_up("flow1") && daemon->until_up("flow2"));
+        station.send(daemon->port("ground"), frame(host, 0xFF, 0xE0, {0, 0, 0}));
+        EXPECT_TRUE(daemon->until([&] { return !flow1.heard().empty() && !flow2.heard().empty(); }));
+        said1 = flow1.heard().size();
+        said2 = flow2.heard().size();
+    }
+    LinkSettings port(const std::string& name) {
+        LinkSettings link = serial(name, dir / name);
+        link.serial.pace = Pace::off;
+        return link;
+    }
+    std::vector<Bytes> heard1() { return split(std::span{flow1.heard()}.subspan(said1)).frames; }
+    std::vector<Bytes> heard2() { return split(std::span{flow2.heard()}.subspan(said2)).frames; }
+    std::vector<Bytes> heard_above() { return split(station.heard()).frames; }
+
+    static constexpr std::uint8_t sensor = 0xDE, alias = 31;
+    static constexpr int in_flight = 20;
+    const TempDir dir;
+    PtyDevice flow1{dir / "flow1"}, flow2{dir / "flow2"};
+    UdpPeer station;
+    std::unique_ptr<RunningGateway> daemon;
+    std::size_t said1 = 0, said2 = 0;
+};
+
+TEST_F(Alias, writes_to_a_sensor_under_another_address_are_acknowledged_twenty_in_flight) {
+    std::vector<Bytes> writes;
+    for (std::uint8_t n = 0; n < in_flight; ++n) {
+        writes.push_back(frame(host, alias, 0xE1, {n, 0, n, 0x42}));
+        station.send(daemon->port("ground"), writes.back());
+    }
+    ASSERT_TRUE(daemon->until([&] { return heard2().size() == in_flight; }));
+    const auto seen = heard2();
+    for (std::uint8_t n = 0; n < in_flight; ++n) EXPECT_EQ(seen[n], frame(host, sensor, 0xE1, {n, 0, n, 0x42}));
+    EXPECT_TRUE(heard1().empty()) << "the other sensor is not meant";
+    Bytes answers;    // the last first: nothing says that a device keeps the order
+    for (auto write = seen.rbegin(); write != seen.rend(); ++write) answers = answers + check_frame(sensor, host, *write);
+    flow2.write(answers);
+    ASSERT_TRUE(daemon->until([&] { return heard_above().size() == in_flight; }));
+    const auto acknowledged = heard_above();
+    for (std::uint8_t n = 0; n < in_flight; ++n)
+        EXPECT_EQ(acknowledged[n], check_frame(alias, host, writes[in_flight - 1u - n])) << "the checks of what was sent";
+}
+
+TEST_F(Alias, writes_of_the_sensor_are_acknowledged_twenty_in_flight) {
+    std::vector<Bytes> writes;
+    Bytes all;
+    for (std::uint8_t n = 0; n < in_flight; ++n) {
+        writes.push_back(frame(sensor, host, 0xE1, {n, 0, 7, n}));
+        all = all + writes.back();
+    }
+    flow2.write(all);
+    ASSERT_TRUE(daemon->until([&] { return heard_above().size() == in_flight; }));
+    const auto seen = heard_above();
+    for (std::uint8_t n = 0; n < in_flight; ++n) EXPECT_EQ(seen[n], frame(alias, host, 0xE1, {n, 0, 7, n}));
+    for (const Bytes& write : seen) station.send(daemon->port("ground"), check_frame(host, alias, write));
+    ASSERT_TRUE(daemon->until([&] { return heard2().size() == in_flight; }));
+    const auto acknowledged = heard2();
+    for (std::uint8_t n = 0; n < in_flight; ++n) EXPECT_EQ(acknowledged[n], check_frame(host, sensor, writes[n]));
+}
+
+TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
+    const auto who = [](std::uint8_t source, std::uint8_t id) { return frame(source, host, 0xE3, {id, 1, 0, 2, 0, 'f', 'l', 'o', 'w'}); };
+    flow1.write(who(sensor, sensor));
+    ASSERT_TRUE(daemon->until([&] { return heard_above().size() == 1; }));
+    flow2.write(who(sensor, sensor));
+    ASSERT_TRUE(daemon->until([&] { return heard_above().size() == 2; }));
+    EXPECT_EQ(heard_above()[0], who(sensor, sensor));
+    EXPECT_EQ(heard_above()[1], who(alias, alias)) << "the id inside, too";
+    EXPECT_TRUE(daemon->status().at("conflicts").empty());
+    station.send(daemon->port("ground"), frame(host, sensor, 0xE0, {1, 0, 0}));
+    ASSERT_TRUE(daemon->until([&] { return heard1().size() == 1; }));
+    EXPECT_TRUE(heard2().empty());
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+class Traffic : public testing::Test {
+protected:
+    void start(LinkSettings to, LinkSettings from = udp_listen("air")) {
+        to.name = "to";
+        daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), std::move(from)}));
+        EXPECT_TRUE(daemon->until_up("air"));
+    }
+    void say(const Bytes& bytes) { air.send(daemon->port("air"), bytes); }
+    /// Sends it and waits until it is inside.
+    void in(const Bytes& bytes) {
+        total += split(bytes).frames.size();
+        say(bytes);
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("air", "frames_in") == total; }));
+    }
+    const TempDir dir;
+    UdpPeer air, peer;
+    std::unique_ptr<RunningGateway> daemon;
+    std::uint64_t total = 0;
+};
+
+TEST_F(Traffic, filters_refuse_what_comes_in_and_what_would_leave) {
+    LinkSettings to = udp("to", peer.local().text()), from = udp_listen("air");
+    from.rules.receive.deny = {{0xF0, 0xF0}};
+    from.rules.receive.allow_sources = {{0xD0, 0xFE}};
+    to.rules.send.allow = {{0x00, 0x0F}, {0xE0, 0xE3}};
+    to.rules.send.deny_destinations = {{0xFE, 0xFE}};
+    start(to, from);
+    in(frame(0xDC, 0xFF, 0x01, {1}) + frame(0xDC, 0xFF, 0xF0, {1, 2}) + frame(0x42, 0xFF, 0x01, {3}) + frame(0xDC, 0xFF, 0xA0, {4}) +
+       frame(0xDC, 0xFE, 0x01, {5}) + frame(0xDC, 0xDD, 0x01, {6}));
+    ASSERT_TRUE(daemon->until([&] { return split(peer.heard()).frames.size() == 2; }));
+    EXPECT_EQ(split(peer.heard()).frames, (std::vector{frame(0xDC, 0xFF, 0x01, {1}), frame(0xDC, 0xDD, 0x01, {6})}));
+    EXPECT_EQ(daemon->count("air", "denied_in"), 2u);
+    EXPECT_EQ(daemon->count("to", "denied_out"), 2u);
+    EXPECT_TRUE(daemon->route("0x42").is_null()) << "nothing is learned from what is refused";
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Traffic, a_limit_spaces_its_id_and_no_other) {
+    LinkSettings to = udp("to", peer.local().text());
+    to.rules.limit = {{0x03, 5.0}};
+    start(to);
+    for (std::uint8_t n = 0; n < 50; ++n) in(frame(0xDC, 0xFF, 0x03, {n}) + frame(0xDC, 0xFF, 0x05, {n}));
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("to", "frames_out") + daemon->count("to", "limited") == 100; }));
+    const auto out = split(peer.heard()).frames;
+    EXPECT_EQ(std::count_if(out.begin(), out.end(), [](const Bytes& f) { return f[3] == 0x05; }), 50);
+    EXPECT_GE(daemon->count("to", "limited"), 40u) << "the fifty did not take two seconds";
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+// 1000 bytes/s offered 40 times that, for as long as it takes to get 300 bytes out.
+TEST_F(Traffic, a_rate_holds_for_udp_and_what_is_urgent_overtakes) {
+    LinkSettings to = udp("to", peer.local().text());
+    to.rate = 1000;
+    to.pack = false;
+    start(to);
+    const auto begin = anogate::Clock::now();
+    Bytes burst;
+    for (std::uint8_t n = 0; n < 100; ++n) burst = burst + frame(0xDC, 0xFF, 0xA0, Bytes(13, n));
+    in(burst);
+    const Bytes stop = frame(0xFE, 0xFF, 0xC0, {1, 2, 3});
+    in(stop);
+    std::size_t before_stop = 0;
+    ASSERT_TRUE(daemon->until([&] {
+        const auto out = split(peer.heard()).frames;
+        before_stop = static_cast<std::size_t>(std::find(out.begin(), out.end(), stop) - out.begin());
+        return before_stop < out.size();
+    }));
+    EXPECT_LE(before_stop, 4u) << "what was given to the system already";
+    ASSERT_TRUE(daemon->until([&] { return peer.heard().size() >= 300; }));
+    const double seconds = std::chrono::duration<double>(anogate::Clock::now() - begin).count();
+    EXPECT_LE(static_cast<double>(peer.heard().size()), 1000 * seconds + 45) << "never overrun";
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Traffic, what_waited_longer_than_its_age_does_not_leave) {
+    LinkSettings to = udp("to", peer.local().text());
+    to.rate = 500;
+    to.age.telemetry = 50ms;
+    start(to);
+    Bytes burst;
+    for (std::uint8_t n = 0; n < 40; ++n) burst = burst + frame(0xDC, 0xFF, static_cast<std::uint8_t>(n % 8), Bytes(14, n));
+    in(burst);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("to", "waiting") == 0; }));
+    EXPECT_GE(daemon->count("to", "stale"), 1u);
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Traffic, frames_that_wait_share_datagrams_of_mtu_bytes) {
+    LinkSettings to = udp("to", peer.local().text());
+    to.mtu = 200;
+    start(to);
+    Bytes burst;
+    for (std::uint8_t n = 0; n < 100; ++n) burst = burst + frame(0xDC, 0xFF, 0xA0, Bytes(13, n));    // 21 bytes each
+    in(burst);
+    std::vector<Bytes> datagrams;
+    std::size_t frames = 0;
+    ASSERT_TRUE(daemon->until([&] {
+        for (const Bytes& datagram : peer.datagrams()) {
+            const Split whole = split(datagram);
+            EXPECT_TRUE(whole.rest.empty()) << "a frame is never cut";
+            EXPECT_LE(datagram.size(), 200u);
+            frames += whole.frames.size();
+            datagrams.push_back(datagram);
+        }
+        return frames == 100;
+    }));
+    EXPECT_EQ(datagrams.size(), 12u) << "nine in each";
+}
+
+TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
+    LinkSettings to = udp("to", peer.local().text());
+    to.pack = false;
+    start(to);
+    in(frame(0xDC, 0xFF, 0x01, {1}) + frame(0xDC, 0xFF, 0x02, {2}) + frame(0xDC, 0xFF, 0x03, {3}));
+    std::size_t datagrams = 0;
+    ASSERT_TRUE(daemon->until([&] {
+        for (const Bytes& datagram : peer.datagrams()) {
+            EXPECT_EQ(split(datagram).frames.size(), 1u);
+            ++datagrams;
+        }
+        return datagrams == 3;
+    }));
+}
+
+// A line of 11520 bytes/s, its reader as fast as one wants: only the clock holds it back.
+TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
+    PtyDevice device{dir / "port"};
+    LinkSettings to = serial("to", device.path());
+    to.serial.baud = 115200;
+    to.serial.pace = Pace::on;
+    start(to);
+    ASSERT_TRUE(daemon->until_up("to"));
+    const auto begin = anogate::Clock::now();
+    for (std::uint8_t n = 0; n < 100; ++n) in(frame(0xDC, 0xFF, 0xA0, Bytes(60, n)));
+    ASSERT_TRUE(daemon->until([&] { return device.heard().size() >= 3000; }));
+    const double seconds = std::chrono::duration<double>(anogate::Clock::now() - begin).count();
+    EXPECT_LE(static_cast<double>(device.heard().size()), 11520 * (seconds + 0.020) + 68);
+    EXPECT_TRUE(split(device.heard()).rest.empty());
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+}    // namespace
