@@ -13,6 +13,7 @@ forbid() {
 third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
 forbid "gateway/|link/|daemon/|$third_party|$system" include/ano src/ano
+forbid "gateway/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
 forbid "link/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
 forbid "daemon/|spdlog/|CLI/" src/link
 if grep -rln 'include *<boost/asio' include src tools tests --include='*.?pp' | grep -vx 'src/link/asio.hpp'; then bad=1; fi

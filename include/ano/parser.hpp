@@ -81,6 +81,8 @@ private:
     std::size_t next_candidate(std::size_t from) noexcept;
     Verdict judge(std::size_t at, std::size_t limit) noexcept;
     bool checks_hold(std::size_t at, std::size_t length) noexcept;
+    std::uint64_t refused_together(std::uint64_t candidates, std::size_t from, std::size_t sums_end) const noexcept;
+    void count_refused(std::uint64_t heads) noexcept;
     bool add_is_wrong(std::size_t at, std::size_t to) const noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;

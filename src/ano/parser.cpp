@@ -23,22 +23,35 @@ constexpr unsigned v7_header_size = 4;
 constexpr std::size_t v7_bytes_per_commit = 64;
 
 constexpr std::size_t block = 64;
-constexpr std::uint64_t every_byte = ~std::uint64_t{0};
+constexpr std::size_t length_of_heads = head << 8 | head;    // what LEN says where it is two HEADs
+constexpr int worth_a_block = 16;    // so many candidates of one LEN are cheaper to refuse together than one by one
+constexpr std::uint64_t ones = 0x0101010101010101;
 
-// A bit for each HEAD among the 64 bytes at `bytes`.
-inline std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
-    constexpr std::uint64_t ones = 0x0101010101010101;
+inline std::uint64_t load_word(const std::uint8_t* bytes) noexcept {
+    std::uint64_t word;
+    std::memcpy(&word, bytes, sizeof word);
+    return std::endian::native == std::endian::big ? __builtin_bswap64(word) : word;
+}
+
+// A bit for each zero byte of a block, whose words difference(0), difference(8)... gives.
+template <class Difference>
+inline std::uint64_t zeros_among(Difference difference) noexcept {
     constexpr std::uint64_t low = 0x7F * ones;
-    std::uint64_t heads = 0;
+    std::uint64_t zeros = 0;
     for (std::size_t i = 0; i < block; i += 8) {
-        std::uint64_t word;
-        std::memcpy(&word, bytes + i, sizeof word);
-        if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
-        word ^= ones * head;
-        const std::uint64_t zero = ~(((word & low) + low) | word | low) >> 7;    // 1 in each byte that was HEAD
-        heads |= (zero * 0x0102040810204080 >> 56) << i;
+        const std::uint64_t word = difference(i);
+        const std::uint64_t zero = ~(((word & low) + low) | word | low) >> 7;    // 1 in each byte that was 0
+        zeros |= (zero * 0x0102040810204080 >> 56) << i;
     }
-    return heads;
+    return zeros;
+}
+
+inline std::uint64_t heads_among(const std::uint8_t* bytes) noexcept {
+    return zeros_among([=](std::size_t i) { return load_word(bytes + i) ^ ones * head; });
+}
+
+inline std::uint64_t equal_among(const std::uint8_t* a, const std::uint8_t* b) noexcept {
+    return zeros_among([=](std::size_t i) { return load_word(a + i) ^ load_word(b + i); });
 }
 
 inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::size_t end) noexcept {
@@ -46,7 +59,7 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
     return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes) : end;
 }
 
-}  // namespace
+}    // namespace
 
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
@@ -165,11 +178,6 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
         counters_.bad_length += too_long;
         return at;
     };
-    const auto sum_is_wrong = [=](std::size_t at) {
-        const std::size_t length = data_length(bytes + at);
-        const std::size_t to = at + header_size + length;
-        return length <= max_data && to < sums_end && sums[at] != gaps[to];
-    };
     while (from < whole) {
         std::uint64_t heads = heads_among(bytes + from);
         if (whole - from < block) heads &= (std::uint64_t{1} << (whole - from)) - 1;
@@ -177,29 +185,46 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
             from = find_head(bytes, std::min(from + block, whole), end_);
             continue;
         }
-        if (heads == every_byte) [[unlikely]] {
-            const std::size_t begin = from;
-            while (from < begin + block && sum_is_wrong(from)) ++from;
-            bad += from - begin;
-            if (from > begin) continue;
-        }
+        // Those whose LEN is two HEADs: most of them where HEADs are dense.
+        std::uint64_t refused = heads & heads >> 4 & heads >> 5;
+        if (refused != 0) [[unlikely]] refused = refused_together(refused, from, sums_end);
+        heads &= ~refused;
         for (; heads != 0; heads &= heads - 1) {
             const std::size_t at = from + static_cast<unsigned>(std::countr_zero(heads));
             const std::size_t length = data_length(bytes + at);
             const std::size_t to = at + header_size + length;
-            if (length > max_data)
+            if (length > max_data) {
                 ++too_long;
-            else if (to >= sums_end || (sums[at] == gaps[to] && !add_is_wrong(at, to)))
+            } else if (to >= sums_end || (sums[at] == gaps[to] && !add_is_wrong(at, to))) {
+                if (refused != 0) count_refused(refused & ((std::uint64_t{1} << (at - from)) - 1));
                 return stop_at(at);
-            else
+            } else {
                 ++bad;
+            }
         }
+        if (refused != 0) count_refused(refused);
         from = std::min(from + block, whole);
     }
     return stop_at(find_head(bytes, from, end_));
 }
 
-// Kept out of the loop above, which it slows down: it is asked when the first check holds, which is rare.
+// The next three are kept out of the loop above, which they slow down. Of `candidates` in the block at `from`, whose
+// LEN is two HEADs, those that are refused; none where one by one is cheaper or where the sums at hand end too early.
+[[gnu::noinline]] std::uint64_t FrameParser::refused_together(std::uint64_t candidates, std::size_t from,
+                                                              std::size_t sums_end) const noexcept {
+    if (std::popcount(candidates) < worth_a_block) return 0;
+    if (length_of_heads > options_.max_data) return candidates;
+    const std::size_t to = from + header_size + length_of_heads;
+    if (to + block > sums_end) return 0;
+    return candidates & ~equal_among(sums_.sums() + from, sums_.gaps() + to);
+}
+
+[[gnu::noinline]] void FrameParser::count_refused(std::uint64_t heads) noexcept {
+    (length_of_heads > options_.max_data ? counters_.bad_length : counters_.bad_check) +=
+        static_cast<unsigned>(std::popcount(heads));
+}
+
+// Asked when the first check holds, which is rare.
 [[gnu::noinline]] bool FrameParser::add_is_wrong(std::size_t at, std::size_t to) const noexcept {
     return sums_.add(at, to) != buffer_[to + 1];
 }
@@ -282,4 +307,4 @@ TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const 
     return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 
-}  // namespace ano
+}    // namespace ano

@@ -2,7 +2,7 @@
 #include <daemon/config.hpp>
 #include <daemon/help.hpp>
 #include <daemon/keys.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/read_file.hpp>
 
 #include <CLI/CLI.hpp>
@@ -69,7 +69,7 @@ ConfigErrors unknown_options(const CLI::App& app) {
     ConfigErrors errors;
     for (const std::string& option : app.remaining()) {
         const std::string name = option.substr(0, option.find('='));
-        errors.push_back({"", "unknown option " + in_quotes(name) + did_you_mean(name, known)});
+        errors.push_back({"", "unknown option " + in_quotes(name) + ano::did_you_mean(name, known)});
     }
     return errors;
 }

@@ -1,6 +1,6 @@
 #include <daemon/config_error.hpp>
 #include <daemon/fields.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 
 #include <algorithm>
 
@@ -85,7 +85,7 @@ std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<
     for (const std::string_view word : split(text, '+')) {
         if (key.form == Form::frames) {
             const auto ids = parse_frames(word);
-            if (!ids) return must_be(key, in_quotes(word)) + did_you_mean(word, frame_words());
+            if (!ids) return must_be(key, in_quotes(word)) + ano::did_you_mean(word, frame_words());
             ranges.insert(ranges.end(), ids->begin(), ids->end());
         } else {
             const auto range = parse_addresses(word);
@@ -100,7 +100,7 @@ std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<
 std::string read_choice(const KeyFacts& key, std::string_view text, std::size_t& field) {
     const auto choices = split(key.choices, '|');
     const auto found = std::find(choices.begin(), choices.end(), text);
-    if (found == choices.end()) return must_be(key, in_quotes(text)) + did_you_mean(text, choices);
+    if (found == choices.end()) return must_be(key, in_quotes(text)) + ano::did_you_mean(text, choices);
     field = static_cast<std::size_t>(found - choices.begin());
     return {};
 }

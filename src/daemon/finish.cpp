@@ -2,7 +2,7 @@
 #include <ano/frame.hpp>
 #include <daemon/config.hpp>
 #include <daemon/keys.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/values.hpp>
 #include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
@@ -277,7 +277,7 @@ private:
             listed += (listed.empty() ? "" : ", ") + link.name;
         }
         if (draft_.broken_links || std::find(names.begin(), names.end(), name) != names.end()) return;
-        std::string what = "there is no link " + in_quotes(name) + did_you_mean(name, names);
+        std::string what = "there is no link " + in_quotes(name) + ano::did_you_mean(name, names);
         if (!others.empty() || !names.empty())
             what += "; give " + std::string{others} + (names.empty() ? "a link" : "one of " + listed);
         error(origin, key, std::move(what));

@@ -1,6 +1,6 @@
 #include <daemon/config_error.hpp>
 #include <daemon/key_facts.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/values.hpp>
 
 #include <algorithm>
@@ -102,7 +102,7 @@ std::string unknown_key(std::string_view name, std::span<const KeyFacts* const> 
             for (const std::string_view owner : split(key->kinds, ' ')) owners += (owners.empty() ? "" : ", ") + std::string{owner};
     }
     if (!owners.empty()) return in_quotes(name) + " is not a key of " + std::string{kind} + ", but of " + owners;
-    return "unknown key " + in_quotes(name) + did_you_mean(name, usable);
+    return "unknown key " + in_quotes(name) + ano::did_you_mean(name, usable);
 }
 
 std::string in_quotes(std::string_view text) {

@@ -1,7 +1,7 @@
 #include <daemon/config.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/keys.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <link/kinds.hpp>
 
@@ -159,7 +159,7 @@ public:
             else if (name == "log")
                 section(value, pointer, log_keys(), draft_.settings.log);
             else
-                draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + did_you_mean(name, names)});
+                draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + ano::did_you_mean(name, names)});
         }
     }
 

@@ -1,6 +1,6 @@
 #include <daemon/config.hpp>
 #include <daemon/keys.hpp>
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <daemon/values.hpp>
 #include <link/kinds.hpp>
@@ -109,7 +109,7 @@ std::string unknown_kind(std::string_view kind) {
         names.push_back(row.name);
         listed += (listed.empty() ? "" : ", ") + std::string{row.name};
     }
-    return "unknown kind " + in_quotes(kind) + did_you_mean(kind, names) + "; the kinds are " + listed;
+    return "unknown kind " + in_quotes(kind) + ano::did_you_mean(kind, names) + "; the kinds are " + listed;
 }
 
 void read_link(std::string_view text, const std::string& where, Draft& draft) {

@@ -80,6 +80,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     for (const auto& fact : state.link->facts())
         std::visit([&](const auto& v) { json[std::string{fact.first}] = v; }, fact.second);
     if (state.link->settings().required) json["required"] = true;
+    if (!state.link->settings().group.empty()) json["group"] = state.link->settings().group;
     json["channels"] = Json::array();
     for (const ChannelId id : state.channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
     put(json, total.figures.received, total.figures.sent, total.waiting);

@@ -1,14 +1,13 @@
 // What a byte costs from the read to the frame: good frames, noise, and input crafted to be slow. Crafted input should
 // not cost more than twice what good frames of 21 bytes cost. Input goes in by reads of 4096 bytes, the copy included.
 #include <ano/parser.hpp>
-#include <support/bytes.hpp>
-#include <support/random.hpp>
+#include <support/crafted.hpp>
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
+#include <string>
 
 using support::Bytes;
 using support::Random;
@@ -18,10 +17,8 @@ namespace {
 constexpr std::size_t input_size = 1 << 20;
 constexpr std::size_t read_size = 4096;
 
-void parse(benchmark::State& state, const std::function<void(Bytes&, Random&)>& add, std::size_t max_data) {
-    Random random{1};
-    Bytes input;
-    while (input.size() < input_size) add(input, random);
+void parse(benchmark::State& state, const support::Piece& piece, std::size_t max_data) {
+    const Bytes input = support::input_of(piece, input_size);
     ano::FrameParser parser{{.max_data = max_data}};
     for (auto _ : state) {
         for (std::size_t at = 0; at < input.size();) {
@@ -70,33 +67,6 @@ void noise(Bytes& input, Random& random) {
     append(input, random_bytes(random, 4096));
 }
 
-auto repeat(Bytes pattern) {
-    return [pattern](Bytes& input, Random&) { append(input, pattern); };
-}
-
-// `heads` headers overlap; the last one's LEN is drawn anew each time, from 0 to `largest`.
-auto headers_of_any_length(std::size_t heads, std::size_t largest) {
-    return [=](Bytes& input, Random& random) {
-        const std::size_t length = random.below(largest + 1);
-        input.insert(input.end(), heads, ano::head);
-        append(input, {0, 0, 0, static_cast<std::uint8_t>(length), static_cast<std::uint8_t>(length >> 8)});
-    };
-}
-
-// A header every `step` bytes, and all their frames end where a run of `run` bytes ends.
-auto headers_that_just_fit(std::size_t step, std::size_t run) {
-    return [=](Bytes& input, Random&) {
-        Bytes bytes(run, 0);
-        for (std::size_t at = 0; at + ano::overhead <= run; at += step) {
-            const std::size_t length = run - at - ano::overhead;
-            bytes[at] = ano::head;
-            bytes[at + 4] = static_cast<std::uint8_t>(length);
-            bytes[at + 5] = static_cast<std::uint8_t>(length >> 8);
-        }
-        append(input, bytes);
-    };
-}
-
 BENCHMARK_CAPTURE(parse, good_21, frames(13), 4096);
 BENCHMARK_CAPTURE(parse, good_8_to_67, mixed_frames, 4096);
 BENCHMARK_CAPTURE(parse, good_198, frames(198), 4096);
@@ -106,21 +76,10 @@ BENCHMARK_CAPTURE(parse, noise, noise, 4096);
 BENCHMARK_CAPTURE(parse, noise_64k, noise, 65535);
 BENCHMARK_CAPTURE(parse, damaged_21, damaged_frames, 4096);
 
-BENCHMARK_CAPTURE(parse, crafted_all_heads_64k, repeat({0xAB}), 65535);
-BENCHMARK_CAPTURE(parse, crafted_all_heads_too_long, repeat({0xAB}), 4096);
-BENCHMARK_CAPTURE(parse, crafted_seven_of_eight_64k, repeat({0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0xAB, 0}), 65535);
-BENCHMARK_CAPTURE(parse, crafted_every_second_byte, repeat({0xAB, 0}), 4096);
-BENCHMARK_CAPTURE(parse, crafted_every_fifth_byte, repeat({0xAB, 0, 0, 0, 1}), 4096);
-BENCHMARK_CAPTURE(parse, crafted_empty_frames, repeat({0xAB, 0xAB, 0xAB, 0xAB, 0, 0}), 4096);
-BENCHMARK_CAPTURE(parse, crafted_short_frames, repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 4096);
-BENCHMARK_CAPTURE(parse, crafted_short_frames_64k, repeat({0xAB, 0xAB, 0xAB, 0xAB, 8, 0}), 65535);
-BENCHMARK_CAPTURE(parse, crafted_sum_holds, repeat({0xAB, 0, 0, 0xA7, 10, 0}), 4096);    // but not the second check
-BENCHMARK_CAPTURE(parse, crafted_varied_short, headers_of_any_length(1, 40), 4096);
-BENCHMARK_CAPTURE(parse, crafted_varied, headers_of_any_length(1, 4096), 4096);
-BENCHMARK_CAPTURE(parse, crafted_varied_64k, headers_of_any_length(1, 65535), 65535);
-BENCHMARK_CAPTURE(parse, crafted_varied_heads, headers_of_any_length(4, 4096), 4096);
-BENCHMARK_CAPTURE(parse, crafted_varied_heads_64k, headers_of_any_length(4, 65535), 65535);
-BENCHMARK_CAPTURE(parse, crafted_just_fits, headers_that_just_fit(6, 4104), 4096);
-BENCHMARK_CAPTURE(parse, crafted_just_fits_64k, headers_that_just_fit(6, 65543), 65535);
+const bool crafted = [] {
+    for (const auto& [name, piece, max_data] : support::crafted())
+        benchmark::RegisterBenchmark((std::string{"parse/crafted_"} + name).c_str(), parse, piece, max_data);
+    return true;
+}();
 
 }    // namespace

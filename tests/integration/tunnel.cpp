@@ -337,6 +337,53 @@ TEST_F(TwoGateways, a_wrapped_datagram_is_split_by_the_links_max_data) {
     EXPECT_EQ(a->count("tunnel_too_big"), 1u);
 }
 
+// Wrapping is no way round the rules of the link.
+
+TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
+    a->settings.links[0].rules.receive.deny = {{0xF0, 0xF0}};
+    a->settings.links[0].rules.receive.deny_destinations = {{0xDD, 0xDD}};
+    start();
+    const auto ground = b->peer("10.77.0.2:7001");
+    const Bytes firmware = frame(host, mcu, 0xF0, {1, 2, 3}), elsewhere = frame(host, 0xDD, 0xE0, {0, 0, 0});
+    for (const auto& wrapped : {b1("10.77.0.2", 7001, firmware + command + elsewhere), b2(2, 7001, firmware + command + elsewhere)})
+        a->device.write(wrapped);
+    EXPECT_TRUE(until([&] { return ground->heard().size() == 2 * command.size(); }));
+    EXPECT_EQ(ground->heard(), command + command);
+    EXPECT_EQ(a->gateway->count("fc", "denied_in"), 4u);
+}
+
+TEST_F(TwoGateways, frames_inside_pass_the_filters_and_limits_of_the_tunnel) {
+    a->tunnel().rules.send.deny = {{0xF0, 0xF0}};
+    a->tunnel().rules.limit = {{0xC0, 0.01}};
+    b->tunnel().rules.receive.deny = {{0xE1, 0xE1}};
+    start();
+    const Bytes firmware = frame(host, mcu, 0xF0, {1, 2, 3});
+    a->device.write(b1("10.77.0.2", 0, firmware + command + command + parameter + ask_parameter));
+    EXPECT_TRUE(until([&] { return b->device.heard().size() >= (command + ask_parameter).size(); }));
+    EXPECT_EQ(b->device.heard(), command + ask_parameter);
+    EXPECT_EQ(a->gateway->count("tunnel", "denied_out"), 1u);
+    EXPECT_EQ(a->gateway->count("tunnel", "limited"), 1u);
+    EXPECT_EQ(b->gateway->count("tunnel", "denied_in"), 1u);
+}
+
+TEST_F(TwoGateways, what_is_wrapped_for_a_device_passes_the_filters_of_its_link) {
+    anogate::WrapSettings rule;
+    rule.from = *Network::parse("10.77.0.0/24");
+    rule.link = "fc";
+    rule.to = mcu;
+    a->tunnel().wrap = {rule};
+    a->settings.links[0].rules.send.deny = {{0xE1, 0xE1}};
+    a->settings.links[0].rules.limit = {{0xC0, 0.01}};
+    start();
+    const auto ground = b->peer("10.77.0.2:7001");
+    ground->send(endpoint("10.77.0.1:12333"), parameter + command + command + ask_parameter);
+    const Bytes wrapped = frame(radio, mcu, 0xB1, ip4("10.77.0.2") + ip4("10.77.0.1") + le16(7001) + command + ask_parameter);
+    EXPECT_TRUE(until([&] { return !a->device.heard().empty(); }));
+    EXPECT_EQ(a->device.heard(), wrapped);
+    EXPECT_EQ(a->gateway->count("fc", "denied_out"), 1u);
+    EXPECT_EQ(a->gateway->count("fc", "limited"), 1u);
+}
+
 // An attacker's ways.
 
 TEST_F(TwoGateways, a_device_reaches_nobody_who_is_not_allowed) {

@@ -151,4 +151,27 @@ TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_fi
     }
 }
 
+// Candidates whose LEN is two HEADs are refused many at a time; a good frame may stand anywhere among them.
+TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
+    constexpr std::size_t length_of_heads = 0xABAB;
+    for (const std::size_t max_data : {std::size_t{4096}, length_of_heads - 1, length_of_heads, std::size_t{65535}})
+        for (std::uint64_t seed = 0; seed < 12; ++seed) {
+            Random random{seed};
+            Bytes bytes(200 + random.below(200u), ano::head);
+            for (auto& byte : bytes)
+                if (random.one_in(12)) byte = random.byte();
+            if (random.one_in(2)) {
+                Bytes data(length_of_heads, 0);
+                std::fill_n(data.begin(), 100, ano::head);
+                const Bytes good = support::frame(ano::head, ano::head, ano::head, data);
+                append(bytes, good);
+            }
+            append(bytes, Bytes(length_of_heads + 500, 0));
+            BothParsers both{{.max_data = max_data}};
+            both.put(bytes);
+            both.finish();
+            ASSERT_EQ(both.difference, "") << "max_data " << max_data << ", seed " << seed;
+        }
+}
+
 }    // namespace

@@ -394,8 +394,7 @@ TEST_F(Can, a_full_queue_never_cuts_a_frame) {
 }
 
 // A slow bus that another program keeps full; images wait, and commands among them.
-// Holds once the gateway says how a frame is to be treated: Outbox::push(frame, treatment, now).
-TEST_F(Can, DISABLED_urgent_frames_leave_first_beside_a_saturated_bus) {
+TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
     ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);
     UdpApp far;

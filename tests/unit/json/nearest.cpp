@@ -1,8 +1,8 @@
-#include <daemon/nearest.hpp>
+#include <ano_json/nearest.hpp>
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace ano {
 namespace {
 
 constexpr std::string_view keys[] = {"baud", "parity", "stop_bits", "flow", "flood", "peer_timeout", "id"};
@@ -35,4 +35,4 @@ TEST(Nearest, asks_whether_it_was_meant) {
 }
 
 }  // namespace
-}  // namespace anogate
+}  // namespace ano

@@ -1,0 +1,40 @@
+// A process that forwards, anogated or a bare loop, and the sockets where what it sends arrives.
+#pragma once
+#include "gateway_process.hpp"
+#include "talking_ptys.hpp"
+#include "traffic_ends.hpp"
+
+#include <memory>
+
+namespace bench {
+
+inline constexpr std::uint8_t target = 0x42;    // a device behind the first taker
+inline constexpr std::uint8_t everybody = 0xFF;
+inline constexpr std::size_t mtu = 1400;    // of packed datagrams, bytes
+inline const std::string unpacked = ",pack=false";
+
+struct Forwarder {
+    std::vector<std::unique_ptr<Socket>> takers;
+    std::unique_ptr<GatewayProcess> gateway;    // or:
+    std::unique_ptr<Child> loop;
+    std::uint64_t* loop_frames = nullptr;
+    std::uint16_t port = 0;    // where it listens
+    std::unique_ptr<TalkingPtys> ptys;
+
+    explicit Forwarder(std::size_t outputs);
+    const Child& process() const { return gateway ? gateway->process() : *loop; }
+    /// Sent to the first taker so far.
+    std::uint64_t frames() const;
+    std::vector<int> taken_at() const;
+    /// Arguments of anogated for links to the takers, each with `keys`.
+    std::vector<std::string> links_out(const std::string& keys) const;
+};
+
+/// `keys` are those of the links to the takers.
+Forwarder anogated_from_udp(const std::string& program, std::size_t outputs, const std::string& keys,
+                            const std::vector<std::string>& tracer = {});
+Forwarder anogated_from_pty(const std::string& program);
+/// `pack` as for bare_loop().
+Forwarder bare_from_udp(std::size_t outputs, std::size_t pack = 0);
+
+}    // namespace bench

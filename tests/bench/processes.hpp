@@ -1,0 +1,52 @@
+// Processes under measurement: a function in a fork, or a program; their CPU time, memory and wake-ups.
+#pragma once
+#include <sys/types.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+/// A child process; ended by its destructor.
+class Child {
+public:
+    /// Runs `body` in a fork, on the second processor where there is one.
+    static Child of(const std::function<void()>& body);
+    /// Runs a program the same way, its standard output and error to `log`.
+    static Child of(const std::vector<std::string>& command, const std::string& log);
+    Child(Child&& other) noexcept : pid_{other.pid_} { other.pid_ = -1; }
+    Child& operator=(Child&&) = delete;
+    ~Child();
+
+    pid_t pid() const noexcept { return pid_; }
+    double cpu_seconds() const;
+    std::uint64_t wake_ups() const;    // voluntary context switches so far
+    std::uint64_t resident_bytes() const;
+    std::uint64_t most_resident_bytes() const;    // at any time so far
+    /// Waits until it ends by itself. Its exit status; -1 when a signal ended it.
+    int wait();
+
+private:
+    explicit Child(pid_t pid) : pid_{pid} {}
+    pid_t pid_;
+};
+
+/// The measuring process and its threads stay on the first processor.
+void stay_on_first_processor();
+
+/// While it lives, its thread and the processes and threads that this one starts meanwhile, those for good, are not
+/// held up by others, where the system permits that: what is measured is the program, not what else the machine does.
+class Undisturbed {
+public:
+    Undisturbed();
+    ~Undisturbed();
+    Undisturbed(const Undisturbed&) = delete;
+    Undisturbed& operator=(const Undisturbed&) = delete;
+};
+
+/// A word in shared memory, to count in a fork and read outside.
+std::uint64_t* shared_word();
+
+}    // namespace bench

@@ -1,0 +1,49 @@
+// A pseudo-terminal whose other end takes bytes as a UART does: one by one, at its rate.
+#pragma once
+#include <ano/parser.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace bench {
+
+class SlowLine {
+public:
+    /// `on_frame` is called, in a thread, when the last byte of a frame has left.
+    SlowLine(double rate, std::function<void(ano::FrameView)> on_frame);
+    ~SlowLine();
+    SlowLine(const SlowLine&) = delete;
+    SlowLine& operator=(const SlowLine&) = delete;
+
+    /// What to open to send.
+    const std::string& path() const noexcept { return path_; }
+    /// Bytes that left, and that should have.
+    struct Count {
+        std::uint64_t carried, possible;
+    };
+    Count count() const noexcept { return {carried_, possible_}; }
+    /// The most that waited for their time at once, in bytes.
+    std::size_t most_waiting() const noexcept { return most_waiting_; }
+    /// Bytes that belong to no good frame.
+    std::uint64_t damaged() const noexcept { return damaged_; }
+
+private:
+    void run();
+    void take(std::size_t bytes);
+
+    double rate_;
+    std::function<void(ano::FrameView)> on_frame_;
+    int fd_;
+    int other_end_ = -1;    // held open, or ours would report an end while nobody has opened it
+    std::string path_;
+    ano::FrameParser parser_{{}};
+    std::atomic<std::uint64_t> carried_{0}, possible_{0}, damaged_{0};
+    std::atomic<std::size_t> most_waiting_{0};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}    // namespace bench

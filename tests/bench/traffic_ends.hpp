@@ -1,0 +1,74 @@
+// The ends of the traffic: who offers frames as fast as it can, who takes them, and the bare loops between.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace bench {
+
+inline constexpr std::size_t frame_size = 21;
+
+/// Ends the program with `what` and errno's text unless `good`.
+void must(bool good, const char* what);
+
+/// A frame of frame_size bytes from `source` to `destination`, its DATA made of `number`.
+std::vector<std::uint8_t> frame(std::uint8_t source, std::uint8_t destination, std::uint64_t number,
+                                std::uint8_t id = 0xF1);
+
+/// A UDP socket on loopback, at a port the kernel chose.
+class Socket {
+public:
+    Socket();
+    ~Socket();
+    Socket(const Socket&) = delete;
+    Socket& operator=(const Socket&) = delete;
+    int fd() const noexcept { return fd_; }
+    std::uint16_t port() const noexcept { return port_; }
+    std::string text() const { return "127.0.0.1:" + std::to_string(port_); }
+    void connect(std::uint16_t port);
+    /// To whom it is connected.
+    void send(std::span<const std::uint8_t> bytes) const;
+    /// Takes one datagram; false when none came in time. Asks without a pause, so that only the sender's way is
+    /// measured.
+    bool wait(std::chrono::milliseconds patience) const;
+
+private:
+    int fd_;
+    std::uint16_t port_;
+};
+
+/// Reads what arrives at some sockets in a thread of its own, several times a millisecond, and counts.
+class Sink {
+public:
+    explicit Sink(std::vector<int> fds);
+    ~Sink();
+    std::uint64_t bytes() const noexcept { return bytes_; }
+
+private:
+    std::vector<int> fds_;
+    std::atomic<std::uint64_t> bytes_{0};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+/// Offers frames, one a datagram, as fast as they go, until it is destroyed.
+class Flood {
+public:
+    Flood(std::uint16_t port, std::uint8_t destination);
+    ~Flood();
+
+private:
+    Socket socket_;
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+/// The yardstick: reads datagrams in batches from `in` and sends each of them to every one of `out`, or, when `pack` is
+/// not 0, joined into datagrams of up to `pack` bytes. Neither parses nor routes. Counts frames sent; never returns.
+[[noreturn]] void bare_loop(int in, const std::vector<int>& out, std::size_t pack, std::uint64_t* frames);
+
+}    // namespace bench
