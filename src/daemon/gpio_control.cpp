@@ -1,7 +1,7 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/key_facts.hpp>
-#include <daemon/nearest.hpp>
 #include <daemon/values.hpp>
 
 #include <nlohmann/json.hpp>
@@ -73,7 +73,7 @@ std::string read(const std::string& body, Wanted& wanted) {
     std::string* const fields[] = {&wanted.line, &wanted.chip, &wanted.link, &wanted.use, &wanted.action};
     for (const auto& [name, value] : json->items()) {
         const auto found = std::find(std::begin(names), std::end(names), name);
-        if (found == std::end(names)) return "unknown key " + in_quotes(name) + did_you_mean(name, names);
+        if (found == std::end(names)) return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
         std::string& field = *fields[found - std::begin(names)];
         if (value.is_string() && value != "") field = value.get<std::string>();
         else if (name == "line" && value.is_number_unsigned()) field = value.dump();

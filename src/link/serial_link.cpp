@@ -68,10 +68,7 @@ void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
 std::string SerialLink::begin_half_duplex(int fd) {
     if (!rs485_) return {};
     rs485_by_driver_ = terminal::switch_by_rts(fd, rs485_active_low_);
-    const SerialSettings& serial = settings().serial;
-    const unsigned bits = 9u + (serial.parity == Parity::none ? 0u : 1u) + serial.stop_bits;
-    const std::uint32_t baud = actual_baud_ == 0 ? serial.baud : actual_baud_;
-    return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den * bits / baud}));
+    return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den / byte_rate()}));
 }
 
 ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
@@ -95,11 +92,18 @@ std::size_t SerialLink::unsent() const {
     return std::max<std::size_t>(terminal::unsent(wire_), rs485_ && rs485_->is_sending() ? 1 : 0);
 }
 
+std::size_t SerialLink::held_by_driver() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
+
+std::uint32_t SerialLink::byte_rate() const {
+    const SerialSettings& s = settings().serial;
+    return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
+}
+
 // To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
 std::uint32_t SerialLink::line_rate() const {
-    const SerialSettings& s = settings().serial;
-    if (s.pace == Pace::off || (s.pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
-    return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
+    const Pace pace = settings().serial.pace;
+    if (pace == Pace::off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
+    return byte_rate();
 }
 
 LinkFacts SerialLink::facts() const {

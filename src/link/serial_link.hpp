@@ -19,8 +19,9 @@ private:
     const std::string& peer() const override { return settings().serial.device; }
     ssize_t write_some(std::span<const iovec> pieces) override;
     std::string begin_half_duplex(int fd);
+    std::uint32_t byte_rate() const;
     std::uint32_t line_rate() const override;
-    std::size_t held_by_driver() const override { return unsent(); }
+    std::size_t held_by_driver() const override;
     void leave_wire(int fd) override;
     std::string gone_text(int error) const override;
 
