@@ -21,6 +21,13 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         const std::string better = address->v6 ? "[" + shown + "]:PORT" : shown + ":PORT";
         return "'" + shown + "' has no port: write " + better;
     }
+    if (const std::size_t percent = text.find('%'), end = text.find(']'); percent < end && end != text.npos) {
+        const std::string_view interface = text.substr(percent + 1, end - percent - 1);
+        const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
+        if (plain && plain->address.is_link_local())
+            return "'" + shown + "': there is no network interface " + in_quotes(interface);
+        if (plain) return "'" + shown + "': only a link-local address (fe80::...) takes an interface";
+    }
     const std::size_t colon = text.rfind(':');
     const std::string_view host = text.substr(0, colon);
     const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));

@@ -146,6 +146,12 @@ private:
         else if (udp.peer.address.is_any())
             error(draft_.links[i], "address",
                   "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
+        const IpAddress& address = udp.peer.address;
+        if (address.v6 && address.is_link_local() && !address.is_multicast() && address.scope == 0 &&
+            !(udp.bind && udp.bind->address.scope != 0))
+            error(draft_.links[i], "address",
+                  "'" + peer + "' is the same on every interface; say which: [" + address.text() +
+                      "%eth0]:" + std::to_string(udp.peer.port));
         if (udp.bind && udp.bind->address.v6 != udp.peer.address.v6)
             error(draft_.links[i], "bind",
                   "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");

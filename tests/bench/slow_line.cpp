@@ -37,17 +37,20 @@ SlowLine::~SlowLine() {
 void SlowLine::run() {
     const auto begin = steady_clock::now();
     double missed = 0;
+    const auto possible = [&] { return std::chrono::duration<double>(steady_clock::now() - begin).count() * rate_; };
     for (auto next = begin; !stop_; next = std::max(next + 500us, steady_clock::now())) {
         std::this_thread::sleep_until(next);
-        const std::chrono::duration<double> elapsed = steady_clock::now() - begin;
-        possible_ = static_cast<std::uint64_t>(elapsed.count() * rate_);
-        const double due = elapsed.count() * rate_ - missed - static_cast<double>(carried_);
+        const double so_far = possible();
+        possible_ = static_cast<std::uint64_t>(so_far);
+        const double due = so_far - missed - static_cast<double>(carried_);
         int there = 0;
         ::ioctl(fd_, FIONREAD, &there);
+        const double also_due =
+            possible() - so_far;    // when we were held up meanwhile, more came, and more would have left
+        most_waiting_ = std::max(most_waiting_.load(), there - due - also_due);
         const std::size_t wanted = static_cast<std::size_t>(std::max(due, 0.0));
         const std::size_t taken = std::min(wanted, static_cast<std::size_t>(there));
         if (taken < wanted) missed += due - static_cast<double>(taken);
-        most_waiting_ = std::max(most_waiting_.load(), static_cast<std::size_t>(there) - taken);
         take(taken);
     }
 }

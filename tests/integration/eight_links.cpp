@@ -3,6 +3,7 @@
 #include <support/pty_device.hpp>
 #include <support/random.hpp>
 #include <support/running_gateway.hpp>
+#include <support/sanitized.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 
@@ -23,17 +24,9 @@ using namespace std::chrono_literals;
 using namespace support;
 using anogate::LinkSettings;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t frames_to_send = 300'000;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr std::uint64_t frames_to_send = 300'000;
-#else
-constexpr std::uint64_t frames_to_send = 10'000'000;
-#endif
-#else
-constexpr std::uint64_t frames_to_send = 10'000'000;
-#endif
+constexpr std::uint64_t frames_to_send = sanitized ? 300'000 : 10'000'000;
+constexpr std::size_t frames_at_once = 60;
+constexpr std::size_t rounds_between_pulls = frames_to_send / frames_at_once / 30;
 
 constexpr std::uint8_t sources[] = {0x60, 0x70, 0x80, 0x90, 0xA0, 0xB0, 0xC0, 0xD0};
 // Urgent, telemetry that newer ones replace, and bulk.
@@ -97,10 +90,10 @@ protected:
     }
     void say(End& from) {
         if (from.peer) {
-            from.peer->send(from.port, random_frames(from, 60));
+            from.peer->send(from.port, random_frames(from, frames_at_once));
             return;
         }
-        if (from.unsent.empty()) from.unsent = random_frames(from, 60);
+        if (from.unsent.empty()) from.unsent = random_frames(from, frames_at_once);
         from.unsent.erase(from.unsent.begin(), from.unsent.begin() + static_cast<std::ptrdiff_t>(from.device->write(from.unsent)));
     }
     void hear(End& at) {
@@ -162,7 +155,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
     while (sent < frames_to_send) {
         End& talker = ends[random.below(count)];
         if (!talker.device || talker.device->fd() >= 0) say(talker);
-        if (random.one_in(3000)) {
+        if (random.one_in(rounds_between_pulls)) {
             pull_and_plug(ends[random.below(count)]);
             ++pulled;
         }
@@ -183,7 +176,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
         return true;
     }));
     EXPECT_TRUE(daemon->counters_add_up());
-    EXPECT_GT(received, sent / 3) << "or nothing was tested";
+    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // a port comes back by the clock, frames do not
     RecordProperty("received", std::to_string(received));
 }
 

@@ -44,7 +44,7 @@ protected:
     ~Faults() override { fate_of_writev = fate_of_sendmmsg = nullptr; }
     void start(LinkSettings to) {
         to.name = "to";
-        to.age.rest = 1min;    // only what the kernel does is to count
+        to.age.telemetry = 1min;    // only what the kernel does is to count
         daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), udp_listen("air")}));
         ASSERT_TRUE(daemon->until_up("to") && daemon->until_up("air"));
         in(1);    // and now the peer is known

@@ -1,9 +1,14 @@
 #include "anoctl.hpp"
 
+#include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
+
 #include <CLI/CLI.hpp>
 #include <array>
 #include <exception>
 #include <ostream>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,9 +33,9 @@ int run(int argc, const char* const* argv, Streams& streams) {
         CLI::App* options = app.add_subcommand(s.name, s.description);
         runs.emplace_back(options, s.add(*options));
     }
-    const auto complain = [&](const std::exception& e, int code) {
+    const auto complain = [&](const std::string& what, int code) {
         streams.out.flush();
-        streams.err << "anoctl: " << e.what() << std::endl;
+        streams.err << "anoctl: " << what << std::endl;
         return code;
     };
     try {
@@ -45,14 +50,27 @@ int run(int argc, const char* const* argv, Streams& streams) {
     } catch (const CLI::Success& e) {
         app.exit(e, streams.out, streams.err);
         return fine;
+    } catch (const CLI::RequiredError& e) {
+        const auto unknown = app.remaining();
+        if (!app.get_subcommands().empty() || unknown.empty()) {
+            complain(e.what(), usage);
+        } else {
+            std::vector<std::string_view> names;
+            for (const Subcommand& s : subcommands()) names.emplace_back(s.name);
+            complain("there is no subcommand or option " + ano::in_quotes(unknown[0]) +
+                         ano::did_you_mean(unknown[0], names),
+                     usage);
+        }
+        streams.err << "Run with --help for more information.\n";
+        return usage;
     } catch (const CLI::ParseError& e) {
-        complain(e, usage);
+        complain(e.what(), usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const UsageError& e) {
-        return complain(e, usage);
+        return complain(e.what(), usage);
     } catch (const std::exception& e) {
-        return complain(e, failed);
+        return complain(e.what(), failed);
     }
 }
 

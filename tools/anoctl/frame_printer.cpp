@@ -10,7 +10,6 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <ostream>
 #include <string_view>
 
@@ -68,9 +67,14 @@ std::string clock_text(double time) {
 
 void FrameOptions::add(CLI::App& options, FrameOptions& self) {
     options.add_flag("--json", self.json, "One JSON object a line");
-    const std::map<std::string, Encoding> encodings{{"utf8", Encoding::utf8}, {"gbk", Encoding::gbk}};
-    options.add_option("--encoding", self.encoding, "What text on the wire is written in: utf8 (default) or gbk")
-        ->transform(CLI::CheckedTransformer(encodings, CLI::ignore_case))
+    const auto read_encoding = [&self](const std::string& word) {
+        const std::string name = CLI::detail::to_lower(word);
+        if (name != "utf8" && name != "gbk")
+            throw CLI::ValidationError{"--encoding", in_quotes(word) + " is neither utf8 nor gbk"};
+        self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
+    };
+    options.add_option_function<std::string>("--encoding", read_encoding,
+                                             "What text on the wire is written in: utf8 (default) or gbk")
         ->option_text("utf8|gbk");
     options.add_option("--config", self.config, "A gateway's configuration, for its layouts of flexible messages")
         ->option_text("FILE");

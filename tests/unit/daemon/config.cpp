@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <support/random.hpp>
+#include <support/sanitized.hpp>
 
 #include <unit/daemon/faults.hpp>
 
@@ -432,7 +433,7 @@ Settings random_settings(support::Random& random) {
 }
 
 TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
-    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    for (std::uint64_t seed = 0; seed < (support::sanitized ? 100 : 1000); ++seed) {
         support::Random random{seed};
         const Settings settings = random_settings(random);
         const std::string printed = print_config(settings);

@@ -117,8 +117,8 @@ TEST(Keys, are_all_in_the_schema) {
         const auto all = properties(section, key);
         EXPECT_FALSE(all.empty()) << key.name;
         const auto names = split(key.name, '.');
-        for (json where : all) {
-            if (names.size() == 2) where = json{where[std::string{names[0]}]["properties"]}[0];
+        for (const json& whole : all) {
+            const json& where = names.size() == 2 ? whole.at(std::string{names[0]}).at("properties") : whole;
             EXPECT_TRUE(where.contains(names.back())) << section << " " << key.name;
         }
     });

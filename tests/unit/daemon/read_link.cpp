@@ -191,6 +191,16 @@ TEST(LinkText, addresses_are_not_host_names) {
               "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
 }
 
+TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
+    EXPECT_EQ(fault_of("udp:[fe80::1%no-such]:5"), "'[fe80::1%no-such]:5': there is no network interface 'no-such'");
+    EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': there is no network interface ''");
+    EXPECT_EQ(fault_of("udp:[2001:db8::7%lo]:5"),
+              "'[2001:db8::7%lo]:5': only a link-local address (fe80::...) takes an interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1]:5"),
+              "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+    EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
+}
+
 TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("/dev/ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
     EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
