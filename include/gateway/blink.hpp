@@ -2,30 +2,30 @@
 #pragma once
 #include <ano/time.hpp>
 
+#include <utility>
+
 namespace anogate {
 
 class Blink {
 public:
     static constexpr ano::Duration shortest = std::chrono::milliseconds{25};    // lit, and dark
 
-    /// There was traffic at `now`. True: the light goes on now, and lit_until() is when to call end().
-    constexpr bool traffic(ano::TimePoint now) noexcept {
-        if (lit_ || now < dark_until_) return false;
-        lit_ = true;
-        lit_until_ = now + shortest;
-        return true;
-    }
-    constexpr ano::TimePoint lit_until() const noexcept { return lit_until_; }
-    /// The light goes out at `now`, however late that is.
-    constexpr void end(ano::TimePoint now) noexcept {
-        lit_ = false;
-        dark_until_ = now + shortest;
+    /// There was traffic. True: step() is to be called, at due() or now when that is past. What comes while the light is on is
+    /// shown already; what comes in the dark behind it is shown after that.
+    constexpr bool traffic() noexcept { return !lit_ && !std::exchange(seen_, true); }
+    /// When the light may change next.
+    constexpr ano::TimePoint due() const noexcept { return due_; }
+    /// Changes the light, at due() or later; true: it is on now, and step() is to be called again.
+    constexpr bool step(ano::TimePoint now) noexcept {
+        lit_ = std::exchange(seen_, false);
+        due_ = now + shortest;
+        return lit_;
     }
 
 private:
-    ano::TimePoint lit_until_{};
-    ano::TimePoint dark_until_{};
+    ano::TimePoint due_{};
     bool lit_ = false;
+    bool seen_ = false;    // traffic, and not shown yet; never while lit
 };
 
 }  // namespace anogate

@@ -82,18 +82,23 @@ void Gpio::heard(LinkId link, TimePoint now) {
 
 void Gpio::sends(LinkId link, TimePoint now) {
     for (const auto& line : lines_) {
-        if (line->settings().use != GpioUse::activity || !line->is_for(link) || !line->blink.traffic(now)) continue;
-        line->pin.set(true);
-        line->alarm.set(line->blink.lit_until());
+        if (line->settings().use != GpioUse::activity || !line->is_for(link) || !line->blink.traffic()) continue;
+        if (now >= line->blink.due()) blink(*line, now);
+        else line->alarm.set(line->blink.due());
     }
 }
 
-// Of one alarm a line: the light goes out, the pulse ends, or the silence may have lasted long enough.
+void Gpio::blink(Line& line, TimePoint now) {
+    const bool lit = line.blink.step(now);
+    line.pin.set(lit);
+    if (lit) line.alarm.set(line.blink.due());
+}
+
+// Of one alarm a line: the light changes, the pulse ends, or the silence may have lasted long enough.
 void Gpio::ring(Line& line) {
     const TimePoint now = Clock::now();
     if (line.settings().use == GpioUse::activity) {
-        line.pin.set(false);
-        line.blink.end(now);
+        blink(line, now);
     } else if (line.pulsing) {
         line.pulsing = false;
         line.pin.set(line.settings().use == GpioUse::power);

@@ -50,6 +50,7 @@ public:
 
 private:
     void ring(Line& line);
+    void blink(Line& line, TimePoint now);
     void begin_pulse(Line& line, TimePoint now);
     void arm(Line& line);
     void changed(Line& line);

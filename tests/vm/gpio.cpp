@@ -156,8 +156,8 @@ TEST_F(Gpio, power_is_on_from_the_start_and_cycled_when_asked) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("radio"), line(sim, 0, R"("use": "power", "link": "radio", "pulse": "300ms")")};
     EXPECT_TRUE(sim.level(0)) << "before anything else";
-    const auto reply = gateway.post(R"({"line": 0, "use": "power"})");
     const auto asked = Clock::now();
+    const auto reply = gateway.post(R"({"line": 0, "use": "power"})");
     EXPECT_EQ(reply.status, 200u) << reply.body;
     EXPECT_EQ(json::parse(reply.body)["value"], false);
     EXPECT_FALSE(sim.level(0));
@@ -174,8 +174,8 @@ TEST_F(Gpio, reset_is_pulsed_when_asked_once_a_minute) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("fc"), line(sim, 0, R"("use": "reset", "link": "fc", "active_low": true, "pulse": "200ms")")};
     EXPECT_TRUE(sim.level(0)) << "off is high";
-    const auto reply = gateway.post(R"({"link": "fc", "use": "reset"})");
     const auto asked = Clock::now();
+    const auto reply = gateway.post(R"({"link": "fc", "use": "reset"})");
     EXPECT_EQ(reply.status, 200u) << reply.body;
     EXPECT_FALSE(sim.level(0));
     EXPECT_TRUE(becomes(sim, 0, true));
