@@ -36,6 +36,9 @@ Json type_of(const KeyFacts& key) {
         case Form::endpoint: return text("^.+:[0-9]+$");
         case Form::network:
         case Form::ip: return {{"type", "string"}};
+        case Form::line:
+            return {{"anyOf", {Json{{"type", "integer"}, {"minimum", 0}}, Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
+        case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
         case Form::frames:
         case Form::senders:
             return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
@@ -121,6 +124,7 @@ std::string config_schema() {
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},
                             {"tunnel", tunnel()},
+                            {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
                             {"flexible", {{"type", "array"}, {"items", flexible()}}},
                             {"control", object_of(control_keys())},
                             {"log", object_of(log_keys())}};

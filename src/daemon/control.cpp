@@ -91,15 +91,21 @@ private:
         const std::string target{request.target().data(), request.target().size()};
         const std::string path = target.substr(0, target.find('?'));
         const auto found = control_.answers_.find(path);
-        if (found == control_.answers_.end()) {
+        const auto action = control_.actions_.find(path);
+        if (found != control_.answers_.end() && request.method() == http::verb::get) {
+            response.body() = found->second();
+        } else if (action != control_.actions_.end() && request.method() == http::verb::post) {
+            Reply reply = action->second(request.body());
+            response.result(reply.status);
+            response.body() = std::move(reply.body);
+        } else if (found == control_.answers_.end() && action == control_.actions_.end()) {
             response.result(http::status::not_found);
             response.body() = "{\"error\": \"there is nothing at this path; try /status\"}\n";
-        } else if (request.method() != http::verb::get) {
-            response.result(http::status::method_not_allowed);
-            response.set(http::field::allow, "GET");
-            response.body() = "{\"error\": \"this path answers GET only\"}\n";
         } else {
-            response.body() = found->second();
+            const std::string allowed = found != control_.answers_.end() ? "GET" : "POST";
+            response.result(http::status::method_not_allowed);
+            response.set(http::field::allow, allowed);
+            response.body() = "{\"error\": \"this path answers " + allowed + " only\"}\n";
         }
         response.set(http::field::content_type, "application/json");
         response.set(http::field::server, "anogate");

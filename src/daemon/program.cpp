@@ -3,6 +3,7 @@
 #include <daemon/control.hpp>
 #include <daemon/control_socket.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/gpio_control.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
@@ -46,6 +47,7 @@ private:
         const auto socket = control_socket(gateway_.settings().control, this_runner());
         if (!socket) return;
         control_.get("/status", [this] { return status_json(gateway_); });
+        control_.post("/gpio", [this](const std::string& body) { return gpio_request(gateway_.gpio(), body, gateway_.now()); });
         if (const std::string error = control_.start(*socket); !error.empty())
             spdlog::warn("no control interface: {}", error);
     }

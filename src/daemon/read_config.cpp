@@ -71,6 +71,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::can_id:
         case Form::addresses:
         case Form::size: return value.is_string() ? text() : digits();
+        case Form::line: return value.is_string() ? text() : value.is_number_unsigned() ? digits() : std::nullopt;
         case Form::networks: return networks_text(value);
         case Form::names: return names_text(value);
         case Form::frames:
@@ -79,6 +80,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::network:
         case Form::ip:
         case Form::duration:
+        case Form::silence:
         case Form::choice:
         case Form::choice_or_link:
         case Form::text:
@@ -105,7 +107,7 @@ template <class Section>
 void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
                std::string_view kind = {}, std::string_view but = {}, const std::string& inside = {}) {
     for (const auto& [name, value] : object.items()) {
-        if ((!kind.empty() && name == "kind") || name == but) continue;
+        if (name == but) continue;
         const auto where = origin.where + pointer_step(name);
         const std::string full = inside + name;
         const Key<Section>* key = name.find('.') == name.npos ? find_key(keys, full, kind) : nullptr;
@@ -141,7 +143,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "flexible", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "flexible", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
@@ -155,6 +157,8 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
             else if (name == "tunnel")
                 tunnel(value, pointer);
+            else if (name == "gpio")
+                each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
             else if (name == "flexible")
                 flexible(value, pointer);
             else if (name == "control")
@@ -191,7 +195,7 @@ private:
             draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + shown(value)});
         else if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
             settings = new_link(value["kind"].get<std::string>());
-            read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind);
+            read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind, "kind");
         }
         draft_.add(std::move(settings), {pointer, true, draft_.errors.size() > before});
     }
@@ -233,6 +237,18 @@ private:
         each(value["wrap"], pointer + "/wrap", [&](const json& entry, const std::string& where) {
             section(entry, where, wrap_keys(), tunnel.wrap.emplace_back());
         });
+    }
+
+    // Which keys it may have depends on its use.
+    void gpio(const json& value, const std::string& pointer) {
+        const std::size_t before = draft_.errors.size();
+        GpioSettings line;
+        std::string use;
+        if (value.is_object() && value.contains("use") && value["use"].is_string() &&
+            find_key(gpio_keys(), "use")->set(value["use"].get<std::string>(), line).empty())
+            use = value["use"].get<std::string>();
+        if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, gpio_keys(), line, draft_.errors, use);
+        draft_.add(std::move(line), {pointer, true, draft_.errors.size() > before});
     }
 
     void flexible(const json& value, const std::string& pointer) {
