@@ -36,7 +36,7 @@ void name_the_stranger(int argc, const char* const* argv) {
         names.emplace_back(s.name);
         all += (all.empty() ? "" : ", ") + std::string{s.name};
     }
-    throw UsageError{"there is no command '" + std::string{argv[1]} + "'" + ano::did_you_mean(argv[1], names) +
+    throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) +
                      "; the commands are " + all};
 }
 
@@ -71,15 +71,8 @@ int run(int argc, const char* const* argv, Streams& streams) {
         return fine;
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
-        if (!app.get_subcommands().empty() || unknown.empty()) {
-            complain(e.what(), usage);
-        } else {
-            std::vector<std::string_view> names;
-            for (const Subcommand& s : subcommands()) names.emplace_back(s.name);
-            complain("there is no subcommand or option " + ano::in_quotes(unknown[0]) +
-                         ano::did_you_mean(unknown[0], names),
-                     usage);
-        }
+        const bool stranger = app.get_subcommands().empty() && !unknown.empty();
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : e.what(), usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {

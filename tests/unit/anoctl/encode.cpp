@@ -62,13 +62,9 @@ TEST(Anoctl, help_and_version_are_fine_and_nothing_is_not) {
     EXPECT_EQ(anoctl({"--version"}).out.substr(0, 7), "anoctl ");
     EXPECT_EQ(anoctl({"encode", "--help"}).exit, 0);
     EXPECT_EQ(anoctl({}).exit, 2);
-    const auto slip = anoctl({"decod"});
-    EXPECT_EQ(slip.exit, 2);
-    EXPECT_EQ(slip.err, "anoctl: there is no subcommand or option 'decod' (did you mean 'decode'?)\n"
-                        "Run with --help for more information.\n");
     const auto unknown = anoctl({"--bogus"});
     EXPECT_EQ(unknown.exit, 2);
-    EXPECT_EQ(unknown.err.substr(0, unknown.err.find('\n')), "anoctl: there is no subcommand or option '--bogus'");
+    EXPECT_EQ(unknown.err.substr(0, unknown.err.find('\n')), "anoctl: there is no option '--bogus'");
     const auto encoding = anoctl({"decode", "--encoding", "latin1", "AB"});
     EXPECT_EQ(encoding.exit, 2);
     EXPECT_EQ(encoding.err.substr(0, encoding.err.find('\n')), "anoctl: --encoding: 'latin1' is neither utf8 nor gbk");
