@@ -160,6 +160,30 @@ struct TunnelSettings {
     bool operator==(const TunnelSettings&) const = default;
 };
 
+/// What a GPIO line is for.
+enum class GpioUse : std::uint8_t {
+    link_up,     // on while its link is up
+    activity,    // blinks with the traffic of its link
+    power,       // on; off for `pulse` when asked
+    reset,       // off; on for `pulse` when asked, or when its link is silent
+    inhibit,     // an input: while on, no control frame from its links goes anywhere
+    rs485,       // on while its link sends
+};
+enum class GpioBias : std::uint8_t { as_is, disabled, pull_up, pull_down };
+
+struct GpioSettings {
+    std::string chip;    // "gpiochip0", a path or a label; empty: the first chip that has a line of that name
+    std::string line;    // its number on the chip in decimal, or its name
+    GpioUse use{};
+    std::string link;
+    std::vector<std::string> links;    // of an inhibit switch, beside `link`
+    bool active_low = false;
+    GpioBias bias = GpioBias::as_is;
+    std::optional<Duration> pulse;       // nothing: 1 s for power, 100 ms for reset
+    std::optional<Duration> silent_for;  // reset when the link was silent so long
+    bool operator==(const GpioSettings&) const = default;
+};
+
 struct ControlSettings {
     std::string socket;    // empty: the default for this user; "none": no control interface
     bool operator==(const ControlSettings&) const = default;
@@ -178,6 +202,8 @@ struct Settings {
     std::vector<RouteSettings> routes;
     std::vector<AliasSettings> aliases;
     std::optional<TunnelSettings> tunnel;
+    std::vector<GpioSettings> gpio;
+    std::string flexible = "[]";    // layouts of flexible messages as JSON: what carries frames does not ask
     ControlSettings control;
     LogSettings log;
     bool operator==(const Settings&) const = default;

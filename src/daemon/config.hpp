@@ -24,7 +24,7 @@ struct Origin {
 /// What was read so far.
 struct Draft {
     Settings settings;
-    std::vector<Origin> links, routes, aliases;    // where each of these in the settings was said
+    std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
     Origin unknown;                       // where settings.gateway.unknown was said
     Origin tunnel;                        // where settings.tunnel was said
     ConfigErrors errors;
@@ -33,6 +33,7 @@ struct Draft {
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);
+    void add(GpioSettings line, Origin origin);
     void add(AliasSettings alias, Origin origin);
 };
 

@@ -14,11 +14,21 @@ public:
     /// Answers a GET with a JSON text.
     using Answer = std::function<std::string()>;
 
+    /// Of a POST: the HTTP status and a JSON text.
+    struct Reply {
+        unsigned status = 200;
+        std::string body;
+    };
+    using Action = std::function<Reply(const std::string& body)>;
+
     explicit Control(asio::io_context& io) : acceptor_{io}, pause_{io} {}
     ~Control() { stop(); }
 
     /// Before start(): what GET `path` answers.
     void get(std::string path, Answer answer) { answers_[std::move(path)] = std::move(answer); }
+
+    /// Before start(): what POST `path` does.
+    void post(std::string path, Action action) { actions_[std::move(path)] = std::move(action); }
 
     /// Listens at `path`; its folder is made when missing, a socket that a dead process left is replaced. Returns what went
     /// wrong, empty when it listens. The group `anogate` may use it; without such a group only our own user (a warning says so).
@@ -33,6 +43,7 @@ private:
     asio::local::stream_protocol::acceptor acceptor_;
     asio::steady_timer pause_;
     std::map<std::string, Answer> answers_;
+    std::map<std::string, Action> actions_;
     std::map<std::uint64_t, std::weak_ptr<Session>> sessions_;
     std::uint64_t next_session_ = 0;
     std::string path_;

@@ -27,6 +27,10 @@ std::string last_part(const std::string& path) {
     return path.substr(path.rfind('/') + 1);
 }
 
+bool is_number(const std::string& line) {
+    return parse_number(line).has_value();
+}
+
 /// Before it is made unique.
 std::string usual_name(const LinkSettings& link) {
     constexpr std::size_t longest = 60;    // leaves room for "-64" in what a name may have
@@ -91,6 +95,8 @@ public:
             route(draft_.settings.routes[i], draft_.routes[i]);
         for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
+        for (std::size_t i = 0; i < draft_.settings.gpio.size(); ++i)
+            if (!draft_.gpio[i].broken) gpio(i);
     }
 
 private:
@@ -229,6 +235,44 @@ private:
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 
+    void gpio(std::size_t i) {
+        const GpioSettings& line = draft_.settings.gpio[i];
+        const Origin& origin = draft_.gpio[i];
+        if (line.chip.empty() && is_number(line.line))
+            error(origin, "line", "'line' " + line.line + " is a number: 'chip' must say of which chip");
+        if (!line.link.empty()) must_exist(line.link, origin, "link", "");
+        for (std::size_t k = 0; k < line.links.size(); ++k) must_exist(line.links[k], origin, "links/" + std::to_string(k), "");
+        if (line.link.empty() && line.links.empty()) gpio_without_link(line, origin);
+        if (line.use == GpioUse::rs485) rs485(line, origin);
+        for (std::size_t k = 0; k < i; ++k) {
+            const GpioSettings& other = draft_.settings.gpio[k];
+            if (other.chip == line.chip && other.line == line.line)
+                error(origin, "line", "'line' " + in_quotes(line.line) + " is used by " + draft_.gpio[k].where + " already");
+            else if (line.use == GpioUse::rs485 && other.use == line.use && other.link == line.link)
+                error(origin, "link", "'link' " + in_quotes(line.link) + " has a line for rs485 by " + draft_.gpio[k].where + " already");
+        }
+    }
+
+    void gpio_without_link(const GpioSettings& line, const Origin& origin) {
+        const auto missing = [&](const char* what) { draft_.errors.push_back({origin.where, what}); };
+        if (line.use == GpioUse::inhibit)
+            missing("'links' is missing: the links whose control frames are kept off");
+        else if (line.use == GpioUse::reset && line.silent_for)
+            missing("'link' is missing: the link whose silence is meant");
+        else if (line.use != GpioUse::reset && line.use != GpioUse::power)
+            missing("'link' is missing: the name of the link it is for");
+    }
+
+    // The transceiver's direction hangs on RTS where the driver can do it.
+    void rs485(const GpioSettings& line, const Origin& origin) {
+        const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
+        if (link == links_.end()) return;
+        if (link->kind != "serial")
+            error(origin, "link", "'link' " + in_quotes(line.link) + " is no serial port: rs485 is for those");
+        else if (link->serial.flow != FlowControl::none || link->serial.rts)
+            error(origin, "link", "'link' " + in_quotes(line.link) + " uses the RTS line by 'flow' or 'rts', which rs485 needs");
+    }
+
     void must_exist(const std::string& name, const Origin& origin, std::string_view key, std::string_view others,
                     bool or_tunnel = true) {
         if (or_tunnel && draft_.settings.tunnel && name == "tunnel") return;
@@ -260,6 +304,11 @@ void Draft::add(LinkSettings link, Origin origin) {
 void Draft::add(RouteSettings route, Origin origin) {
     settings.routes.push_back(std::move(route));
     routes.push_back(std::move(origin));
+}
+
+void Draft::add(GpioSettings line, Origin origin) {
+    settings.gpio.push_back(std::move(line));
+    gpio.push_back(std::move(origin));
 }
 
 void Draft::add(AliasSettings alias, Origin origin) {

@@ -28,6 +28,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     : io_{io},
       settings_{std::move(settings)},
       alarms_{io},
+      peer_log_{alarms_},
       router_{settings_.gateway},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
@@ -41,6 +42,8 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     add_links();
     if (settings_.tunnel) add_tunnel(*settings_.tunnel);
     add_aliases();
+    gpio_ = std::make_unique<Gpio>(io_, alarms_, settings_.gpio,
+                                   [this](const std::string& name) -> Link& { return *links_[index(link_named(name))].link; });
     for (const RouteSettings& route : settings_.routes) router_.pin(route.first, route.last, link_named(route.link));
     if (settings_.gateway.unknown == Unknown::link) router_.set_unknown_link(link_named(settings_.gateway.unknown_link));
 }
@@ -97,6 +100,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     on_required_missing_ = std::move(on_required_missing);
     started_at_ = now();
     for (LinkState& s : links_) s.since = started_at_;
+    gpio_->start();
     for (LinkState& s : links_) s.link->start();
     if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.link->settings().required; }))
         required_check_.set(started_at_ + required_within);
@@ -127,13 +131,13 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     state(link).channels.insert(id);
     router_.open(id, link.id());
     loop_guard_.open(id, now_);
-    if (!channels_[i]->peer.empty() && state(link).up) spdlog::info("{}: peer {}", link.name(), channels_[i]->peer);
+    if (!channels_[i]->peer.empty() && state(link).up) peer_log_.came(link.name(), channels_[i]->peer, now_);
     return channels_[i].get();
 }
 
 void Gateway::close_channel(Channel& channel) {
     LinkState& s = links_[index(channel.link)];
-    if (s.up) spdlog::info("{}: peer {} is gone", s.link->name(), channel.peer);
+    if (s.up) peer_log_.went(s.link->name(), channel.peer, now_);
     channel.outbox.close();
     add(s.gone_received, channel.received());
     add(s.gone_sent, channel.outbox.counters());
@@ -147,14 +151,17 @@ void Gateway::close_channel(Channel& channel) {
 void Gateway::receive(Channel& from, ano::FrameView frame) {
     ++frame_number_;
     from.heard_at = now_;
+    if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     const Treatment treatment = treatment_of(frame.id());
     if (came_before(from, frame, treatment)) return;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
+    if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
+    if (!admit_unopened(from, frame)) return;
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), route.guarded, now_);
+    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
     for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
@@ -188,8 +195,15 @@ void Gateway::keep_from_tunnel(Route& route) {
 bool Gateway::admit(Channel& from, ano::FrameView frame) {
     from.heard_at = now_;
     const Rules* rules = links_[index(from.link)].rules.get();
-    if (!rules || rules->takes(frame)) return true;
-    ++from.routed.denied_in;
+    if (rules && !rules->takes(frame)) return ++from.routed.denied_in, false;
+    if (gpio_->inhibited().contains(from.link) && is_control(frame)) return ++from.routed.inhibited, false;
+    return true;
+}
+
+// What is inside a tunnel frame that goes on as it is passes nowhere else.
+bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
+    if (!gpio_->inhibited().contains(from.link) || !may_bring_control(frame)) return true;
+    ++from.routed.inhibited;
     return false;
 }
 
@@ -241,7 +255,9 @@ void Gateway::flush() {
         const ChannelId id = *to_flush_.begin();
         to_flush_.erase(id);
         Channel& channel = *channels_[index(id)];
-        if (!channel.outbox.empty()) links_[index(channel.link)].link->flush(channel);
+        if (channel.outbox.empty()) continue;
+        if (gpio_->watches(channel.link)) gpio_->sends(channel.link, now_);
+        links_[index(channel.link)].link->flush(channel);
     }
 }
 
@@ -255,6 +271,7 @@ void Gateway::link_up(Link& link) {
     s.up = s.was_up = true;
     s.since = now_;
     s.error.clear();
+    gpio_->link_state(link.id(), true);
     spdlog::info("{}: up", link.name());
 }
 
@@ -268,6 +285,7 @@ void Gateway::link_down(Link& link, std::string why) {
     if (s.up) s.since = now_;
     s.up = false;
     s.error = std::move(why);
+    gpio_->link_state(link.id(), false);
 }
 
 LinkId Gateway::link_named(const std::string& name) const {
@@ -295,7 +313,9 @@ bool Gateway::nothing_waits() const {
 
 void Gateway::finish_stop() {
     stop_check_.cancel();
+    peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
+    gpio_->stop();
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }
 

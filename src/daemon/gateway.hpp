@@ -1,5 +1,7 @@
 // Owns the links, the channels and the router; the only place that sees them all.
 #pragma once
+#include <daemon/gpio.hpp>
+#include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/recent.hpp>
@@ -55,6 +57,7 @@ public:
     TimePoint now() override { return now_ = Clock::now(); }
 
     bool admit(Channel& from, ano::FrameView frame) override;
+    bool admit_unopened(Channel& from, ano::FrameView frame) override;
     bool may_leave(LinkId to, ano::FrameView frame) override;
     void learn(Channel& from, ano::FrameView frame) override;
     void send(LinkId to, ano::FrameView frame) override;
@@ -65,6 +68,7 @@ public:
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
+    Gpio& gpio() noexcept { return *gpio_; }
     const Channel& channel(ChannelId id) const { return *channels_[index(id)]; }
     TimePoint started_at() const noexcept { return started_at_; }
 
@@ -86,6 +90,7 @@ private:
     asio::io_context& io_;
     Settings settings_;
     AlarmClock alarms_;
+    PeerLog peer_log_;
     DatagramBatch batch_;
     DatagramSender sender_;
     Router router_;
@@ -94,6 +99,7 @@ private:
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;
     ChannelSet to_flush_;
+    std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes

@@ -52,6 +52,8 @@ std::string expected(const KeyFacts& key) {
         case Form::network: return "an IPv4 network such as 192.168.0.0/24";
         case Form::ip: return "an IPv4 address such as 192.168.0.5" + (key.choices.empty() ? "" : " or " + std::string{key.choices});
         case Form::names: return "a list of names of links such as [\"fc\"]";
+        case Form::line: return "a line's number such as 17 or its name such as \"GPIO17\"";
+        case Form::silence: return "\"silent\" and a duration such as \"silent 10s\"," + between(milliseconds(key.least), milliseconds(key.most));
         case Form::frames: return "ids such as 0xF0 or 0x01-0x0F, names of messages such as firmware, or urgent, telemetry, bulk";
         case Form::senders: return "addresses such as 0xFE or ranges such as 30-40";
         case Form::limits: return "an object such as {\"0x01\": 50}: frames a second";
@@ -81,6 +83,8 @@ std::string placeholder(const KeyFacts& key) {
         case Form::network: return "CIDR";
         case Form::ip: return key.choices.empty() ? "IP" : "IP|" + std::string{key.choices};
         case Form::names: return "[LINK...]";
+        case Form::line: return "NUMBER|NAME";
+        case Form::silence: return "silent DURATION";
         case Form::frames: return "FRAMES[+FRAMES...]";
         case Form::senders: return "ADDR[+ADDR...]";
         case Form::limits: return "NUMBER";
@@ -95,7 +99,7 @@ std::string unknown_key(std::string_view name, std::span<const KeyFacts* const> 
         if (key->is_of(kind))
             usable.push_back(key->name);
         else if (key->name == name)
-            owners += (owners.empty() ? "" : ", ") + std::string{key->kinds};
+            for (const std::string_view owner : split(key->kinds, ' ')) owners += (owners.empty() ? "" : ", ") + std::string{owner};
     }
     if (!owners.empty()) return in_quotes(name) + " is not a key of " + std::string{kind} + ", but of " + owners;
     return "unknown key " + in_quotes(name) + ano::did_you_mean(name, usable);

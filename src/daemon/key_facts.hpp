@@ -27,6 +27,8 @@ enum class Form : std::uint8_t {
     network,    // one of them
     ip,         // an IPv4 address, or one of the choices
     names,      // of links; as text, one a line
+    line,       // of a GPIO chip: its number or its name
+    silence,    // "silent" and a duration
     frames,     // ids, messages, classes; joined by + as text, a list in JSON
     senders,    // addresses and ranges of them, in the same way
     limits,     // an object of its own: each of its keys names a message; as text "NAME=RATE", one a line

@@ -142,18 +142,20 @@ std::string read_addresses(const KeyFacts& key, std::string_view text, RouteSett
     return {};
 }
 
-std::optional<std::string> write_tunnel_links(const KeyFacts&, const TunnelSettings& tunnel) {
+template <class Section>
+std::optional<std::string> write_links(const KeyFacts&, const Section& section) {
     std::string text;
-    for (const std::string& name : tunnel.links) text += (text.empty() ? "" : "\n") + name;
+    for (const std::string& name : section.links) text += (text.empty() ? "" : "\n") + name;
     return text;
 }
 
-std::string read_tunnel_links(const KeyFacts& key, std::string_view text, TunnelSettings& tunnel) {
+template <class Section>
+std::string read_links(const KeyFacts& key, std::string_view text, Section& section) {
     std::vector<std::string> links;
     for (const std::string_view name : text.empty() ? std::vector<std::string_view>{} : split(text, '\n')) {
         if (std::string error = read_text(key, name, links.emplace_back()); !error.empty()) return error;
     }
-    tunnel.links = std::move(links);
+    section.links = std::move(links);
     return {};
 }
 
@@ -224,6 +226,20 @@ std::string read_as(const KeyFacts& key, std::string_view text, WrapSettings& ru
     std::size_t chosen = 0;
     if (std::string error = read_choice(key, text, chosen); !error.empty()) return error;
     rule.id = static_cast<std::uint8_t>(first_tunnel_id + chosen);
+    return {};
+}
+
+std::optional<std::string> write_silence(const KeyFacts&, const GpioSettings& gpio) {
+    if (!gpio.silent_for) return std::nullopt;
+    return "silent " + duration_text(*gpio.silent_for);
+}
+
+std::string read_silence(const KeyFacts& key, std::string_view text, GpioSettings& gpio) {
+    constexpr std::string_view silent = "silent ";
+    Duration value{};
+    if (!text.starts_with(silent) || !read_duration(key, text.substr(silent.size()), value).empty())
+        return must_be(key, in_quotes(text));
+    gpio.silent_for = value;
     return {};
 }
 
@@ -422,8 +438,8 @@ constexpr Key<T> own_tunnel_rows[] = {
             .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
             .least = 1,
             .most = longest_name},
-           write_tunnel_links,
-           read_tunnel_links},
+           write_links<T>,
+           read_links<T>},
     address<&T::address>("address", first_id, last_id,
                          "tunnel frames to this address, to the gateway's id and to 0xFF are carried"),
     Key<T>{{.name = "bind", .form = Form::ip, .help = "the local address of the tunnel port"}, write_bind, read_bind},
@@ -463,6 +479,45 @@ constexpr Key<W> wrap_rows[] = {
     address<&W::to>("to", first_id, 255, "the tunnel frame's destination"),
 };
 
+using P = GpioSettings;
+constexpr std::uint64_t longest_line_name = 31;    // the kernel's
+
+constexpr Key<P> gpio_rows[] = {
+    text<&P::chip>("chip", 1, longest_path, "the chip by name, path or label; not needed for a line's name that only one chip has") |
+        as("gpiochip0"),
+    row<&P::line>({.name = "line",
+                   .form = Form::line,
+                   .help = "the line by its number on the chip, or by name",
+                   .least = 1,
+                   .most = longest_line_name,
+                   .required = true}),
+    choice<&P::use>("use", "link_up|activity|power|reset|inhibit|rs485",
+                    "on while the link is up, blinks with its traffic, switches power, pulses a reset, keeps control frames off, "
+                    "or turns an RS-485 transceiver to sending") |
+        needed,
+    text<&P::link>("link", 1, longest_name, "the name of the link it is for") | as("LINK"),
+    Key<P>{{.name = "links",
+            .form = Form::names,
+            .help = "the links whose control frames are kept off while the line is active",
+            .least = 1,
+            .most = longest_name,
+            .kinds = "inhibit"},
+           write_links<P>,
+           read_links<P>},
+    boolean<&P::active_low>("active_low", "the line is active when it is low"),
+    choice<&P::bias>("bias", "as_is|disabled|pull_up|pull_down", "the resistor inside the chip"),
+    duration<&P::pulse>("pulse", 1, 60 * second, "how long a reset is active, or power is off (default: 100ms, power 1s)") |
+        of("power reset"),
+    Key<P>{{.name = "when",
+            .form = Form::silence,
+            .help = "a reset by itself, when the link had no good frame for so long; at most one a minute",
+            .least = second,
+            .most = day,
+            .kinds = "reset"},
+           write_silence,
+           read_silence},
+};
+
 constexpr Key<ControlSettings> control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, longest_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
@@ -495,6 +550,9 @@ Keys<TunnelSettings> tunnel_keys() noexcept {
 }
 Keys<WrapSettings> wrap_keys() noexcept {
     return wrap_rows;
+}
+Keys<GpioSettings> gpio_keys() noexcept {
+    return gpio_rows;
 }
 Keys<ControlSettings> control_keys() noexcept {
     return control_rows;

@@ -32,6 +32,8 @@ Keys<AliasSettings> alias_keys() noexcept;
 /// But for "wrap", a list of objects with the wrap_keys().
 Keys<TunnelSettings> tunnel_keys() noexcept;
 Keys<WrapSettings> wrap_keys() noexcept;
+/// The uses are their kinds.
+Keys<GpioSettings> gpio_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 

@@ -1,5 +1,6 @@
 #include <daemon/config.hpp>
 #include <daemon/keys.hpp>
+#include <daemon/values.hpp>
 
 #include <charconv>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,9 @@ Json json_of(const std::string& text, Form form) {
                 for (const std::string_view name : split(text, '\n')) list.push_back(name);
             return list;
         }
+        case Form::line:
+            if (const auto number = parse_number(text)) return *number;
+            return text;
         case Form::frames:
         case Form::senders: {
             Json list = Json::array();
@@ -47,6 +51,7 @@ Json json_of(const std::string& text, Form form) {
         }
         case Form::network:
         case Form::ip:
+        case Form::silence:
         case Form::can_id:
         case Form::addresses:
         case Form::duration:
@@ -84,6 +89,12 @@ Json object_of(const LinkSettings& link) {
     return object;
 }
 
+Json object_of(const GpioSettings& line) {
+    Json object = Json::object();
+    print_keys(line, gpio_keys(), object, *find_key(gpio_keys(), "use")->text_in(line));
+    return object;
+}
+
 Json object_of(const TunnelSettings& tunnel) {
     Json object = object_of(tunnel, tunnel_keys());
     object["wrap"] = Json::array();
@@ -104,6 +115,9 @@ std::string print_config(const Settings& settings) {
     document["alias"] = Json::array();
     for (const AliasSettings& alias : settings.aliases) document["alias"].push_back(object_of(alias, alias_keys()));
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
+    document["gpio"] = Json::array();
+    for (const GpioSettings& line : settings.gpio) document["gpio"].push_back(object_of(line));
+    document["flexible"] = Json::parse(settings.flexible);
     document["control"] = object_of(settings.control, control_keys());
     document["log"] = object_of(settings.log, log_keys());
     return document.dump(2) + "\n";

@@ -1,7 +1,8 @@
+#include <ano_json/flexible_json.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/config.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <link/kinds.hpp>
 
@@ -70,6 +71,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::can_id:
         case Form::addresses:
         case Form::size: return value.is_string() ? text() : digits();
+        case Form::line: return value.is_string() ? text() : value.is_number_unsigned() ? digits() : std::nullopt;
         case Form::networks: return networks_text(value);
         case Form::names: return names_text(value);
         case Form::frames:
@@ -78,6 +80,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
         case Form::network:
         case Form::ip:
         case Form::duration:
+        case Form::silence:
         case Form::choice:
         case Form::choice_or_link:
         case Form::text:
@@ -104,7 +107,7 @@ template <class Section>
 void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
                std::string_view kind = {}, std::string_view but = {}, const std::string& inside = {}) {
     for (const auto& [name, value] : object.items()) {
-        if ((!kind.empty() && name == "kind") || name == but) continue;
+        if (name == but) continue;
         const auto where = origin.where + pointer_step(name);
         const std::string full = inside + name;
         const Key<Section>* key = name.find('.') == name.npos ? find_key(keys, full, kind) : nullptr;
@@ -119,6 +122,9 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
             for (const auto& [entry, rate] : value.items())
                 if (std::string wrong = read_entry(*key, entry, rate, section); !wrong.empty())
                     errors.push_back({where + pointer_step(entry), std::move(wrong)});
+        } else if ((key->form == Form::frames || key->form == Form::senders) && !value.is_array()) {
+            error = in_quotes(full) + " must be a list" +
+                    (value.is_string() ? " such as [" + printable(value.dump()) + "]" : "") + ", not " + shown(value);
         } else {
             const auto text = text_of(value, key->form);
             error = text ? key->set(*text, section) : must_be(*key, shown(value));
@@ -137,9 +143,10 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "flexible", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
+            if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
             if (name == "gateway")
                 gateway(value, pointer);
             else if (name == "links")
@@ -150,6 +157,10 @@ public:
                 each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
             else if (name == "tunnel")
                 tunnel(value, pointer);
+            else if (name == "gpio")
+                each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
+            else if (name == "flexible")
+                flexible(value, pointer);
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control);
             else if (name == "log")
@@ -180,9 +191,11 @@ private:
         if (value.is_string()) return read_link(value.get<std::string>(), pointer, draft_);
         const std::size_t before = draft_.errors.size();
         LinkSettings settings;
-        if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
+        if (!value.is_object() && !value.is_array())
+            draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + shown(value)});
+        else if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
             settings = new_link(value["kind"].get<std::string>());
-            read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind);
+            read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind, "kind");
         }
         draft_.add(std::move(settings), {pointer, true, draft_.errors.size() > before});
     }
@@ -224,6 +237,25 @@ private:
         each(value["wrap"], pointer + "/wrap", [&](const json& entry, const std::string& where) {
             section(entry, where, wrap_keys(), tunnel.wrap.emplace_back());
         });
+    }
+
+    // Which keys it may have depends on its use.
+    void gpio(const json& value, const std::string& pointer) {
+        const std::size_t before = draft_.errors.size();
+        GpioSettings line;
+        std::string use;
+        if (value.is_object() && value.contains("use") && value["use"].is_string() &&
+            find_key(gpio_keys(), "use")->set(value["use"].get<std::string>(), line).empty())
+            use = value["use"].get<std::string>();
+        if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, gpio_keys(), line, draft_.errors, use);
+        draft_.add(std::move(line), {pointer, true, draft_.errors.size() > before});
+    }
+
+    void flexible(const json& value, const std::string& pointer) {
+        ano::FlexibleLayouts layouts;
+        for (ano::JsonFault& fault : ano::add_flexible(value, pointer, layouts))
+            draft_.errors.push_back({std::move(fault.pointer), std::move(fault.what)});
+        draft_.settings.flexible = value.dump();
     }
 
     std::string file_;

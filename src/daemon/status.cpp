@@ -1,5 +1,6 @@
 #include <ano/address.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/gpio_control.hpp>
 #include <daemon/status.hpp>
 #include <gateway/hints.hpp>
 
@@ -163,6 +164,7 @@ std::string status_json(Gateway& gateway) {
     json["routes"] = routes_json(gateway, now);
     json["conflicts"] = conflicts_json(gateway, now);
     json["tunnel"] = tunnel_json(gateway);
+    json["gpio"] = gpio_json(gateway.gpio(), now);
     return dump(json);
 }
 

@@ -3,6 +3,8 @@
 #include <link/serial_link.hpp>
 #include <link/termios.hpp>
 
+#include <algorithm>
+
 #include <fcntl.h>
 #include <sys/file.h>
 
@@ -38,6 +40,10 @@ StreamLink::Opened SerialLink::open_wire() {
         terminal::give_back(fd.get());
         return {{}, serial.device + ": " + error};
     }
+    if (std::string error = begin_half_duplex(fd.get()); !error.empty()) {
+        terminal::give_back(fd.get());
+        return {{}, serial.device + ": " + error};
+    }
     terminal::discard_input(fd.get());
     wire_ = fd.get();
     return {std::move(fd), {}};
@@ -45,9 +51,34 @@ StreamLink::Opened SerialLink::open_wire() {
 
 // Closing waits for what the driver still holds: it goes. What is on its way (in a pty: read by nobody yet) stays.
 void SerialLink::leave_wire(int fd) {
-    if (terminal::unsent(fd) > 0) terminal::discard_output(fd);
+    if (terminal::unsent(fd) > 0 || rs485_) terminal::discard_output(fd);
+    if (rs485_) rs485_->close();
+    if (rs485_by_driver_) terminal::switch_by_nobody(fd);
     terminal::give_back(fd);
     wire_ = -1;
+}
+
+void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
+    rs485_active_low_ = active_low;
+    rs485_ = std::make_unique<HalfDuplex>(context_.io, std::move(send));
+}
+
+// A driver that can turn the transceiver by its RTS line is told to. Whether the transceiver hangs on that line or on the GPIO
+// line of the configuration can't be seen from here: the GPIO line is driven all the same.
+std::string SerialLink::begin_half_duplex(int fd) {
+    if (!rs485_) return {};
+    rs485_by_driver_ = terminal::switch_by_rts(fd, rs485_active_low_);
+    return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den / byte_rate()}));
+}
+
+ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
+    if (!rs485_) return StreamLink::write_some(pieces);
+    rs485_->writing();
+    const ssize_t n = StreamLink::write_some(pieces);
+    const int error = errno;
+    rs485_->written();
+    errno = error;
+    return n;
 }
 
 std::string SerialLink::gone_text(int error) const {
@@ -56,18 +87,29 @@ std::string SerialLink::gone_text(int error) const {
                                                                            : error_text(device, error);
 }
 
-// To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
-std::uint32_t SerialLink::line_rate() const {
+std::size_t SerialLink::unsent() const {
+    if (wire_ < 0) return 0;
+    return std::max<std::size_t>(terminal::unsent(wire_), rs485_ && rs485_->is_sending() ? 1 : 0);
+}
+
+std::size_t SerialLink::held_by_driver() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
+
+std::uint32_t SerialLink::byte_rate() const {
     const SerialSettings& s = settings().serial;
-    if (s.pace == Pace::off || (s.pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
     return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
 }
 
-std::size_t SerialLink::unsent() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
+// To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
+std::uint32_t SerialLink::line_rate() const {
+    const Pace pace = settings().serial.pace;
+    if (pace == Pace::off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
+    return byte_rate();
+}
 
 LinkFacts SerialLink::facts() const {
     LinkFacts facts{{"device", settings().serial.device},
                     {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
     if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }

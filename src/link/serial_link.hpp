@@ -1,6 +1,9 @@
 // A serial port. Absent, unplugged, in use: waited for.
 #pragma once
+#include <link/half_duplex.hpp>
 #include <link/stream_link.hpp>
+
+#include <memory>
 
 namespace anogate {
 
@@ -8,18 +11,26 @@ class SerialLink final : public StreamLink {
 public:
     using StreamLink::StreamLink;
     std::size_t unsent() const override;
+    void half_duplex(bool active_low, std::function<void(bool)> send) override;
     LinkFacts facts() const override;
 
 private:
     Opened open_wire() override;
     const std::string& peer() const override { return settings().serial.device; }
+    ssize_t write_some(std::span<const iovec> pieces) override;
+    std::string begin_half_duplex(int fd);
+    std::uint32_t byte_rate() const;
     std::uint32_t line_rate() const override;
-    std::size_t held_by_driver() const override { return unsent(); }
+    std::size_t held_by_driver() const override;
     void leave_wire(int fd) override;
     std::string gone_text(int error) const override;
 
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;
+
+    std::unique_ptr<HalfDuplex> rs485_;    // nothing: full duplex
+    bool rs485_active_low_ = false;
+    bool rs485_by_driver_ = false;    // it turns the transceiver by RTS, as well
 };
 
 }  // namespace anogate

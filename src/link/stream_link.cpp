@@ -1,8 +1,6 @@
 #include <link/errors.hpp>
 #include <link/stream_link.hpp>
 
-#include <sys/uio.h>
-
 #include <array>
 
 namespace anogate {
@@ -92,6 +90,10 @@ void StreamLink::deliver() {
 
 void StreamLink::flush(Channel&) { write(); }
 
+ssize_t StreamLink::write_some(std::span<const iovec> pieces) {
+    return ::writev(descriptor_.fd(), pieces.data(), static_cast<int>(pieces.size()));
+}
+
 void StreamLink::write() {
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
@@ -104,7 +106,7 @@ void StreamLink::write() {
         for (std::size_t i = 0; i < count; ++i)
             pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
         if (count == 0) return;
-        const ssize_t n = ::writev(descriptor_.fd(), pieces.data(), static_cast<int>(count));
+        const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             outbox.sent(static_cast<std::size_t>(n));
             pacing_.sent(static_cast<std::size_t>(n), now);

@@ -6,6 +6,10 @@
 
 #include <gateway/backoff.hpp>
 
+#include <span>
+
+#include <sys/uio.h>
+
 namespace anogate {
 
 class StreamLink : public Link {
@@ -26,6 +30,8 @@ protected:
     virtual Opened open_wire() = 0;
     /// What the channel is called.
     virtual const std::string& peer() const = 0;
+    /// writev() to the open descriptor.
+    virtual ssize_t write_some(std::span<const iovec> pieces);
     /// What the open wire carries, in bytes/s, when it is to be given no more; 0: it takes what it takes.
     virtual std::uint32_t line_rate() const { return 0; }
     /// Bytes that the driver holds and has not put on the wire, where asking is cheap.

@@ -10,6 +10,9 @@
 
 #include <filesystem>
 
+#include <algorithm>
+#include <thread>
+
 namespace anogate::terminal {
 namespace {
 
@@ -65,6 +68,32 @@ void make_raw(int fd) noexcept {
 
 void claim(int fd) noexcept { ::ioctl(fd, TIOCEXCL); }
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
+
+// First what the driver has, by the time it takes; then what is in the chip, to the last bit where the driver shows it.
+void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept {
+    constexpr Duration longest = std::chrono::milliseconds{20};
+    constexpr Duration shortest = std::chrono::microseconds{50};
+    while (const std::size_t bytes = unsent(fd)) {
+        if (stop) return;
+        std::this_thread::sleep_for(std::clamp<Duration>(static_cast<Duration::rep>(bytes) * byte_time, shortest, longest));
+    }
+    unsigned status = 0;
+    int result = 0;
+    while (!stop && (result = ::ioctl(fd, TIOCSERGETLSR, &status)) == 0 && (status & TIOCSER_TEMT) == 0)
+        std::this_thread::sleep_for(std::clamp<Duration>(byte_time, shortest, longest));
+    if (!stop && result != 0) ::ioctl(fd, TCSBRK, 1);    // tcdrain()
+}
+
+bool switch_by_rts(int fd, bool active_low) noexcept {
+    serial_rs485 rs485{};
+    rs485.flags = SER_RS485_ENABLED | (active_low ? SER_RS485_RTS_AFTER_SEND : SER_RS485_RTS_ON_SEND);
+    return ::ioctl(fd, TIOCSRS485, &rs485) == 0;
+}
+
+void switch_by_nobody(int fd) noexcept {
+    serial_rs485 rs485{};
+    ::ioctl(fd, TIOCSRS485, &rs485);
+}
 
 std::string driver(int fd) {
     struct stat status {};

@@ -2,6 +2,7 @@
 #pragma once
 #include <gateway/settings.hpp>
 
+#include <atomic>
 #include <string>
 
 namespace anogate::terminal {
@@ -20,6 +21,12 @@ std::string driver(int fd);
 
 /// Bytes that are written and not yet on the wire; 0 where the driver does not say.
 std::size_t unsent(int fd) noexcept;
+/// Returns when the last bit is on the wire, as exactly as the driver knows, or soon after `stop`. Blocks: for a thread of its own.
+void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept;
+
+/// Lets the driver itself turn an RS-485 transceiver on the RTS line (TIOCSRS485). False: it can't.
+bool switch_by_rts(int fd, bool active_low) noexcept;
+void switch_by_nobody(int fd) noexcept;
 /// Bytes that have arrived and were not read.
 std::size_t unread(int fd) noexcept;
 /// Throws away what is written and not yet on the wire, so that closing does not wait for it.

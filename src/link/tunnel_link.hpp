@@ -13,6 +13,8 @@ public:
     /// The first step of LinkHost::receive(), which every frame takes: the receive filter, limits and switches of the link of
     /// `from`. A frame that came inside a tunnel frame passes here as if it had come by that channel itself. Counts if not.
     virtual bool admit(Channel& from, ano::FrameView frame) = 0;
+    /// The same for a tunnel frame that goes on unopened, after admit(): a switch is not to be passed inside one.
+    virtual bool admit_unopened(Channel& from, ano::FrameView frame) = 0;
     /// The send filter and limits of `to`, for a frame that leaves inside a tunnel frame. Counts if not.
     virtual bool may_leave(LinkId to, ano::FrameView frame) = 0;
     /// Its source is behind `from`: answers go there.

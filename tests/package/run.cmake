@@ -13,7 +13,7 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-foreach(file bin/anogated lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf etc/anogate/anogate.json)
+foreach(file bin/anogated lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf lib/udev/rules.d/60-anogate.rules etc/anogate/anogate.json)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} was not installed")
   endif()

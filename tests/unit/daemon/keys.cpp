@@ -26,6 +26,7 @@ void for_every_key(auto visit) {
     section("alias", alias_keys());
     section("tunnel", tunnel_keys());
     section("wrap", wrap_keys());
+    section("gpio", gpio_keys());
     section("control", control_keys());
     section("log", log_keys());
 }
@@ -103,7 +104,7 @@ TEST(Keys, are_all_in_the_help) {
 TEST(Keys, are_all_in_the_schema) {
     const json schema = json::parse(config_schema())["properties"];
     const auto properties = [&](const std::string& section, const KeyFacts& key) -> std::vector<json> {
-        if (section == "routes" || section == "alias") return {schema[section]["items"]["properties"]};
+        if (section == "routes" || section == "alias" || section == "gpio") return {schema[section]["items"]["properties"]};
         if (section == "wrap") return {schema["tunnel"]["properties"]["wrap"]["items"]["properties"]};
         if (section != "links") return {schema[section]["properties"]};
         std::vector<json> all;
@@ -152,6 +153,7 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     add_names(seen["wrap"], document["tunnel"]["wrap"][0]);
     for (const char* section : {"gateway", "tunnel", "control", "log"}) add_names(seen[section], document[section]);
     for (const char* section : {"routes", "alias"}) add_names(seen[section], document[section][0]);
+    for (const json& line : document["gpio"]) add_names(seen["gpio"], line);
     for (const json& link : document["links"])
         if (link.is_object()) add_names(seen[link["kind"].get<std::string>()], link);
     for_every_key([&](const std::string& section, const KeyFacts& key) {

@@ -1,0 +1,52 @@
+// A switch that keeps the ground off the vehicle: which frames may command it, and whose of them are kept off.
+#pragma once
+#include <ano/frame.hpp>
+#include <gateway/ids.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace anogate {
+
+/// A frame that commands or changes a vehicle (protocol text, sections 3 and 4): remote and realtime control, a command, a
+/// parameter or waypoint written, firmware, and 0xE0 when it is no question. Questions there are 0 to 3; what else it may say
+/// is an action, known to us or not.
+bool is_control(ano::FrameView frame) noexcept;
+
+/// A tunnel frame that goes on unopened and may bring a control frame: one is inside, or what is inside can't be told (bytes
+/// that are no whole good frame, another tunnel frame). False for every other frame.
+bool may_bring_control(ano::FrameView tunnel_frame) noexcept;
+
+/// Inhibit switches and the links they keep off. A switch is on until it is said to be off: one that can't be read is on.
+class Inhibit {
+public:
+    /// Returns its place.
+    std::size_t add(LinkSet links) {
+        switches_.push_back({links, true});
+        gather();
+        return switches_.size() - 1;
+    }
+    void set(std::size_t place, bool on) noexcept {
+        switches_[place].on = on;
+        gather();
+    }
+    bool is_on(std::size_t place) const noexcept { return switches_[place].on; }
+    /// The links whose control frames go nowhere.
+    LinkSet links() const noexcept { return links_; }
+
+private:
+    void gather() noexcept {
+        links_.clear();
+        for (const Switch& s : switches_)
+            if (s.on) links_ |= s.links;
+    }
+
+    struct Switch {
+        LinkSet links;
+        bool on;
+    };
+    std::vector<Switch> switches_;
+    LinkSet links_;
+};
+
+}  // namespace anogate

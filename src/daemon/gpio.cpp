@@ -1,0 +1,157 @@
+#include <daemon/gpio.hpp>
+#include <daemon/keys.hpp>
+
+#include <spdlog/spdlog.h>
+
+namespace anogate {
+namespace {
+
+GpioPin::Direction direction(GpioUse use) {
+    return use == GpioUse::inhibit ? GpioPin::Direction::in : GpioPin::Direction::out;
+}
+
+Duration pulse_of(const GpioSettings& settings) {
+    if (settings.pulse) return *settings.pulse;
+    return settings.use == GpioUse::power ? Duration{std::chrono::seconds{1}} : Duration{std::chrono::milliseconds{100}};
+}
+
+double seconds(Duration d) { return std::chrono::duration<double>{d}.count(); }
+
+}  // namespace
+
+std::string text(GpioUse use) {
+    GpioSettings settings;
+    settings.use = use;
+    return *find_key(gpio_keys(), "use")->text_in(settings);
+}
+
+Gpio::Line::Line(Gpio& gpio, const GpioSettings& settings, asio::io_context& io, AlarmClock& alarms)
+    : pin{settings, direction(settings.use), io, alarms, [this, &gpio] { gpio.changed(*this); }},
+      alarm{alarms, [this, &gpio] { gpio.ring(*this); }},
+      reset{settings.silent_for, Clock::now()} {}
+
+std::string Gpio::Line::what() const {
+    const GpioSettings& s = settings();
+    std::string names = s.link;
+    for (const std::string& name : s.links) names += (names.empty() ? "" : ", ") + name;
+    return "gpio " + text(s.use) + (names.empty() ? "" : " of " + names);
+}
+
+Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find)
+    : chips_{io, "gpiochip", [this] {
+                 for (const auto& line : lines_) line->pin.look();
+             }} {
+    for (const GpioSettings& s : settings) {
+        Line& line = *lines_.emplace_back(std::make_unique<Line>(*this, s, io, alarms));
+        if (!s.link.empty()) line.links.insert(find(s.link).id());
+        for (const std::string& name : s.links) line.links.insert(find(name).id());
+        if (s.use == GpioUse::inhibit) line.inhibit_place = inhibit_.add(line.links);
+        if (s.use == GpioUse::power) line.pin.set(true);
+        if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
+        if (s.use == GpioUse::rs485) find(s.link).half_duplex(s.active_low, [&line](bool sending) { line.pin.set(sending); });
+    }
+}
+
+Gpio::~Gpio() = default;
+
+void Gpio::start() {
+    if (lines_.empty()) return;
+    chips_.start();
+    for (const auto& line : lines_) line->pin.start();
+}
+
+void Gpio::stop() {
+    chips_.stop();
+    for (const auto& line : lines_) {
+        line->alarm.cancel();
+        if (line->settings().use != GpioUse::inhibit) line->pin.set(line->settings().use == GpioUse::power);
+        line->pin.stop();
+    }
+}
+
+void Gpio::link_state(LinkId link, bool up) {
+    for (const auto& line : lines_)
+        if (line->settings().use == GpioUse::link_up && line->is_for(link)) line->pin.set(up);
+}
+
+void Gpio::heard(LinkId link, TimePoint now) {
+    for (const auto& line : lines_)
+        if (line->is_for(link)) line->reset.heard(now);
+    sends(link, now);
+}
+
+void Gpio::sends(LinkId link, TimePoint now) {
+    for (const auto& line : lines_) {
+        if (line->settings().use != GpioUse::activity || !line->is_for(link) || !line->blink.traffic()) continue;
+        if (now >= line->blink.due()) blink(*line, now);
+        else line->alarm.set(line->blink.due());
+    }
+}
+
+void Gpio::blink(Line& line, TimePoint now) {
+    const bool lit = line.blink.step(now);
+    line.pin.set(lit);
+    if (lit) line.alarm.set(line.blink.due());
+}
+
+// Of one alarm a line: the light changes, the pulse ends, or the silence may have lasted long enough.
+void Gpio::ring(Line& line) {
+    const TimePoint now = Clock::now();
+    if (line.settings().use == GpioUse::activity) {
+        blink(line, now);
+    } else if (line.pulsing) {
+        line.pulsing = false;
+        line.pin.set(line.settings().use == GpioUse::power);
+        arm(line);
+    } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held()) {
+        spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
+        begin_pulse(line, now);
+    } else {
+        arm(line);
+    }
+}
+
+// While the line is not held there is nothing to wait for: changed() comes here again.
+void Gpio::arm(Line& line) {
+    if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held()) line.alarm.set(*due);
+}
+
+void Gpio::begin_pulse(Line& line, TimePoint now) {
+    line.pulsing = true;
+    ++line.pulses;
+    line.reset.pulsed(now);
+    line.pin.set(line.settings().use == GpioUse::reset);
+    line.alarm.set(now + pulse_of(line.settings()));
+}
+
+std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
+    const GpioUse use = line.settings().use;
+    if (!line.pin.is_held()) return Refusal{"the line is not there: " + line.pin.error()};
+    if (line.pulsing) return Refusal{"it is being done already", pulse_of(line.settings())};
+    if (use == GpioUse::reset && !line.reset.may_pulse(now))
+        return Refusal{"it was reset less than a minute ago", line.reset.may_pulse_at() - now};
+    spdlog::info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
+    begin_pulse(line, now);
+    return std::nullopt;
+}
+
+void Gpio::changed(Line& line) {
+    const bool held = line.pin.is_held();
+    if (held && !line.was_held) {
+        spdlog::info("{}: holds {} line {}", line.what(), line.pin.line()->chip(), line.pin.line()->offset());
+        arm(line);
+    } else if (!held) {
+        spdlog::warn("{}: {}; waiting for it", line.what(), line.pin.error());
+    }
+    line.was_held = held;
+    if (line.settings().use == GpioUse::inhibit) inhibit_changed(line);
+}
+
+void Gpio::inhibit_changed(Line& line) {
+    const bool on = !line.pin.is_held() || line.pin.active();
+    inhibit_.set(line.inhibit_place, on);
+    if (on == std::exchange(line.was_inhibiting, on)) return;
+    spdlog::warn("{}: {}", line.what(), on ? "on, control frames go nowhere" : "off, control frames pass");
+}
+
+}  // namespace anogate

@@ -1,0 +1,89 @@
+// The GPIO lines at work: lamps, power, resets, the inhibit switch, RS-485. What they decide stands in include/gateway, what
+// they do in src/link; here they meet the links.
+#pragma once
+#include <gateway/blink.hpp>
+#include <gateway/inhibit.hpp>
+#include <gateway/reset_policy.hpp>
+#include <link/device_watch.hpp>
+#include <link/gpio_pin.hpp>
+#include <link/link.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class Gpio {
+public:
+    struct Line;
+    using FindLink = std::function<Link&(const std::string& name)>;
+
+    /// `find` knows every link that the settings name. A link for rs485 calls us as long as it lives: it goes first.
+    Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find);
+    ~Gpio();
+
+    /// Before the links start: a switch holds from the first frame on.
+    void start();
+    /// Lamps and resets go off; power stays as it is.
+    void stop();
+
+    void link_state(LinkId link, bool up);
+    /// Some line is there for the frames of this link.
+    bool watches(LinkId link) const noexcept { return watched_.contains(link); }
+    /// A good frame came by a link that is watched.
+    void heard(LinkId link, TimePoint now);
+    /// Frames leave by a link that is watched.
+    void sends(LinkId link, TimePoint now);
+    /// The links whose control frames go nowhere now.
+    LinkSet inhibited() const noexcept { return inhibit_.links(); }
+
+    const std::vector<std::unique_ptr<Line>>& lines() const noexcept { return lines_; }
+    /// Why a line does not do now what it is asked.
+    struct Refusal {
+        std::string why;
+        Duration wait{};    // and then it will; zero: not by waiting alone
+    };
+    /// Pulses a reset, or switches power off and on again, as asked.
+    std::optional<Refusal> act(Line& line, TimePoint now);
+
+private:
+    void ring(Line& line);
+    void blink(Line& line, TimePoint now);
+    void begin_pulse(Line& line, TimePoint now);
+    void arm(Line& line);
+    void changed(Line& line);
+    void inhibit_changed(Line& line);
+
+    Inhibit inhibit_;
+    LinkSet watched_;
+    std::vector<std::unique_ptr<Line>> lines_;
+    DeviceWatch chips_;
+};
+
+/// One of them.
+struct Gpio::Line {
+    Line(Gpio& gpio, const GpioSettings& settings, asio::io_context& io, AlarmClock& alarms);
+
+    const GpioSettings& settings() const noexcept { return pin.settings(); }
+    bool is_for(LinkId id) const noexcept { return links.contains(id); }
+    /// "gpio reset of fc", for people.
+    std::string what() const;
+
+    GpioPin pin;
+    Alarm alarm;
+    LinkSet links;
+    Blink blink;
+    ResetPolicy reset;
+    std::size_t inhibit_place = 0;
+    bool pulsing = false;    // a reset is on, or power is off for a while
+    std::uint64_t pulses = 0;
+    bool was_held = false;
+    bool was_inhibiting = true;
+};
+
+/// "link_up" and so on.
+std::string text(GpioUse use);
+
+}  // namespace anogate

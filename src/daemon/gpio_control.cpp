@@ -1,0 +1,113 @@
+#include <ano_json/nearest.hpp>
+#include <daemon/gpio_control.hpp>
+#include <daemon/json_text.hpp>
+#include <daemon/key_facts.hpp>
+#include <daemon/values.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double seconds(Duration d) {
+    return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
+}
+
+Json line_number(const std::string& line) {
+    if (const auto number = parse_number(line)) return *number;
+    return line;
+}
+
+Json line_json(const Gpio::Line& line, TimePoint now) {
+    const GpioSettings& s = line.settings();
+    const GpioLine* held = line.pin.line();
+    Json json{{"use", text(s.use)}, {"chip", held ? held->chip() : s.chip}};
+    json["line"] = held ? Json(held->offset()) : line_number(s.line);
+    if (held && !held->name().empty()) json["name"] = held->name();
+    if (!s.link.empty()) json["link"] = s.link;
+    if (!s.links.empty()) json["links"] = s.links;
+    json["state"] = held ? "held" : "waiting";
+    json["error"] = line.pin.error();
+    json["value"] = held ? Json(line.pin.active()) : Json(nullptr);
+    if (s.use == GpioUse::inhibit) json["inhibiting"] = !held || line.pin.active();
+    json["edges"] = line.pin.edges();
+    json["edge_s"] = line.pin.edges() == 0 ? Json(nullptr) : Json(seconds(now - line.pin.edge_at()));
+    if (s.use == GpioUse::reset || s.use == GpioUse::power) json["pulses"] = line.pulses;
+    return json;
+}
+
+// Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Control::Reply refuse(unsigned status, const std::string& why) { return {status, dump({{"error", why}})}; }
+
+bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
+
+// What a request says of the line it means; what it does not say fits every line.
+struct Wanted {
+    std::string line, chip, link, use, action;
+
+    bool fits(const Gpio::Line& candidate) const {
+        const GpioSettings& s = candidate.settings();
+        const GpioLine* held = candidate.pin.line();
+        const auto is = [](const std::string& wanted, const std::string& name) { return wanted.empty() || wanted == name; };
+        return (is(line, s.line) || (held && (is(line, held->name()) || is(line, std::to_string(held->offset()))))) &&
+               (is(chip, s.chip) || (held && is(chip, held->chip()))) && is(link, s.link) && is(use, text(s.use));
+    }
+    bool fits_action(GpioUse of) const {
+        return action.empty() || (of == GpioUse::reset && action == "pulse") || (of == GpioUse::power && action == "cycle");
+    }
+};
+
+// Fills `wanted`; returns what is wrong.
+std::string read(const std::string& body, Wanted& wanted) {
+    ConfigErrors errors;
+    const auto json = parse_json(body, {}, errors);
+    if (!errors.empty()) return errors.front().what;
+    if (!json || !json->is_object()) return "the body must be a JSON object such as {\"link\": \"fc\", \"use\": \"reset\"}";
+    constexpr std::string_view names[] = {"line", "chip", "link", "use", "action"};
+    std::string* const fields[] = {&wanted.line, &wanted.chip, &wanted.link, &wanted.use, &wanted.action};
+    for (const auto& [name, value] : json->items()) {
+        const auto found = std::find(std::begin(names), std::end(names), name);
+        if (found == std::end(names)) return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
+        std::string& field = *fields[found - std::begin(names)];
+        if (value.is_string() && value != "") field = value.get<std::string>();
+        else if (name == "line" && value.is_number_unsigned()) field = value.dump();
+        else return in_quotes(name) + " must be text" + (name == "line" ? " or a number" : "");
+    }
+    return {};
+}
+
+}  // namespace
+
+Json gpio_json(const Gpio& gpio, TimePoint now) {
+    Json json = Json::array();
+    for (const auto& line : gpio.lines()) json.push_back(line_json(*line, now));
+    return json;
+}
+
+Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) {
+    Wanted wanted;
+    if (const std::string wrong = read(body, wanted); !wrong.empty()) return refuse(400, wrong);
+    std::vector<Gpio::Line*> fitting;
+    for (const auto& line : gpio.lines()) {
+        const bool named = !wanted.line.empty() || !wanted.use.empty();    // then a line of another use is an error of its own
+        if (wanted.fits(*line) && (named || can_act(line->settings().use))) fitting.push_back(line.get());
+    }
+    if (fitting.empty()) return refuse(404, "no GPIO line fits; GET /status lists them under gpio");
+    if (fitting.size() > 1) return refuse(400, std::to_string(fitting.size()) + " GPIO lines fit; say which by line, chip, link or use");
+    Gpio::Line& line = *fitting.front();
+    if (!can_act(line.settings().use)) return refuse(400, "only reset and power lines can be asked to do something");
+    if (!wanted.fits_action(line.settings().use)) return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
+    if (const auto refusal = gpio.act(line, now)) {
+        if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
+        return {429, dump({{"error", refusal->why}, {"wait_s", seconds(refusal->wait)}})};
+    }
+    return {200, dump(line_json(line, now))};
+}
+
+}  // namespace anogate

@@ -1,0 +1,72 @@
+#include <gateway/blink.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Traffic every `pause` for a second, and each step `late` after its time: how often the light went on.
+int blinks_in_a_second(ano::Duration pause, ano::Duration late = 0ms) {
+    Blink blink;
+    bool stepping = false;
+    int count = 0;
+    const ano::TimePoint start{10s};
+    ano::TimePoint next = start;
+    for (ano::TimePoint now = start; now < start + 1s; now += 100us) {
+        if (now >= next) {
+            next += pause;
+            stepping = blink.traffic() || stepping;
+        }
+        if (!stepping || now < blink.due() + late) continue;
+        stepping = blink.step(now);
+        count += stepping ? 1 : 0;
+    }
+    return count;
+}
+
+}  // namespace
+
+TEST(Blink, is_seen_for_one_frame) {
+    Blink blink;
+    const ano::TimePoint now{10s};
+    EXPECT_TRUE(blink.traffic());
+    EXPECT_LE(blink.due(), now);
+    EXPECT_TRUE(blink.step(now));
+    EXPECT_FALSE(blink.traffic()) << "it is shown already";
+    EXPECT_EQ(blink.due(), now + 25ms);
+    EXPECT_FALSE(blink.step(now + 25ms));
+}
+
+TEST(Blink, shows_later_what_came_in_the_dark) {
+    Blink blink;
+    const ano::TimePoint now{10s};
+    blink.traffic();
+    blink.step(now);
+    blink.step(now + 25ms);
+    EXPECT_TRUE(blink.traffic());
+    EXPECT_FALSE(blink.traffic()) << "one step is enough for both";
+    EXPECT_EQ(blink.due(), now + 50ms);
+    EXPECT_TRUE(blink.step(now + 50ms));
+}
+
+TEST(Blink, blinks_with_slow_traffic) {
+    EXPECT_EQ(blinks_in_a_second(100ms), 10);
+    EXPECT_EQ(blinks_in_a_second(250ms), 4);
+}
+
+TEST(Blink, blinks_twenty_times_a_second_however_much_traffic) {
+    EXPECT_EQ(blinks_in_a_second(1ms), 20);
+    EXPECT_EQ(blinks_in_a_second(100us), 20);
+}
+
+TEST(Blink, is_dark_as_long_as_it_should_be_when_it_went_out_late) {
+    Blink blink;
+    const ano::TimePoint now{10s};
+    blink.traffic();
+    blink.step(now);
+    blink.step(now + 60ms);
+    EXPECT_EQ(blink.due(), now + 85ms);
+    EXPECT_LE(blinks_in_a_second(1ms, 20ms), 15);
+}

@@ -1,0 +1,83 @@
+#include <gateway/inhibit.hpp>
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+using namespace anogate;
+using support::Bytes;
+using support::operator+;
+
+namespace {
+
+bool control(std::uint8_t id, const Bytes& data = {}) {
+    const Bytes bytes = support::frame(0xFE, 0xDC, id, data);
+    return is_control(ano::FrameView{bytes});
+}
+
+Bytes tunnel(const Bytes& inner, std::uint8_t id = 0xB1) {
+    return support::frame(0xFE, 0xE6, id, Bytes(id == 0xB1 ? 10 : 4) + inner);
+}
+bool brings(const Bytes& bytes) { return may_bring_control(ano::FrameView{bytes}); }
+
+const Bytes command = support::frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
+const Bytes attitude = support::frame(0xDC, 0xFE, 0x03, Bytes(7));
+
+}  // namespace
+
+TEST(Inhibit, control_frames_are_these_and_no_others) {
+    std::set<int> ids;
+    for (int id = 0; id < 256; ++id)
+        if (control(static_cast<std::uint8_t>(id), {0, 0, 0})) ids.insert(id);
+    EXPECT_EQ(ids, (std::set<int>{0x40, 0x41, 0x61, 0xC0, 0xE1, 0xF0}));
+}
+
+TEST(Inhibit, a_parameter_command_is_control_when_it_is_no_question) {
+    for (std::uint8_t question = 0; question <= 3; ++question) EXPECT_FALSE(control(0xE0, {question, 0, 0})) << int{question};
+    EXPECT_TRUE(control(0xE0, {0x10, 0xAA, 0})) << "restore defaults";
+    EXPECT_TRUE(control(0xE0, {0x10, 0x20, 0})) << "clear the calibration";
+    for (int other = 4; other < 256; ++other)
+        EXPECT_TRUE(control(0xE0, {static_cast<std::uint8_t>(other), 0, 0})) << "what it does is not known: " << other;
+    EXPECT_TRUE(control(0xE0)) << "says nothing";
+}
+
+TEST(Inhibit, a_tunnel_frame_with_control_inside_brings_it) {
+    for (const std::uint8_t id : {std::uint8_t{0xB1}, std::uint8_t{0xB2}}) {
+        EXPECT_TRUE(brings(tunnel(command, id)));
+        EXPECT_TRUE(brings(tunnel(attitude + command, id)));
+        EXPECT_FALSE(brings(tunnel(attitude + attitude, id)));
+        EXPECT_FALSE(brings(tunnel({}, id)));
+    }
+    EXPECT_FALSE(brings(attitude));
+    EXPECT_FALSE(brings(command)) << "no tunnel frame: is_control() judges it";
+}
+
+TEST(Inhibit, a_tunnel_frame_that_can_not_be_judged_may_bring_control) {
+    EXPECT_TRUE(brings(tunnel(Bytes{0x00} + command))) << "a device may find the frame behind other bytes";
+    EXPECT_TRUE(brings(tunnel(attitude + Bytes{0xAB})));
+    EXPECT_TRUE(brings(tunnel(tunnel(attitude))));
+    EXPECT_TRUE(brings(support::frame(0xFE, 0xE6, 0xB1, Bytes(9)))) << "shorter than its addresses";
+}
+
+TEST(Inhibit, a_switch_is_on_until_it_is_read) {
+    Inhibit inhibit;
+    EXPECT_TRUE(inhibit.links().empty());
+    const std::size_t place = inhibit.add(LinkId{3});
+    EXPECT_EQ(inhibit.links(), LinkSet{LinkId{3}});
+    inhibit.set(place, false);
+    EXPECT_TRUE(inhibit.links().empty());
+    EXPECT_FALSE(inhibit.is_on(place));
+}
+
+TEST(Inhibit, of_two_switches_for_a_link_one_is_enough) {
+    Inhibit inhibit;
+    const std::size_t first = inhibit.add(LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
+    const std::size_t second = inhibit.add(LinkId{2});
+    inhibit.set(first, false);
+    EXPECT_EQ(inhibit.links(), LinkSet{LinkId{2}});
+    inhibit.set(second, false);
+    EXPECT_TRUE(inhibit.links().empty());
+    inhibit.set(first, true);
+    EXPECT_EQ(inhibit.links(), LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
+}
