@@ -27,10 +27,22 @@ exec awk '
         if (status == "run") { passed++; next }
         if (status == "fail") { failed++; failures = failures "\n  " name; next }
         skipped++
-        if (!seen[name]++) skips = skips "\n  " name ": " reason()
+        if (seen[name]++) next
+        program = name
+        sub(/\..*/, "", program)
+        group = program ": " reason()
+        if (!(group in alike)) groups[++count] = group
+        alike[group]++
+        only[group] = name ": " reason()
     }
     END {
         text = ""
+        for (i = 1; i <= count; i++) {    # tests of one program that have one reason are told together
+            group = groups[i]
+            line = group
+            sub(/:/, " (" alike[group] " tests):", line)
+            skips = skips "\n  " (alike[group] > 1 ? line : only[group])
+        }
         if (skips) text = text "\nNot run:" skips "\n"
         if (failures) text = text "\nFailed:" failures "\n"
         gsub(/&lt;/, "<", text); gsub(/&gt;/, ">", text); gsub(/&quot;/, "\"", text); gsub(/&apos;/, "\047", text)

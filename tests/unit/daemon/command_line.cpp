@@ -8,12 +8,12 @@ namespace {
 
 using Parsed = std::variant<CommandLine, Exit>;
 
-Parsed parse(std::vector<const char*> arguments, const std::string& default_file = "/nonexistent/anogate.json") {
+Parsed parse(std::vector<const char*> arguments, const std::string& default_file = "/proc/nonexistent/anogate.json") {
     arguments.insert(arguments.begin(), "anogated");
     return parse_command_line(static_cast<int>(arguments.size()), arguments.data(), default_file);
 }
 
-CommandLine line_of(std::vector<const char*> arguments, const std::string& default_file = "/nonexistent/anogate.json") {
+CommandLine line_of(std::vector<const char*> arguments, const std::string& default_file = "/proc/nonexistent/anogate.json") {
     const Parsed parsed = parse(std::move(arguments), default_file);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
         ADD_FAILURE() << exit->text;
@@ -85,13 +85,13 @@ TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) 
 
 TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
     EXPECT_EQ(error_of({}),
-              "anogated: /nonexistent/anogate.json: No such file or directory; write it, or name links, for example: "
+              "anogated: /proc/nonexistent/anogate.json: No such file or directory; write it, or name links, for example: "
               "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333\n");
 }
 
 TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
     const support::TemporaryFolder folder;
-    EXPECT_EQ(error_of({"-c", "/nonexistent"}), "anogated: /nonexistent: No such file or directory\n");
+    EXPECT_EQ(error_of({"-c", "/proc/nonexistent"}), "anogated: /proc/nonexistent: No such file or directory\n");
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
     EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: more than 1 MiB, no configuration\n");
     const std::string file = folder.write("a.json", "{\n,");
