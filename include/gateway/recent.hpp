@@ -95,15 +95,19 @@ public:
         opened_at_[index(channel)] = now;
         suspect_until_[index(channel)] = ano::TimePoint::min();
     }
-    /// A frame went, or could come back, by each of `channels`: Route::guarded.
-    void remember(std::uint64_t key, ChannelSet channels, ano::TimePoint now) noexcept {
-        ChannelSet repeated;
-        if (const Sent* known = sent_.find(key, now)) {
-            channels |= known->channels;
-            repeated = known->repeated;
-        }
-        sent_.put(key, {channels, repeated}, now);
+    /// A frame that came by `from` went, or could come back, by each of `channels`: Route::guarded.
+    void remember(std::uint64_t key, ChannelId from, ChannelSet channels, ano::TimePoint now) noexcept {
+        Sent sent{channels, {}, from};
+        if (const Sent* known = sent_.find(key, now)) sent = {channels | known->channels, known->repeated, known->from};
+        sent_.put(key, sent, now);
         quiet_at_ = now + window_;
+    }
+    /// A frame that was spread when it came by another channel: a copy, whichever way it took. One that was sent by one
+    /// way of a ring comes back by another, and no channel that it was sent to brings it.
+    bool copied(std::uint64_t key, ChannelId from, ano::TimePoint now) noexcept {
+        if (now >= quiet_at_) return false;
+        const Sent* known = sent_.find(key, now);
+        return known && known->from != from && sent_.put_at(key) >= opened_at_[index(from)];
     }
     /// A frame that came by `from` within the window after it went there. A `common` one (asked_by_many()) is let through
     /// once, unless `from` is a channel that brings things back.
@@ -126,6 +130,7 @@ private:
     struct Sent {
         ChannelSet channels;
         ChannelSet repeated;    // of these, by which it came once more
+        ChannelId from{};       // by which it came first
     };
     ano::Duration window_;
     Recent<Sent> sent_;

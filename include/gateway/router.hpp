@@ -25,7 +25,7 @@ struct Route {
     Via via = Via::nobody;
     bool new_conflict = false;    // the source showed up on two links: Router::take_new_conflict() has it
     /// Where a frame that was spread may come back: what the loop guard is to remember. Empty for one that had one
-    /// place.
+    /// place, unless that is a host.
     ChannelSet guarded{};
 };
 
@@ -113,6 +113,7 @@ private:
     std::array<LinkSet, 256> pinned_{};
 
     std::array<LinkSet, most_links + 1> groups_{};    // by number; [0] is unused
+    unsigned open_ = 0;       // channels
     bool grouped_ = false;                            // any link has a group
     std::array<TimePoint, most_links> heard_link_ = [] {
         std::array<TimePoint, most_links> all;

@@ -203,6 +203,7 @@ struct Settings {
     std::vector<AliasSettings> aliases;
     std::optional<TunnelSettings> tunnel;
     std::vector<GpioSettings> gpio;
+    std::string flexible = "[]";    // layouts of flexible messages as JSON: what carries frames does not ask
     ControlSettings control;
     LogSettings log;
     bool operator==(const Settings&) const = default;

@@ -131,7 +131,7 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
 
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
     Arguments arguments;
-    CLI::App app{"Joins serial ports and UDP peers that speak ANO V8 into one network.", "anogated"};
+    CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
     add_all(app, arguments);
     if (auto exit = parse(app, argc, argv)) return *std::move(exit);
 

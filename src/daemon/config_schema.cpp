@@ -87,6 +87,22 @@ Json tunnel() {
     return object;
 }
 
+// Faults of the layouts are told by what reads them; this is for editors.
+Json flexible() {
+    const Json address{{"type", Json::array({"string", "integer"})}};
+    Json field = closed_object();
+    field["properties"] = {{"name", {{"type", "string"}}},
+                           {"type", {{"enum", {"u8", "i8", "u16", "i16", "u32", "i32", "f32"}}}},
+                           {"scale", {{"type", "number"}}},
+                           {"unit", {{"type", "string"}}}};
+    field["required"] = Json::array({"name", "type"});
+    Json object = closed_object();
+    object["description"] = "the layout of a flexible message, for tools; anogated itself does not look inside";
+    object["properties"] = {{"id", address}, {"source", address}, {"fields", {{"type", "array"}, {"items", field}}}};
+    object["required"] = Json::array({"id", "fields"});
+    return object;
+}
+
 Json link_of(const LinkKind& kind) {
     Json object = closed_object();
     object["description"] = kind.help;
@@ -102,12 +118,14 @@ std::string config_schema() {
     kinds.push_back({{"type", "string"}, {"description", "KIND:ADDRESS[,KEY=VALUE...]"}, {"pattern", "^[a-z-]+:.+"}});
     for (const LinkKind& kind : link_kinds()) kinds.push_back(link_of(kind));
     Json schema = closed_object();
-    schema["properties"] = {{"gateway", object_of(gateway_keys())},
+    schema["properties"] = {{"$schema", {{"type", "string"}}},
+                            {"gateway", object_of(gateway_keys())},
                             {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},
                             {"tunnel", tunnel()},
                             {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
+                            {"flexible", {{"type", "array"}, {"items", flexible()}}},
                             {"control", object_of(control_keys())},
                             {"log", object_of(log_keys())}};
     Json document{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "anogate configuration"}};

@@ -30,16 +30,17 @@ constexpr std::size_t most_header = 8 * 1024;
 constexpr std::size_t most_body = 64 * 1024;
 constexpr auto patience = std::chrono::seconds{30};
 
-// Somebody answers there: the socket is not ours to replace.
+// The socket is not ours to replace, unless it is known that nobody listens there: a refusal for any other reason (of another
+// type, no permission, out of descriptors) says nothing about that.
 bool is_alive(const std::string& path) {
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
     const int result = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    const bool alive = result == 0 || errno == EAGAIN;
-    ::close(fd);
-    return alive;
+    const bool dead = result != 0 && errno == ECONNREFUSED;
+    if (fd >= 0) ::close(fd);
+    return !dead;
 }
 
 void let_group_in(const std::string& path) {
@@ -127,8 +128,10 @@ std::string Control::start(const std::string& path) {
     fs::create_directories(fs::path{path}.parent_path(), made);
     std::error_code ignored;
     if (fs::is_socket(fs::symlink_status(path, ignored))) {
-        if (is_alive(path)) return path + ": another anogated is using it (give this one another by --control)";
+        if (is_alive(path)) return path + ": another program is using it (give this one another by --control)";
         fs::remove(path, ignored);
+    } else if (fs::exists(fs::symlink_status(path, ignored))) {
+        return path + ": exists and is no socket (give another path by --control)";
     }
     error_code ec;
     acceptor_.open(Local{}, ec);
@@ -139,7 +142,7 @@ std::string Control::start(const std::string& path) {
     if (ec) {
         error_code ignored_too;
         acceptor_.close(ignored_too);
-        return error_text(path, ec.value());
+        return error_text(path, ec.value()) + " (give another path by --control, or --control none)";
     }
     path_ = path;
     let_group_in(path);

@@ -58,7 +58,7 @@ LimitText parse_limit(std::string_view text) {
     const auto ids = parse_frames(name);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
         return {{}, "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
-                        ano::did_you_mean(name, frame_words())};
+                        (ids ? ", which is several" : ano::did_you_mean(name, frame_words()))};
     double value = 0;
     const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
     if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= slowest && value <= fastest))

@@ -28,6 +28,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     : io_{io},
       settings_{std::move(settings)},
       alarms_{io},
+      peer_log_{alarms_},
       router_{settings_.gateway},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
@@ -130,13 +131,13 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     state(link).channels.insert(id);
     router_.open(id, link.id());
     loop_guard_.open(id, now_);
-    if (!channels_[i]->peer.empty() && state(link).up) spdlog::info("{}: peer {}", link.name(), channels_[i]->peer);
+    if (!channels_[i]->peer.empty() && state(link).up) peer_log_.came(link.name(), channels_[i]->peer, now_);
     return channels_[i].get();
 }
 
 void Gateway::close_channel(Channel& channel) {
     LinkState& s = links_[index(channel.link)];
-    if (s.up) spdlog::info("{}: peer {} is gone", s.link->name(), channel.peer);
+    if (s.up) peer_log_.went(s.link->name(), channel.peer, now_);
     channel.outbox.close();
     add(s.gone_received, channel.received());
     add(s.gone_sent, channel.outbox.counters());
@@ -154,12 +155,13 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const Treatment treatment = treatment_of(frame.id());
     if (came_before(from, frame, treatment)) return;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
+    if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), route.guarded, now_);
+    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
     for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
@@ -311,6 +313,7 @@ bool Gateway::nothing_waits() const {
 
 void Gateway::finish_stop() {
     stop_check_.cancel();
+    peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
     gpio_->stop();
     if (on_stopped_) std::exchange(on_stopped_, [] {})();

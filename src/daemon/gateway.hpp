@@ -1,6 +1,7 @@
 // Owns the links, the channels and the router; the only place that sees them all.
 #pragma once
 #include <daemon/gpio.hpp>
+#include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/recent.hpp>
@@ -89,6 +90,7 @@ private:
     asio::io_context& io_;
     Settings settings_;
     AlarmClock alarms_;
+    PeerLog peer_log_;
     DatagramBatch batch_;
     DatagramSender sender_;
     Router router_;

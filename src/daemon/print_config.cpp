@@ -117,6 +117,7 @@ std::string print_config(const Settings& settings) {
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
     document["gpio"] = Json::array();
     for (const GpioSettings& line : settings.gpio) document["gpio"].push_back(object_of(line));
+    document["flexible"] = Json::parse(settings.flexible);
     document["control"] = object_of(settings.control, control_keys());
     document["log"] = object_of(settings.log, log_keys());
     return document.dump(2) + "\n";

@@ -30,6 +30,7 @@ public:
     int run() {
         start_control();
         wait_for_signal();
+        if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
             spdlog::error("{} is required and was not up within 10 s", link);
             status_ = 1;
@@ -54,10 +55,10 @@ private:
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec) return;
+            wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
             else stop();
-            wait_for_signal();
         });
     }
 
@@ -87,9 +88,7 @@ private:
     int status_ = 0;
 };
 
-}  // namespace
-
-int run_program(int argc, char** argv) {
+int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
         (exit->code == 0 ? std::cout : std::cerr) << exit->text;
@@ -97,11 +96,28 @@ int run_program(int argc, char** argv) {
     }
     CommandLine& line = std::get<CommandLine>(parsed);
     if (line.check) std::cerr << line.warnings;
-    if (line.print_config) std::cout << print_config(line.settings);
+    if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
+        std::cerr << "anogated: the configuration could not be written\n";
+        return 1;
+    }
     if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);
     start_log(line.settings.log);
     return Program{std::move(line.settings)}.run();
+}
+
+}  // namespace
+
+// What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
+int run_program(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::cerr << "anogated: out of memory\n";
+    } catch (const std::exception& error) {
+        std::cerr << "anogated: " << error.what() << "\n";
+    }
+    return 1;
 }
 
 }  // namespace anogate

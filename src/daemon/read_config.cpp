@@ -1,7 +1,8 @@
+#include <ano_json/flexible_json.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/config.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <link/kinds.hpp>
 
@@ -121,6 +122,9 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
             for (const auto& [entry, rate] : value.items())
                 if (std::string wrong = read_entry(*key, entry, rate, section); !wrong.empty())
                     errors.push_back({where + pointer_step(entry), std::move(wrong)});
+        } else if ((key->form == Form::frames || key->form == Form::senders) && !value.is_array()) {
+            error = in_quotes(full) + " must be a list" +
+                    (value.is_string() ? " such as [" + printable(value.dump()) + "]" : "") + ", not " + shown(value);
         } else {
             const auto text = text_of(value, key->form);
             error = text ? key->set(*text, section) : must_be(*key, shown(value));
@@ -139,9 +143,10 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "flexible", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
+            if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
             if (name == "gateway")
                 gateway(value, pointer);
             else if (name == "links")
@@ -154,6 +159,8 @@ public:
                 tunnel(value, pointer);
             else if (name == "gpio")
                 each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
+            else if (name == "flexible")
+                flexible(value, pointer);
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control);
             else if (name == "log")
@@ -184,7 +191,9 @@ private:
         if (value.is_string()) return read_link(value.get<std::string>(), pointer, draft_);
         const std::size_t before = draft_.errors.size();
         LinkSettings settings;
-        if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
+        if (!value.is_object() && !value.is_array())
+            draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + shown(value)});
+        else if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
             settings = new_link(value["kind"].get<std::string>());
             read_keys(value, {pointer, true}, link_keys(), settings, draft_.errors, settings.kind, "kind");
         }
@@ -240,6 +249,13 @@ private:
             use = value["use"].get<std::string>();
         if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, gpio_keys(), line, draft_.errors, use);
         draft_.add(std::move(line), {pointer, true, draft_.errors.size() > before});
+    }
+
+    void flexible(const json& value, const std::string& pointer) {
+        ano::FlexibleLayouts layouts;
+        for (ano::JsonFault& fault : ano::add_flexible(value, pointer, layouts))
+            draft_.errors.push_back({std::move(fault.pointer), std::move(fault.what)});
+        draft_.settings.flexible = value.dump();
     }
 
     std::string file_;

@@ -39,7 +39,8 @@ std::string hint(const LinkFigures& link) {
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return "many damaged frames: check cable, ground and baud rate";
-    if (link.sent.queue_full > 0 && link.sent.queue_full * 10 > link.sent.frames_out)
+    const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale;
+    if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
     if (in.bytes_in == 0 && link.up_for >= patience) return nothing_at_all(link);
     if (link.silent_for && *link.silent_for >= patience) return "silent for " + seconds(*link.silent_for);

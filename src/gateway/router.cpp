@@ -43,6 +43,7 @@ void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
 }
 
 void Router::open(ChannelId channel, LinkId link) {
+    ++open_;
     link_of_[index(channel)] = link;
     down_at_[index(channel)] = TimePoint::min();
     channels_of_link_[index(link)].insert(channel);
@@ -51,6 +52,7 @@ void Router::open(ChannelId channel, LinkId link) {
 }
 
 void Router::close(ChannelId channel) {
+    --open_;
     channels_of_link_[index(link_of_[index(channel)])].erase(channel);
     flooded_.erase(channel);
     broadcast_.erase(channel);
@@ -73,7 +75,9 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
         heard_link_[index(link_of_[index(from)])] = now;
         keep_one_of_each_group(route, link_of_[index(from)], now);
     }
-    const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several();
+    // Hosts may be on several sides of a ring, and are never forgotten: each gateway may know them by another way.
+    const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several() ||
+                        (address::is_host(destination) && open_ > 2);
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
     return route;
 }

@@ -46,8 +46,9 @@ StreamLink::Opened PtyLink::open_wire() {
     const bool watched = watch_users();
     std::string error = link_path(device_);
     if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
-    if (!error.empty()) return {{}, std::move(error)};
-    return {std::move(ours), {}};
+    if (error.empty()) return {std::move(ours), {}};
+    watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
+    return {{}, std::move(error)};
 }
 
 UniqueFd PtyLink::open_user_side() const {
@@ -57,7 +58,7 @@ UniqueFd PtyLink::open_user_side() const {
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
     std::error_code ec;
-    fs::create_directories(path.parent_path(), ec);
+    if (path.has_parent_path()) fs::create_directories(path.parent_path(), ec);
     if (ec) return error_text(path.string(), ec.value());
     if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
     const fs::path fresh = path.string() + ".anogate-new";

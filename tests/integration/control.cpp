@@ -10,6 +10,9 @@
 #include <grp.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -128,10 +131,18 @@ TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
 
 TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
     Daemon second{ANOGATED, socket, {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("another anogated is using it")) << second.output();
+    EXPECT_TRUE(second.until_says("another program is using it")) << second.output();
     second.signal(SIGTERM);
     EXPECT_EQ(second.wait(), 0);
     EXPECT_EQ(daemon.link("ground").at("state"), "up") << "the socket is still that of the first";
+}
+
+TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
+    const TempDir other;
+    std::ofstream{other / "file"} << "precious";
+    Daemon second{ANOGATED, other / "file", {"sim:fc"}};
+    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control)")) << second.output();
+    EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 
 TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up) {

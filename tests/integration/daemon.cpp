@@ -10,6 +10,8 @@
 
 #include <sys/un.h>
 
+#include <algorithm>
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -96,6 +98,23 @@ TEST(Daemon, ends_within_a_second_under_load_and_with_a_reader_that_is_stuck) {
     EXPECT_EQ(daemon.wait(), 0);
 }
 
+TEST(Daemon, a_second_signal_makes_an_end_at_once) {
+    const TempDir dir;
+    PtyDevice stuck{dir / "stuck"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("stuck"));
+    UdpPeer load;
+    const auto port = daemon.port("ground");
+    ASSERT_TRUE(daemon.until([&](const auto&) {
+        for (int i = 0; i < 50; ++i) load.send(port, frame(0xDD, 0xFF, 0xF1, Bytes(200, 1)));
+        return daemon.count("stuck", "waiting") > 0;
+    }));
+    daemon.signal(SIGINT);
+    daemon.signal(SIGTERM);
+    EXPECT_TRUE(wait_until([&] { return !daemon.is_running(); })) << daemon.output();
+    EXPECT_EQ(daemon.wait(), 0);
+}
+
 TEST(Daemon, what_waits_reaches_a_reader_before_the_end) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"};
@@ -167,6 +186,50 @@ TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
     while (last == "WATCHDOG=1");
     EXPECT_EQ(last, "STOPPING=1");
     ::close(fd);
+}
+
+TEST(Daemon, says_in_one_line_why_it_cannot_run_at_all) {
+    Process daemon{"/bin/sh", {"-c", "ulimit -n 5; exec \"$0\" --control none sim:fc", ANOGATED}};
+    EXPECT_EQ(daemon.wait(), 1) << daemon.output();
+    EXPECT_TRUE(daemon.output().starts_with("anogated: ")) << daemon.output();
+    EXPECT_NE(daemon.output().find("Too many open files"), std::string::npos) << daemon.output();
+}
+
+TEST(Daemon, strangers_without_number_are_told_in_few_lines) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground,max_peers=1"}};
+    ASSERT_TRUE(daemon.until_up("ground")) << daemon.output();
+    const auto port = daemon.port("ground");
+    for (int i = 0; i < 200; ++i) UdpPeer{}.send(port, vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&](const auto&) { return daemon.count("ground", "frames_in") == 200; }));
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    const std::string& said = daemon.output();
+    EXPECT_LT(std::count(said.begin(), said.end(), '\n'), 50) << said;
+    EXPECT_NE(said.find(" times more"), std::string::npos) << said;
+}
+
+TEST(Daemon, a_socket_of_another_kind_in_the_way_is_left_alone) {
+    const TempDir dir;
+    const std::string path = dir / "notify";
+    const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    Daemon daemon{ANOGATED, path, {"sim:fc"}};
+    EXPECT_TRUE(daemon.until_says("another program is using it")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+    const int sender = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    EXPECT_EQ(::connect(sender, reinterpret_cast<sockaddr*>(&address), sizeof address), 0) << "it is where it was";
+    ::close(sender);
+    ::close(fd);
+}
+
+TEST(Daemon, a_configuration_that_is_not_written_whole_is_no_success) {
+    Process daemon{"/bin/sh", {"-c", "exec \"$0\" --print-config sim:fc > /dev/full", ANOGATED}};
+    EXPECT_EQ(daemon.wait(), 1) << daemon.output();
+    EXPECT_TRUE(daemon.output().starts_with("anogated: ")) << daemon.output();
 }
 
 // Takes the ten seconds that the interface promises.

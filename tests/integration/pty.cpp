@@ -1,4 +1,5 @@
 // The pty link: a program opens the path as if it were a serial port.
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -167,12 +168,41 @@ TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
     EXPECT_TRUE(daemon.until_up("app"));
 }
 
+TEST(PtyLink, is_never_up_while_its_path_is_taken) {
+    const TempDir dir;
+    std::ofstream{dir / "app"} << "mine";
+    RunningGateway daemon{pty("app", dir / "app")};
+    daemon.run_for(300ms);
+    EXPECT_FALSE(daemon.gateway().links()[0].was_up);
+    EXPECT_NE(daemon.link("app").at("error").get<std::string>().find("exists and is not ours"), std::string::npos);
+}
+
+TEST(PtyLink, a_path_may_be_relative) {
+    const TempDir dir;
+    const fs::path before = fs::current_path();
+    fs::current_path(dir / "");
+    {
+        RunningGateway daemon{pty("app", "app")};
+        const PortUser user{dir / "app"};
+        EXPECT_TRUE(daemon.until_up("app"));
+    }
+    fs::current_path(before);
+}
+
 TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "x";
     RunningGateway daemon{pty("app", dir / "file/app")};
     EXPECT_EQ(daemon.link("app").at("state"), "waiting");
     EXPECT_EQ(daemon.link("app").at("error"), (dir / "file/app") + ": Not a directory");
+}
+
+TEST(PtyLink, is_never_up_while_its_path_cannot_be_made) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "x";
+    Daemon daemon{ANOGATED, dir / "control", {"pty:" + (dir / "file/app"), "sim:fc,hz=100"}};
+    ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.count("app", "link_down") > 50; })) << "retried some times";
+    EXPECT_EQ(daemon.output().find("app: up"), std::string::npos) << daemon.output();
 }
 
 }    // namespace

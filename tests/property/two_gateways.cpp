@@ -45,8 +45,12 @@ struct Node {
             ++duplicates;
             return {};
         }
+        if (!asked_by_many(frame) && loops.copied(key, from, now)) {
+            ++looped;
+            return {};
+        }
         const Route route = router->route(from, frame.source(), frame.destination(), now);
-        if (!route.guarded.empty()) loops.remember(key, route.guarded, now);
+        if (!route.guarded.empty()) loops.remember(key, from, route.guarded, now);
         return route.channels;
     }
 
@@ -167,6 +171,24 @@ TEST(TwoGateways, a_question_goes_round_at_most_once) {
         world.run();
         EXPECT_LE(world.handled, 50u * 8);
         for (unsigned node : {0u, 1u}) EXPECT_GE(world.times(node, question), 1);
+    });
+}
+
+// With a ground station on both sides, each gateway may know of the other's by another way.
+TEST(TwoGateways, what_is_for_hosts_on_both_sides_does_not_go_round) {
+    for_all_delays([](const Duration(&&delay)[2][2]) {
+        for (const std::uint8_t id : {std::uint8_t{0x03}, std::uint8_t{0xE0}}) {
+            World world{0};
+            std::copy_n(&delay[0][0], 4, &world.delay[0][0]);
+            for (const unsigned node : {0u, 1u}) {
+                const Bytes word = support::frame(0xFE, 0xFF, id, {0, 0, 0});
+                world.send(node, device, word, TimePoint{} + node * 3s);
+            }
+            for (int n = 0; n < 100; ++n) world.send(0, device, attitude(n), TimePoint{} + 6s + n * 10ms);
+            world.run();
+            EXPECT_LE(world.handled, 1000u);
+            for (int n = 0; n < 100; ++n) EXPECT_EQ(world.times(1, attitude(n)), 1);
+        }
     });
 }
 

@@ -53,7 +53,7 @@ TEST_P(AnyRead, of_crafted_input_costs_linear_time) {
     for (const auto& crafted : support::crafted()) {
         const double needed = share(support::input_of(crafted.piece, input_size), crafted.max_data, GetParam());
         EXPECT_LT(needed, 1) << crafted.name;
-        EXPECT_GT(needed, 0.01) << crafted.name << ": nothing was counted";
+        EXPECT_GT(needed, 0.001) << crafted.name << ": nothing was counted";
         most = std::max(most, needed);
     }
     RecordProperty("most", std::to_string(most));

@@ -4,6 +4,7 @@
 #include <ano_json/text.hpp>
 
 #include <CLI/CLI.hpp>
+#include <ano_json/nearest.hpp>
 #include <array>
 #include <exception>
 #include <ostream>
@@ -24,6 +25,23 @@ std::span<const Subcommand> subcommands() noexcept {
     return all;
 }
 
+namespace {
+
+void name_the_stranger(int argc, const char* const* argv) {
+    if (argc < 2 || argv[1][0] == '-') return;
+    std::vector<std::string_view> names;
+    std::string all;
+    for (const Subcommand& s : subcommands()) {
+        if (s.name == std::string_view{argv[1]}) return;
+        names.emplace_back(s.name);
+        all += (all.empty() ? "" : ", ") + std::string{s.name};
+    }
+    throw UsageError{"there is no command '" + std::string{argv[1]} + "'" + ano::did_you_mean(argv[1], names) +
+                     "; the commands are " + all};
+}
+
+}    // namespace
+
 int run(int argc, const char* const* argv, Streams& streams) {
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
@@ -39,6 +57,7 @@ int run(int argc, const char* const* argv, Streams& streams) {
         return code;
     };
     try {
+        name_the_stranger(argc, argv);
         app.parse(argc, argv);
         for (const auto& [options, run] : runs) {
             if (!options->parsed()) continue;

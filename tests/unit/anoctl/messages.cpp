@@ -51,4 +51,10 @@ TEST(Messages, bad_input_gets_words) {
     EXPECT_EQ(anoctl({"messages", "--json", "--lua"}).exit, 2);
 }
 
+TEST(Anoctl, a_command_that_is_none_is_named) {
+    const auto ran = anoctl({"mesages"});
+    EXPECT_EQ(ran.exit, 2);
+    EXPECT_EQ(ran.err, "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor\n");
+}
+
 }    // namespace

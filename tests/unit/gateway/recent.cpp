@@ -61,7 +61,7 @@ TEST(Recent, forgets_the_oldest_when_full) {
 
 TEST(LoopGuard, knows_what_comes_back) {
     LoopGuard guard;
-    guard.remember(1, ChannelSet{channel(3)} | channel(4), start);
+    guard.remember(1, channel(60), ChannelSet{channel(3)} | channel(4), start);
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s)) << "every time";
     EXPECT_TRUE(guard.looped(1, channel(4), start + 1999ms));
@@ -72,18 +72,31 @@ TEST(LoopGuard, knows_what_comes_back) {
 
 TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
     LoopGuard guard;
-    guard.remember(1, channel(3), start);
+    guard.remember(1, channel(60), channel(3), start);
     guard.open(channel(3), start + 1ms);
     EXPECT_FALSE(guard.looped(1, channel(3), start + 1s));
-    guard.remember(1, channel(3), start + 1s);
+    guard.remember(1, channel(60), channel(3), start + 1s);
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
+}
+
+TEST(LoopGuard, knows_a_copy_by_whatever_way_it_comes) {
+    LoopGuard guard;
+    guard.remember(1, channel(0), channel(3), start);
+    EXPECT_FALSE(guard.copied(1, channel(0), start + 1s)) << "its sender may repeat it";
+    EXPECT_TRUE(guard.copied(1, channel(5), start + 1s));
+    guard.remember(1, channel(5), channel(4), start + 1s);
+    EXPECT_FALSE(guard.copied(1, channel(0), start + 1s)) << "it came first by this one";
+    EXPECT_FALSE(guard.copied(2, channel(5), start + 1s));
+    EXPECT_FALSE(guard.copied(1, channel(5), start + 3s));
+    guard.open(channel(6), start + 1001ms);
+    EXPECT_FALSE(guard.copied(1, channel(6), start + 2s)) << "a sender with a new port";
 }
 
 TEST(LoopGuard, lets_another_host_ask_the_same_once) {
     LoopGuard guard;
-    guard.remember(1, channels({0, 1}), start);
+    guard.remember(1, channel(60), channels({0, 1}), start);
     EXPECT_FALSE(guard.looped(1, channel(1), start + 100ms, true));
-    guard.remember(1, channels({0}), start + 100ms);
+    guard.remember(1, channel(60), channels({0}), start + 100ms);
     EXPECT_TRUE(guard.looped(1, channel(1), start + 1s, true)) << "and then it goes round";
     EXPECT_FALSE(guard.looped(1, channel(0), start + 1s, true)) << "one channel says nothing of another";
     EXPECT_FALSE(guard.suspect(channel(1), start + 1s)) << "two who ask all the time are no loop";
@@ -91,15 +104,15 @@ TEST(LoopGuard, lets_another_host_ask_the_same_once) {
 
 TEST(LoopGuard, a_device_that_comes_back_tells_of_questions_that_will) {
     LoopGuard guard;
-    guard.remember(1, channels({1}), start);
+    guard.remember(1, channel(60), channels({1}), start);
     EXPECT_TRUE(guard.looped(1, channel(1), start + 100ms));
-    guard.remember(2, channels({1}), start + 200ms);
+    guard.remember(2, channel(60), channels({1}), start + 200ms);
     EXPECT_TRUE(guard.looped(2, channel(1), start + 300ms, true));
-    guard.remember(3, channels({1}), start + 61s);
+    guard.remember(3, channel(60), channels({1}), start + 61s);
     EXPECT_FALSE(guard.looped(3, channel(1), start + 61s, true)) << "not for ever";
     EXPECT_TRUE(guard.looped(3, channel(1), start + 62s));
     guard.open(channel(1), start + 62s);
-    guard.remember(4, channels({1}), start + 63s);
+    guard.remember(4, channel(60), channels({1}), start + 63s);
     EXPECT_FALSE(guard.looped(4, channel(1), start + 63s, true)) << "another channel by now";
 }
 
