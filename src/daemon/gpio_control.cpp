@@ -35,7 +35,7 @@ Json line_json(const Gpio::Line& line, TimePoint now) {
     json["value"] = held ? Json(line.pin.active()) : Json(nullptr);
     if (s.use == GpioUse::inhibit) json["inhibiting"] = !held || line.pin.active();
     json["edges"] = line.pin.edges();
-    json["edge_s"] = line.pin.edges() == 0 ? Json(nullptr) : Json(seconds(now - line.pin.edge_at()));
+    json["edge_s"] = line.pin.edges() == 0 ? Json(nullptr) : Json(seconds(std::max(now - line.pin.edge_at(), Duration::zero())));
     if (s.use == GpioUse::reset || s.use == GpioUse::power) json["pulses"] = line.pulses;
     return json;
 }

@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned edges_at_once = 16;
-
 // What is wanted of a line, whichever the library.
 struct Want {
     std::string consumer;    // how `gpioinfo` shows us
@@ -93,7 +91,7 @@ struct GpioLine::Request {
 
     gpiod::line::offset offset;
     gpiod::line_request request;
-    gpiod::edge_event_buffer buffer{edges_at_once};
+    gpiod::edge_event_buffer buffer{16};
 };
 
 #else
