@@ -87,6 +87,9 @@ public:
     explicit LoopGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
         : window_{window}, sent_{window, capacity} {}
 
+    /// The same bytes again by the channel that brought them first are a sender that repeats itself, or a ring that they
+    /// entered elsewhere. Of so many one is kept back: a sender misses a thousandth, a ring ends, however long it is.
+    static constexpr std::uint32_t repeats = 1000;
     /// How long a channel is taken for one that brings back what went there, after it did.
     static constexpr ano::Duration suspicion = std::chrono::seconds{60};
 
@@ -97,8 +100,11 @@ public:
     }
     /// A frame that came by `from` went, or could come back, by each of `channels`: Route::guarded.
     void remember(std::uint64_t key, ChannelId from, ChannelSet channels, ano::TimePoint now) noexcept {
-        Sent sent{channels, {}, from};
-        if (const Sent* known = sent_.find(key, now)) sent = {channels | known->channels, known->repeated, known->from};
+        Sent sent{channels, {}, 0, from};
+        if (const Sent* known = sent_.find(key, now)) {
+            sent = *known;
+            sent.channels |= channels;
+        }
         sent_.put(key, sent, now);
         quiet_at_ = now + window_;
     }
@@ -107,14 +113,16 @@ public:
     bool copied(std::uint64_t key, ChannelId from, ano::TimePoint now) noexcept {
         if (now >= quiet_at_) return false;
         const Sent* known = sent_.find(key, now);
-        return known && known->from != from && sent_.put_at(key) >= opened_at_[index(from)];
+        return known && known->from != from && sent_.put_at(key) > opened_at_[index(from)];
     }
-    /// A frame that came by `from` within the window after it went there. A `common` one (asked_by_many()) is let through
+    /// A frame that came by `from` within the window after it went there; also each thousandth of `repeats`. A `common` one (asked_by_many()) is let through
     /// once, unless `from` is a channel that brings things back.
     bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now, bool common = false) noexcept {
         if (now >= quiet_at_) return false;
         Sent* known = sent_.find(key, now);
-        if (!known || !known->channels.contains(from) || sent_.put_at(key) < opened_at_[index(from)]) return false;
+        if (!known) return false;
+        if (known->from == from && ++known->times % repeats == 0) return true;
+        if (!known->channels.contains(from) || sent_.put_at(key) <= opened_at_[index(from)]) return false;
         if (!common) {
             suspect_until_[index(from)] = now + suspicion;
         } else if (!suspect(from, now) && !known->repeated.contains(from)) {
@@ -129,18 +137,19 @@ public:
 private:
     struct Sent {
         ChannelSet channels;
-        ChannelSet repeated;    // of these, by which it came once more
-        ChannelId from{};       // by which it came first
+        ChannelSet repeated;        // of these, by which it came once more
+        std::uint32_t times = 0;    // by `from` again
+        ChannelId from{};           // by which it came first
     };
     ano::Duration window_;
     Recent<Sent> sent_;
     ano::TimePoint quiet_at_ = ano::TimePoint::min();
-    std::array<ano::TimePoint, most_channels> opened_at_{};
-    std::array<ano::TimePoint, most_channels> suspect_until_ = [] {
+    static constexpr std::array<ano::TimePoint, most_channels> never = [] {
         std::array<ano::TimePoint, most_channels> all;
         all.fill(ano::TimePoint::min());
         return all;
     }();
+    std::array<ano::TimePoint, most_channels> opened_at_ = never, suspect_until_ = never;
 };
 
 /// Of a frame that comes by several links of a group, lets one through.

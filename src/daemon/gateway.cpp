@@ -207,6 +207,15 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
     return false;
 }
 
+bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
+    const std::uint64_t key = key_of(frame);
+    const bool common = asked_by_many(frame);
+    if (loop_guard_.looped(key, from.id, now_, common) || (!common && loop_guard_.copied(key, from.id, now_)))
+        return ++from.routed.looped, false;
+    loop_guard_.remember(key, from.id, links_[index(to)].channels, now_);
+    return true;
+}
+
 bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
     Rules* rules = links_[index(to)].rules.get();
     const auto cause = rules ? rules->refusal(frame, ++frame_number_, now_) : nullptr;

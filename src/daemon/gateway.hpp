@@ -58,6 +58,7 @@ public:
 
     bool admit(Channel& from, ano::FrameView frame) override;
     bool admit_unopened(Channel& from, ano::FrameView frame) override;
+    bool goes_once(Channel& from, ano::FrameView frame, LinkId to) override;
     bool may_leave(LinkId to, ano::FrameView frame) override;
     void learn(Channel& from, ano::FrameView frame) override;
     void send(LinkId to, ano::FrameView frame) override;

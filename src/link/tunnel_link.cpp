@@ -35,7 +35,7 @@ void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     look_around(context().host.now());
     host_.learn(from, frame);
     const auto passes = [&](ano::FrameView inner) {
-        if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner)) return false;
+        if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner) || !host_.goes_once(from, inner, id())) return false;
         host_.learn(from, inner);
         return host_.may_leave(id(), inner);
     };
@@ -81,7 +81,8 @@ void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameVie
 
 void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     const Target& to = wrap_to_[rule];
-    if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.admit_unopened(channel, frame) || !host_.may_leave(to.link, frame)) return;
+    if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.admit_unopened(channel, frame)) return;
+    if (!host_.goes_once(channel, frame, to.link) || !host_.may_leave(to.link, frame)) return;
     if (!wrapping_) {
         look_around(context().host.now());
         if (!tunnel_.begin_wrap(rule, to.max_data, sender)) {

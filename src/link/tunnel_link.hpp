@@ -15,6 +15,9 @@ public:
     virtual bool admit(Channel& from, ano::FrameView frame) = 0;
     /// The same for a tunnel frame that goes on unopened, after admit(): a switch is not to be passed inside one.
     virtual bool admit_unopened(Channel& from, ano::FrameView frame) = 0;
+    /// What leaves by `to` without Router::route() is kept from going round all the same: false, and counted, when it came back by
+    /// another way than it came by first.
+    virtual bool goes_once(Channel& from, ano::FrameView frame, LinkId to) = 0;
     /// The send filter and limits of `to`, for a frame that leaves inside a tunnel frame. Counts if not.
     virtual bool may_leave(LinkId to, ano::FrameView frame) = 0;
     /// Its source is behind `from`: answers go there.

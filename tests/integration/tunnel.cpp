@@ -1,4 +1,5 @@
 // Two gateways in two network namespaces joined by a cable, a device on a pty behind each.
+#include <gateway/recent.hpp>
 #include <gateway/tunnel.hpp>
 #include <support/namespaces.hpp>
 #include <support/pty_device.hpp>
@@ -515,6 +516,61 @@ TEST_F(TwoGateways, a_storm_of_nested_tunnels_dies_down) {
     })) << "and all is well afterwards";
     EXPECT_TRUE(a->gateway->counters_add_up() && b->gateway->counters_add_up());
 }
+
+// Each gateway has a link to the other's tunnel: what one sends by its tunnel comes back to it by the other's link.
+class Ring : public TwoGateways, public testing::WithParamInterface<Combination> {
+protected:
+    void start_ring() {
+        for (Site* site : {a.get(), b.get()}) {
+            site->settings.links.push_back(udp("u", (site == a.get() ? "10.77.0.2:" : "10.77.0.1:") + std::to_string(port)));
+            site->tunnel().links.push_back("u");
+            site->tunnel().deliver = GetParam().deliver;
+        }
+        if (GetParam().brief) {
+            anogate::WrapSettings rule;
+            rule.from = *Network::parse("10.77.0.0/24");
+            rule.link = "u";
+            rule.to = radio;
+            for (Site* site : {a.get(), b.get()}) {
+                site->tunnel().wrap = {rule};
+                site->tunnel().ip = IpAddress::parse("10.77.0.9");    // else neither takes what the other wraps
+            }
+        }
+        start();
+    }
+    std::uint64_t seen() const {
+        std::uint64_t frames = 0;
+        for (const Site* site : {a.get(), b.get()})
+            for (const char* link : {"fc", "u", "tunnel"}) frames += site->gateway->count(link, "frames_in");
+        return frames;
+    }
+};
+
+TEST_P(Ring, nothing_goes_round) {
+    start_ring();
+    Bytes all;
+    for (std::uint8_t depth = 0; depth < 10; ++depth) {    // each another frame: one that is known goes nowhere
+        Bytes inner = frame(mcu, everybody, 0x03, {depth, 2, 3, 4, 5, 6, 7});
+        for (int i = 0; i < depth; ++i) inner = b1((depth - i) % 2 == 0 ? "10.77.0.1" : "10.77.0.2", port, inner);
+        all = all + inner;
+    }
+    a->device.write(all);
+    b->device.write(command);
+    std::uint64_t before = 0;
+    EXPECT_TRUE(until([&] {
+        before = seen();
+        let_pass(50ms);
+        return seen() == before;
+    }));
+    EXPECT_LT(before, 4u * 10 * anogate::LoopGuard::repeats) << "each its turns at most, on every link";
+    EXPECT_TRUE(a->gateway->counters_add_up() && b->gateway->counters_add_up());
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoGateways, Ring,
+                         testing::Values(Combination{"frames", false, Deliver::frames}, Combination{"tunnel", false, Deliver::tunnel},
+                                         Combination{"frames_wrapped", true, Deliver::frames},
+                                         Combination{"tunnel_wrapped", true, Deliver::tunnel}),
+                         [](const auto& combination) { return std::string{combination.param.name}; });
 
 TEST_F(TwoGateways, the_cable_may_be_pulled) {
     start();

@@ -92,6 +92,42 @@ TEST(LoopGuard, knows_a_copy_by_whatever_way_it_comes) {
     EXPECT_FALSE(guard.copied(1, channel(6), start + 2s)) << "a sender with a new port";
 }
 
+TEST(LoopGuard, takes_what_comes_as_a_channel_opens_for_that_channels_own) {
+    LoopGuard guard;
+    guard.open(channel(5), start);    // two hosts with new ports, in one batch
+    guard.remember(1, channel(0), channel(5), start);
+    EXPECT_FALSE(guard.copied(1, channel(5), start));
+    EXPECT_FALSE(guard.looped(1, channel(5), start));
+    EXPECT_TRUE(guard.copied(1, channel(6), start));
+}
+
+TEST(LoopGuard, a_sender_that_repeats_itself_misses_one_in_a_thousand) {
+    LoopGuard guard;
+    int passed = 0;
+    auto now = start;
+    for (int i = 0; i < 10'000; ++i, now += 10ms) {
+        if (guard.looped(1, channel(0), now)) continue;
+        ++passed;
+        guard.remember(1, channel(0), channel(3), now);
+    }
+    EXPECT_EQ(passed, 9991);
+    now += 2s;
+    for (int i = 0; i < 10'000; ++i, now += 2s) {
+        EXPECT_FALSE(guard.looped(1, channel(0), now)) << "nobody goes round so slowly";
+        guard.remember(1, channel(0), channel(3), now);
+    }
+}
+
+// It comes back by the channel that it first came by: whatever brought it in did so elsewhere.
+TEST(LoopGuard, a_ring_that_began_elsewhere_ends) {
+    LoopGuard guard;
+    auto now = start;
+    int turns = 0;
+    for (; turns < 100'000 && !guard.looped(1, channel(0), now); now += 500ms, ++turns)
+        guard.remember(1, channel(0), channel(3), now);
+    EXPECT_EQ(turns, 1000);
+}
+
 TEST(LoopGuard, lets_another_host_ask_the_same_once) {
     LoopGuard guard;
     guard.remember(1, channel(60), channels({0, 1}), start);
