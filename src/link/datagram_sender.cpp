@@ -70,7 +70,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         case ENOMEM: outbox.set_congested(); return stop(SendResult::no_memory);
         case EMSGSIZE:
             if (room_->frames_in[0] > 1) mtu = 0;    // one by one they may pass
-            else give_up(&SendCounters::too_big);
+            else if (++failures == 2) give_up(&SendCounters::too_big);
             break;
         case ECONNREFUSED:
             ++report.refused;

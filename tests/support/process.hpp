@@ -66,6 +66,7 @@ public:
         for (std::string& a : arguments) argv.push_back(a.data());
         argv.push_back(nullptr);
         pid_ = ::fork();
+        if (pid_ < 0) std::abort();    // a signal to -1 would reach everybody
         if (pid_ == 0) {
             ::prctl(PR_SET_PDEATHSIG, SIGKILL);
             ::dup2(pipe[1], STDERR_FILENO);
