@@ -8,8 +8,8 @@ std::string printable(const std::string& text, std::size_t most) {
     const bool ascii_only = !is_utf8(text);
     std::string result;
     for (const char c : text) {
-        if (result.size() >= most) return result + "...";
         const auto byte = static_cast<unsigned char>(c);
+        if (result.size() >= most && (ascii_only || byte >> 6 != 2)) return result + "...";    // never inside a character
         if (byte >= 0x20 && byte != 0x7F && (byte < 0x80 || !ascii_only))
             result += c;
         else

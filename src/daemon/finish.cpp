@@ -158,6 +158,7 @@ private:
     }
 
     void can(std::size_t i) {
+        if (draft_.links[i].broken) return;
         if (std::string fault = fault_of(links_[i].can); !fault.empty())
             error(draft_.links[i], links_[i].can.framing == CanFraming::isotp ? "framing" : "base", std::move(fault));
     }

@@ -107,7 +107,7 @@ template <class Section>
 void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Section& section, ConfigErrors& errors,
                std::string_view kind = {}, std::string_view but = {}, const std::string& inside = {}) {
     for (const auto& [name, value] : object.items()) {
-        if (name == but) continue;
+        if (!but.empty() && name == but) continue;
         const auto where = origin.where + pointer_step(name);
         const std::string full = inside + name;
         const Key<Section>* key = name.find('.') == name.npos ? find_key(keys, full, kind) : nullptr;
@@ -149,6 +149,8 @@ public:
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
             if (name == "gateway")
                 gateway(value, pointer);
+            else if (name == "links" && !value.is_array())
+                no_links(value, pointer);
             else if (name == "links")
                 each(value, pointer, [&](const json& entry, const std::string& where) { link(entry, where); });
             else if (name == "routes")
@@ -176,8 +178,17 @@ private:
         if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, keys, into, draft_.errors);
     }
 
+    void no_list(const json& value, const std::string& pointer) {
+        draft_.errors.push_back({pointer, "must be a list [...], not " + shown(value)});
+    }
+
+    void no_links(const json& value, const std::string& pointer) {
+        no_list(value, pointer);
+        draft_.broken_links = true;
+    }
+
     void each(const json& list, const std::string& pointer, auto read) {
-        if (!list.is_array()) draft_.errors.push_back({pointer, "must be a list [...], not " + shown(list)});
+        if (!list.is_array()) no_list(list, pointer);
         for (std::size_t i = 0; list.is_array() && i < list.size(); ++i)
             read(list[i], pointer + "/" + std::to_string(i));
     }

@@ -113,7 +113,8 @@ std::string unknown_kind(std::string_view kind) {
 }
 
 void read_link(std::string_view text, const std::string& where, Draft& draft) {
-    const std::string link = "LINK '" + std::string{text} + "'";
+    constexpr std::size_t longest = 900;    // every fault repeats it
+    const std::string link = "LINK '" + (text.size() <= longest ? std::string{text} : printable(std::string{text}, longest)) + "'";
     LinkText{where.empty() ? link : where + ": " + link, draft}.read(text);
 }
 

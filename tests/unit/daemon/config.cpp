@@ -2,6 +2,7 @@
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 
+#include <daemon/values.hpp>
 #include <unit/daemon/faults.hpp>
 
 namespace anogate {
@@ -157,6 +158,28 @@ TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
         faults_in(
             R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
         "/links/0: LINK 'sim:plane,name=x': 'device' must be fc, not 'plane'\n");
+}
+
+TEST(Config, one_fault_brings_no_others) {
+    EXPECT_EQ(faults_in(R"({"links": {"a": "sim:fc"}, "routes": [{"address": 5, "link": "fc"}]})"),
+              "/links: must be a list [...], not an object\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "framing": 5, "tx": "0x7E0", "rx": "0x7E8"}]})"),
+              "/links/0/framing: 'framing' must be one of stream, isotp, not 5\n");
+}
+
+TEST(Config, a_key_without_a_name_is_a_mistyped_one) {
+    for (const std::string section : {"gateway", "control", "log"})
+        EXPECT_EQ(faults_in("{\"" + section + "\": {\"\": {}}}"), "/" + section + "/: unknown key ''\n");
+}
+
+TEST(Config, a_long_text_is_cut_between_its_characters) {
+    for (const std::string start : {"", "x"}) {
+        std::string name = start;
+        for (int i = 0; i < 5000; ++i) name += "\u00E9";
+        const std::string told = lines(parse_config(R"({"gateway": {"name": ")" + name + "\"}}").errors);
+        EXPECT_TRUE(is_utf8(told)) << told;
+        EXPECT_LT(told.size(), 400u);
+    }
 }
 
 TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {

@@ -24,6 +24,16 @@ std::string fault_of(const std::string& link) {
     return text.substr(std::min(text.size(), start.size()), text.size() - start.size() - 1);
 }
 
+TEST(LinkText, of_great_length_is_told_in_short_lines) {
+    std::string text = "sim:fc";
+    while (text.size() < 1 << 18) text += ",k=v";
+    Draft draft;
+    read_link(text, "", draft);
+    std::size_t told = 0;
+    for (const ConfigError& error : draft.errors) told += error.where.size();
+    EXPECT_LT(told, std::size_t{1} << 26);
+}
+
 TEST(LinkText, serial) {
     const LinkSettings link =
         link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
