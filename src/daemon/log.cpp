@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 namespace anogate {
@@ -14,7 +15,10 @@ void start_log(const LogSettings& settings) {
     const std::size_t size = settings.rotate == 0 ? std::numeric_limits<std::size_t>::max() : settings.rotate;
     std::shared_ptr<spdlog::logger> log;
     std::string fault;
-    if (!settings.file.empty()) {
+    std::error_code ec;
+    if (std::filesystem::is_fifo(settings.file, ec)) {
+        fault = settings.file + " is a pipe, and one that nobody reads would hold up everything";
+    } else if (!settings.file.empty()) {
         try {
             log = spdlog::rotating_logger_st("anogated", settings.file, size, files);
         } catch (const spdlog::spdlog_ex& e) {

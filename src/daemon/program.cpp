@@ -12,12 +12,32 @@
 #include <spdlog/spdlog.h>
 
 #include <csignal>
+#include <initializer_list>
 #include <iostream>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 namespace anogate {
 namespace {
 
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
+
+// Signals that would end the program before it can handle them wait until it does. Not SIGINT: whoever sits at the terminal
+// can end a program that waits for its configuration.
+void hold_signals(int how) {
+    sigset_t held;
+    sigemptyset(&held);
+    for (const int signal : {SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&held, signal);
+    ::sigprocmask(how, &held, nullptr);
+}
+
+// Or a standard file that was closed would become a device or a socket, and what is said to the user would go there.
+void fill_standard_files() {
+    int fd = 0;
+    while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
+    if (fd > STDERR_FILENO) ::close(fd);
+}
 
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
@@ -25,6 +45,7 @@ public:
     explicit Program(Settings settings)
         : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_} {
         signals_.add(SIGUSR1);
+        hold_signals(SIG_UNBLOCK);
     }
 
     int run() {
@@ -91,7 +112,8 @@ private:
 int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
-        (exit->code == 0 ? std::cout : std::cerr) << exit->text;
+        if (exit->code != 0) std::cerr << exit->text;
+        else if (!(std::cout << exit->text << std::flush)) return 1;
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
@@ -102,6 +124,7 @@ int run(int argc, char** argv) {
     }
     if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);
+    fill_standard_files();
     start_log(line.settings.log);
     return Program{std::move(line.settings)}.run();
 }
@@ -110,6 +133,7 @@ int run(int argc, char** argv) {
 
 // What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
 int run_program(int argc, char** argv) {
+    hold_signals(SIG_BLOCK);
     try {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {

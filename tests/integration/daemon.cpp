@@ -8,9 +8,12 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
 #include <sys/un.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 namespace {
 
@@ -231,6 +234,50 @@ TEST(Daemon, a_configuration_that_is_not_written_whole_is_no_success) {
     Process daemon{"/bin/sh", {"-c", "exec \"$0\" --print-config sim:fc > /dev/full", ANOGATED}};
     EXPECT_EQ(daemon.wait(), 1) << daemon.output();
     EXPECT_TRUE(daemon.output().starts_with("anogated: ")) << daemon.output();
+}
+
+TEST(Daemon, help_that_is_not_written_is_no_success) {
+    for (const char* option : {"--help", "--version"}) {
+        Process daemon{"/bin/sh", {"-c", "exec \"$0\" \"$@\" > /dev/full", ANOGATED, option}};
+        EXPECT_EQ(daemon.wait(), 1) << option << daemon.output();
+    }
+}
+
+TEST(Daemon, an_end_that_is_asked_for_while_it_starts_is_a_good_one) {
+    const TempDir dir;
+    const std::string config = dir / "config";
+    ASSERT_EQ(::mkfifo(config.c_str(), 0600), 0);
+    Process daemon{ANOGATED, {"--config", config, "--control", dir / "control"}};
+    int writer = -1;    // there is one as soon as it reads
+    ASSERT_TRUE(wait_until([&] { return (writer = ::open(config.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; }));
+    for (const int signal : {SIGHUP, SIGUSR1, SIGTERM}) daemon.signal(signal);
+    const std::string links = R"({"links": ["sim:fc"]})";
+    ::write(writer, links.data(), links.size());
+    ::close(writer);
+    EXPECT_EQ(daemon.wait(), 0) << daemon.output();
+}
+
+TEST(Daemon, standard_files_that_are_closed_are_nobody_elses) {
+    const TempDir dir;
+    const std::string script = dir / "closed";
+    std::ofstream{script} << "#!/bin/sh\nexec " ANOGATED " \"$@\" <&- >&- 2>&-\n";
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    Daemon daemon{script, dir / "control", {"sim:fc"}};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    for (const char* fd : {"0", "1", "2"})
+        EXPECT_EQ(std::filesystem::read_symlink("/proc/" + std::to_string(daemon.pid()) + "/fd/" + fd), "/dev/null");
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
+TEST(Daemon, a_pipe_that_nobody_reads_is_no_log_file) {
+    const TempDir dir;
+    const std::string log = dir / "log";
+    ASSERT_EQ(::mkfifo(log.c_str(), 0600), 0);
+    std::ofstream{dir / "config.json"} << R"({"links": ["sim:fc"], "log": {"file": ")" << log << R"("}})";
+    Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "config.json"}};
+    EXPECT_TRUE(daemon.until_up("fc"));
+    EXPECT_TRUE(daemon.until_says("the log goes to standard error: " + log + " is a pipe")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
 }
 
 // Takes the ten seconds that the interface promises.
