@@ -7,9 +7,13 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/inotify.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 
 namespace anogate {
 namespace {
@@ -47,6 +51,7 @@ StreamLink::Opened PtyLink::open_wire() {
     std::string error = link_path(device_);
     if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
     if (error.empty()) return {std::move(ours), {}};
+    claim_ = UniqueFd{};
     watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
     return {{}, std::move(error)};
 }
@@ -61,11 +66,29 @@ std::string PtyLink::link_path(const std::string& device) {
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), ec);
     if (ec) return error_text(path.string(), ec.value());
     if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
+    if (std::string error = claim_path(); !error.empty()) return error;
     const fs::path fresh = path.string() + ".anogate-new";
     fs::remove(fresh, ec);
     fs::create_symlink(device, fresh, ec);
     if (!ec) fs::rename(fresh, path, ec);
     return ec ? error_text(path.string(), ec.value()) : std::string{};
+}
+
+// A name in the kernel that only one can have, and that goes with its owner however that ends. The folder is told by its number:
+// a path may be written in several ways.
+std::string PtyLink::claim_path() {
+    const fs::path path = settings().pty.path;
+    struct stat folder{};
+    if (::stat(path.has_parent_path() ? path.parent_path().c_str() : ".", &folder) != 0) return error_text(path.string(), errno);
+    const std::string name = "anogate-pty " + std::to_string(folder.st_dev) + " " + std::to_string(folder.st_ino) + " " +
+                             std::to_string(std::hash<std::string>{}(path.filename()));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);    // behind a NUL: no file
+    claim_ = UniqueFd{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    if (claim_ && ::bind(claim_.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return {};
+    return errno == EADDRINUSE ? path.string() + " is in use by another gateway" : error_text(path.string(), errno);
 }
 
 // The events only say when to look: equal ones are merged, so they can't be counted.
@@ -125,6 +148,7 @@ void PtyLink::leave_wire(int) {
     std::error_code ec;
     if (fs::read_symlink(settings().pty.path, ec) == device_) fs::remove(settings().pty.path, ec);
     user_side_ = UniqueFd{};
+    claim_ = UniqueFd{};
 }
 
 void PtyLink::stop_reading() {

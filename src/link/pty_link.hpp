@@ -23,6 +23,7 @@ private:
     void came_up() override;
 
     std::string link_path(const std::string& device);
+    std::string claim_path();
     bool watch_users();
     void look_for_users();
     void users_gone();
@@ -30,6 +31,7 @@ private:
     std::string nobody_there() const;
 
     std::string device_;     // /dev/pts/N
+    UniqueFd claim_;         // on the path, among gateways
     Descriptor watch_;       // inotify on device_: somebody opened or closed it
     UniqueFd user_side_;     // held open only where it can't be watched
     bool up_ = false;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <optional>
 
 namespace {
 
@@ -148,6 +149,37 @@ TEST(PtyLink, a_link_that_an_earlier_run_left_is_replaced) {
     fs::create_symlink("/dev/pts/99999", dir / "app");
     RunningGateway daemon{pty("app", dir / "app")};
     EXPECT_EQ(fs::read_symlink(dir / "app"), daemon.link("app").at("device").get<std::string>());
+}
+
+TEST(PtyLink, a_path_that_another_gateway_made_is_waited_for) {
+    const TempDir dir;
+    fs::create_directory_symlink(dir.path(), dir / "same");
+    std::optional<RunningGateway> first;
+    first.emplace(std::initializer_list<anogate::LinkSettings>{pty("app", dir / "app")});
+    const std::string device = first->link("app").at("device");
+    RunningGateway second{pty("app", dir / "same/app"), pty("own", dir / "own")};
+    EXPECT_EQ(second.link("app").at("error"), (dir / "same/app") + " is in use by another gateway");
+    EXPECT_EQ(fs::read_symlink(dir / "own"), second.link("own").at("device").get<std::string>());
+    second.run_for(100ms);
+    EXPECT_EQ(fs::read_symlink(dir / "app"), device);
+    first.reset();
+    EXPECT_TRUE(second.until([&] { return fs::is_symlink(dir / "app"); }));
+    PortUser app{dir / "app"};
+    EXPECT_TRUE(second.until_up("app")) << second.link("app");
+}
+
+TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
+    const TempDir dir;
+    Daemon killed{ANOGATED, dir / "control", {"pty:" + (dir / "app")}};
+    ASSERT_TRUE(killed.until_answers());
+    PtyDevice others{dir / "others"};    // its terminal may get the number that the dead one's had
+    killed.signal(SIGKILL);
+    killed.wait();
+    ASSERT_TRUE(fs::is_symlink(dir / "app"));
+    PtyDevice more{dir / "more"};
+    RunningGateway next{pty("app", dir / "app")};
+    EXPECT_EQ(fs::read_symlink(dir / "app"), next.link("app").at("device").get<std::string>());
+    EXPECT_EQ(next.link("app").at("error"), "no program has " + (dir / "app") + " open");
 }
 
 TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
