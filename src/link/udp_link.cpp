@@ -11,6 +11,8 @@ namespace anogate {
 namespace {
 
 constexpr Duration networks_age = std::chrono::seconds{5};
+constexpr Duration join_again = std::chrono::seconds{3};
+constexpr Duration join_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
 
@@ -26,6 +28,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
       again_{context.alarms, [this] { flush(*channel_); }},
+      rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
@@ -48,6 +51,7 @@ void UdpLink::try_open() {
     if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
     descriptor_.read_with([this] { read(); });
+    if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
     context_.host.link_up(*this);
 }
 
@@ -58,32 +62,34 @@ OpenedSocket UdpLink::open_to_peer() {
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().udp.bind) local = *settings().udp.bind;
-    unsigned interface = peer.address.scope;
-    if (multicast && !local.address.is_any()) {    // bound to it, a socket would not hear the group
-        interface = interface_of(local.address);
-        if (interface == 0) return {{}, "no interface has the address " + local.address.text() + " now"};
-        local.address = {local.address.v6, {}, 0};
-    }
+    if (multicast) local.address = {local.address.v6, {}, 0};    // bound to another, a socket would not hear the group
     OpenedSocket opened = open_udp(local, multicast);
     if (!opened.fd) return opened;
     to_ = SocketAddress::of(peer, local.address.v6);
     connected_ = !multicast && !is_broadcast(peer.address, own_networks());
     if (multicast) {
-        if (std::string error = join_group(opened.fd.get(), interface); !error.empty()) return {{}, std::move(error)};
+        if (std::string error = join_group(opened.fd.get()); !error.empty()) return {{}, std::move(error)};
     } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {
         return {{}, "no way to " + peer.text() + " now: " + error_text(errno)};
     }
     return opened;
 }
 
-// `interface` 0: the one the kernel's routes choose.
-std::string UdpLink::join_group(int fd, unsigned interface) const {
+// By the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is in the group
+// already is as good.
+std::string UdpLink::join_group(int fd) const {
     const Endpoint& peer = settings().udp.peer;
+    const auto& bind = settings().udp.bind;
+    unsigned interface = peer.address.scope;
+    if (bind && !bind->address.is_any()) {
+        interface = interface_of(bind->address);
+        if (interface == 0) return "no interface has the address " + bind->address.text() + " now";
+    }
     const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
     group.gr_interface = interface;
     std::memcpy(&group.gr_group, &to_.storage, sizeof to_.storage);
-    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0;
+    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0 || errno == EADDRINUSE;
     if (done && interface != 0) {
         ip_mreqn sender{};
         sender.imr_ifindex = static_cast<int>(interface);
@@ -91,12 +97,22 @@ std::string UdpLink::join_group(int fd, unsigned interface) const {
                   : ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &sender, sizeof sender) == 0;
     }
     if (done) return {};
+    if (interface == 0 && errno == ENODEV)
+        return "no route leads to the multicast group " + peer.address.text() +
+               "; name an interface by its address: bind=ADDRESS:" + std::to_string(peer.port);
     return "can't join the multicast group " + peer.address.text() + ": " + error_text(errno);
+}
+
+// An interface that goes, or a way that leads elsewhere, takes the membership with it, and the socket is not told.
+void UdpLink::keep_joined() {
+    if (std::string error = join_group(descriptor_.fd()); !error.empty()) return fail(std::move(error));
+    rejoin_.set(context_.host.now() + join_again);
 }
 
 void UdpLink::fail(std::string why) {
     descriptor_.close();
     pacing_.stop();
+    rejoin_.cancel();
     expiry_.cancel();
     channel_->parser.finish();
     deliver();
@@ -107,12 +123,14 @@ void UdpLink::fail(std::string why) {
 void UdpLink::stop_reading() {
     descriptor_.stop_reading();
     retry_.cancel();
+    rejoin_.cancel();
 }
 
 void UdpLink::stop() {
     retry_.cancel();
     expiry_.cancel();
     again_.cancel();
+    rejoin_.cancel();
     pacing_.stop();
     descriptor_.close();
 }

@@ -23,7 +23,8 @@ public:
 private:
     void try_open();
     OpenedSocket open_to_peer();
-    std::string join_group(int fd, unsigned interface) const;
+    std::string join_group(int fd) const;
+    void keep_joined();
     void fail(std::string why);
     void read();
     bool own(const sockaddr_storage& sender, TimePoint now);
@@ -37,6 +38,7 @@ private:
     Alarm retry_;
     Alarm expiry_;
     Alarm again_;    // after the system had no memory to send
+    Alarm rejoin_;
     Pacing pacing_;
     bool connected_ = false;    // not towards many at once
     SocketAddress to_;

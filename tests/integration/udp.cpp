@@ -166,6 +166,41 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
 }
 
+TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    const auto plug_in = [&] {
+        return network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
+               network.run("link set va up") && network.run("link set vb up") && network.run("route add 224.0.0.0/4 dev va");
+    };
+    ASSERT_TRUE(plug_in());
+    auto named = udp("named", "239.1.2.4:17001");
+    named.udp.bind = endpoint("10.9.0.1:17001");
+    RunningGateway daemon{udp("routed", "239.1.2.3:17000"), named};
+    ASSERT_TRUE(daemon.until_up("routed") && daemon.until_up("named"));
+    for (int round = 0; round < 2; ++round) {
+        ASSERT_TRUE(network.run("link del va") && plug_in());
+        for (const auto& [name, group] : {std::pair{"routed", "239.1.2.3:17000"}, {"named", "239.1.2.4:17001"}}) {
+            UdpPeer member{"10.9.0.1:0"};
+            const auto before = daemon.count(name, "frames_in");
+            EXPECT_TRUE(daemon.until([&, name = name, group = group] {
+                member.send(endpoint(group), vendor::who_are_you);
+                return daemon.count(name, "frames_in") > before;
+            })) << daemon.link(name);
+        }
+    }
+}
+
+TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
+                network.run("link set va up"));
+    RunningGateway daemon{udp("group", "239.1.2.3:17000")};
+    EXPECT_EQ(daemon.link("group").at("error"),
+              "no route leads to the multicast group 239.1.2.3; name an interface by its address: bind=ADDRESS:17000");
+}
+
 TEST(UdpLink, ipv6_multicast_on_an_interface) {
     const NetworkNamespace network;
     ANOGATE_NEEDS_NETWORK(network);
