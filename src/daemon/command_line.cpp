@@ -12,7 +12,6 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t largest_file = 1 << 20;    // no configuration is near it; a device or a log may be
 constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333";
 
 /// What stands on the command line, not looked into yet.
@@ -119,7 +118,7 @@ void read_options(const Arguments& arguments, Draft& draft) {
 
 void read_config_file(const std::string& path, bool by_default, Draft& draft) {
     std::error_code error;
-    const std::string text = read_file(path, largest_file, error);
+    const std::string text = read_file(path, largest_config, error);
     if (!error) return read_config(text, path, draft);
     draft.broken_links = true;
     std::string what = error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message();

@@ -45,10 +45,10 @@ public:
             show();
         }
     }
-    /// Bytes as they come, until there are no more.
+    /// Bytes as they come, until there are no more or nobody takes what is shown.
     void read_all(int fd, const std::string& name) {
         std::vector<std::uint8_t> buffer(65536);
-        while (true) {
+        while (streams_.out) {
             if (!wait_for_input(fd)) continue;
             const ssize_t n = ::read(fd, buffer.data(), buffer.size());
             if (n < 0 && errno == EINTR) continue;

@@ -16,6 +16,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -24,17 +25,55 @@ namespace {
 
 using namespace ano;
 
-std::string everything(int fd) {
-    std::string text;
-    std::vector<char> buffer(65536);
-    while (true) {
-        const ssize_t n = ::read(fd, buffer.data(), buffer.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw Failure{std::string{"standard input: "} + std::strerror(errno)};
-        if (n == 0) return text;
-        text.append(buffer.data(), static_cast<std::size_t>(n));
+constexpr std::size_t longest_line = 1 << 20;    // what the largest frame needs, several times
+
+/// The lines of standard input, each as soon as it is whole.
+class Lines {
+public:
+    explicit Lines(int fd) : fd_{fd} {}
+
+    /// False: there are no more.
+    bool next(std::string& line) {
+        std::size_t end = 0;
+        while ((end = text_.find('\n', seen_)) == std::string::npos) {
+            text_.erase(0, begin_);
+            begin_ = 0;
+            seen_ = text_.size();
+            if (seen_ > longest_line) throw UsageError{"line " + std::to_string(number_ + 1) + ": longer than 1 MiB"};
+            if (!read()) return last(line);
+        }
+        ++number_;
+        line.assign(text_, begin_, end - begin_);
+        begin_ = seen_ = end + 1;
+        return true;
     }
-}
+    std::size_t number() const { return number_; }
+    /// Whether the next line is here already.
+    bool one_waits() const { return text_.find('\n', seen_) != std::string::npos; }
+
+private:
+    bool read() {
+        char buffer[16384];
+        ssize_t n = 0;
+        do n = ::read(fd_, buffer, sizeof buffer);
+        while (n < 0 && errno == EINTR);
+        if (n < 0) throw Failure{std::string{"standard input: "} + std::strerror(errno)};
+        text_.append(buffer, static_cast<std::size_t>(n));
+        return n > 0;
+    }
+    bool last(std::string& line) {
+        line = std::exchange(text_, {});
+        seen_ = 0;
+        if (!line.empty()) ++number_;
+        return !line.empty();
+    }
+
+    int fd_;
+    std::string text_;
+    std::size_t begin_ = 0;    // of the next line
+    std::size_t seen_ = 0;     // it does not end before
+    std::size_t number_ = 0;
+};
 
 Json parsed(std::string_view text, const std::string& what) {
     try {
@@ -66,12 +105,12 @@ private:
     int encode_lines(Streams& streams, const JsonOptions& options) const {
         if (!fields.empty() || data)
             throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
-        std::istringstream input{everything(streams.in)};
-        std::string line;
-        for (std::size_t number = 1; std::getline(input, line); ++number) {
+        Lines lines{streams.in};
+        for (std::string line; streams.out && lines.next(line);) {
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-            const std::string where = "line " + std::to_string(number);
+            const std::string where = "line " + std::to_string(lines.number());
             write(streams, encoded(parsed(line, where), options, where + ": "));
+            if (!lines.one_waits()) streams.out.flush();
         }
         return fine;
     }

@@ -3,15 +3,15 @@
 #include <ano/address.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/flexible_json.hpp>
+#include <daemon/read_file.hpp>
 
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <ostream>
 #include <string_view>
+#include <system_error>
 
 namespace anoctl {
 namespace {
@@ -83,9 +83,9 @@ void FrameOptions::add(CLI::App& options, FrameOptions& self) {
 FlexibleLayouts FrameOptions::layouts() const {
     FlexibleLayouts layouts;
     if (config.empty()) return layouts;
-    std::ifstream file{config};
-    if (!file) throw UsageError{"--config " + config + ": it can't be read"};
-    const std::string text{std::istreambuf_iterator<char>{file}, {}};
+    std::error_code error;
+    const std::string text = anogate::read_file(config, anogate::largest_config, error);
+    if (error) throw UsageError{"--config " + config + ": " + error.message()};
     nlohmann::json whole;
     try {
         whole = nlohmann::json::parse(text, nullptr, true, true);

@@ -1,0 +1,79 @@
+// anoctl between two pipes: what it is given goes on at once, and it ends when nobody takes it.
+#include <support/bytes.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+namespace {
+
+using namespace support;
+
+// anoctl, with a pipe at its input that stays open.
+class Piped {
+public:
+    explicit Piped(const std::string& command)
+        : path_{made(dir_ / "input")}, anoctl_{"/bin/sh", {"-c", "exec \"$0\" " + command + " < " + path_, ANOCTL}} {
+        wait_until([this] { return (input_ = ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; });
+        std::signal(SIGPIPE, SIG_IGN);    // it may end before all is written
+    }
+    ~Piped() { ::close(input_); }
+    Piped(const Piped&) = delete;
+    Piped& operator=(const Piped&) = delete;
+
+    bool write(const std::string& bytes) const {
+        return ::write(input_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+    }
+    Process& anoctl() { return anoctl_; }
+
+private:
+    static std::string made(const std::string& path) { return ::mkfifo(path.c_str(), 0600) == 0 ? path : ""; }
+
+    TempDir dir_;
+    std::string path_;
+    Process anoctl_;
+    int input_ = -1;
+};
+
+const std::string json = R"({"name": "euler", "fields": {"rol": 1.5}})" "\n";
+const std::string encoded = "AB FE FF 03 07 00 96 00 00 00 00 00 00 48 03\n";
+
+std::string frame_bytes() {
+    const Bytes bytes = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST(AnoctlPipes, a_frame_is_shown_when_it_comes) {
+    Piped piped{"decode -"};
+    ASSERT_TRUE(piped.write(frame_bytes()));
+    EXPECT_TRUE(piped.anoctl().until_says("euler"));
+    EXPECT_TRUE(piped.anoctl().is_running());
+}
+
+TEST(AnoctlPipes, a_line_is_encoded_when_it_comes) {
+    Piped piped{"encode -"};
+    for (const std::string& piece : {json.substr(0, 9), json.substr(9) + json + json.substr(0, 20)}) ASSERT_TRUE(piped.write(piece));
+    EXPECT_TRUE(piped.anoctl().until_says(encoded + encoded)) << piped.anoctl().output();
+    EXPECT_TRUE(piped.anoctl().is_running());
+}
+
+TEST(AnoctlPipes, a_line_without_end_is_refused) {
+    Piped piped{"encode -"};
+    const std::string piece(4096, ' ');
+    EXPECT_TRUE(wait_until([&] { return !piped.write(piece) && !piped.anoctl().is_running(); }));
+    EXPECT_EQ(piped.anoctl().wait(), 2);
+    EXPECT_EQ(piped.anoctl().output(), "anoctl: line 1: longer than 1 MiB\n");
+}
+
+TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
+    for (const auto& [command, input] : {std::pair{"decode -", frame_bytes()}, {"encode -", json}}) {
+        Piped piped{std::string{command} + " > /dev/full"};
+        ASSERT_TRUE(piped.write(input));
+        EXPECT_EQ(piped.anoctl().wait(), 1) << command;
+        EXPECT_EQ(piped.anoctl().output(), "anoctl: the output can't be written\n");
+    }
+}
+
+}  // namespace
