@@ -26,6 +26,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
       again_{context.alarms, [this] { flush(*channel_); }},
+      interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
@@ -48,21 +49,28 @@ void UdpLink::try_open() {
     if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
     descriptor_.read_with([this] { read(); });
+    const UdpSettings& udp = settings().udp;
+    interface_watch_.start(udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer);
     context_.host.link_up(*this);
 }
 
 OpenedSocket UdpLink::open_to_peer() {
-    const Endpoint& peer = settings().udp.peer;
+    const WrittenEndpoint& written = settings().udp.peer;
+    const auto to = endpoint_now(written);
+    if (!to) return {{}, no_interface(written)};
+    const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
-    Endpoint local;
+    WrittenEndpoint local;
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().udp.bind) local = *settings().udp.bind;
     unsigned interface = peer.address.scope;
     if (multicast && !local.address.is_any()) {    // bound to it, a socket would not hear the group
-        interface = interface_of(local.address);
-        if (interface == 0) return {{}, "no interface has the address " + local.address.text() + " now"};
+        const auto bind = endpoint_now(local);
+        interface = bind ? interface_of(bind->address) : 0;
+        if (interface == 0) return {{}, "no interface has the address " + local.text() + " now"};
         local.address = {local.address.v6, {}, 0};
+        local.interface.clear();
     }
     OpenedSocket opened = open_udp(local, multicast);
     if (!opened.fd) return opened;
@@ -71,14 +79,14 @@ OpenedSocket UdpLink::open_to_peer() {
     if (multicast) {
         if (std::string error = join_group(opened.fd.get(), interface); !error.empty()) return {{}, std::move(error)};
     } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {
-        return {{}, "no way to " + peer.text() + " now: " + error_text(errno)};
+        return {{}, "no way to " + written.text() + " now: " + error_text(errno)};
     }
     return opened;
 }
 
 // `interface` 0: the one the kernel's routes choose.
 std::string UdpLink::join_group(int fd, unsigned interface) const {
-    const Endpoint& peer = settings().udp.peer;
+    const WrittenEndpoint& peer = settings().udp.peer;
     const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
     group.gr_interface = interface;
@@ -96,6 +104,7 @@ std::string UdpLink::join_group(int fd, unsigned interface) const {
 
 void UdpLink::fail(std::string why) {
     descriptor_.close();
+    interface_watch_.stop();
     pacing_.stop();
     expiry_.cancel();
     channel_->parser.finish();
@@ -113,6 +122,7 @@ void UdpLink::stop() {
     retry_.cancel();
     expiry_.cancel();
     again_.cancel();
+    interface_watch_.stop();
     pacing_.stop();
     descriptor_.close();
 }

@@ -1,6 +1,7 @@
 // One fixed UDP peer; a broadcast address or a multicast group is one as well.
 #pragma once
 #include <gateway/backoff.hpp>
+#include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
@@ -37,6 +38,7 @@ private:
     Alarm retry_;
     Alarm expiry_;
     Alarm again_;    // after the system had no memory to send
+    InterfaceWatch interface_watch_;
     Pacing pacing_;
     bool connected_ = false;    // not towards many at once
     SocketAddress to_;
