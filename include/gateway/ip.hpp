@@ -40,6 +40,17 @@ struct Endpoint {
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
+/// An endpoint as a person writes it. The interface of a link-local address is kept by its name: whether there is such an
+/// interface, and what number it has, changes with every plug. `address.scope` is 0.
+struct WrittenEndpoint : Endpoint {
+    std::string interface{};    // 1 to 15 bytes, or its number; empty for none
+
+    /// As Endpoint::parse(), whether or not there is such an interface now.
+    static std::optional<WrittenEndpoint> parse(std::string_view text);
+    std::string text() const;
+    friend bool operator==(const WrittenEndpoint&, const WrittenEndpoint&) = default;
+};
+
 /// An address and how many of its leading bits count.
 struct Network {
     IpAddress address;

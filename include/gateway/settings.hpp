@@ -40,7 +40,7 @@ struct SerialSettings {
 };
 
 struct UdpListenSettings {
-    Endpoint local;
+    WrittenEndpoint local;
     Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
     bool allow_any = false;
@@ -49,8 +49,8 @@ struct UdpListenSettings {
 };
 
 struct UdpSettings {
-    Endpoint peer;
-    std::optional<Endpoint> bind;
+    WrittenEndpoint peer;
+    std::optional<WrittenEndpoint> bind;
     bool operator==(const UdpSettings&) const = default;
 };
 

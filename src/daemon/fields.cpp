@@ -25,7 +25,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         const std::string_view interface = text.substr(percent + 1, end - percent - 1);
         const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
         if (plain && plain->address.is_link_local())
-            return "'" + shown + "': there is no network interface " + in_quotes(interface);
+            return "'" + shown + "': " + in_quotes(interface) + " is no name of a network interface";
         if (plain) return "'" + shown + "': only a link-local address (fe80::...) takes an interface";
     }
     const std::size_t colon = text.rfind(':');
@@ -51,10 +51,10 @@ std::string read_text(const KeyFacts& key, std::string_view text, std::string& f
     return {};
 }
 
-std::string read_endpoint(const KeyFacts& key, std::string_view text, Endpoint& field) {
-    const auto value = Endpoint::parse(text);
+std::string read_endpoint(const KeyFacts& key, std::string_view text, WrittenEndpoint& field) {
+    auto value = WrittenEndpoint::parse(text);
     if (!value) return endpoint_error(key, text);
-    field = *value;
+    field = *std::move(value);
     return {};
 }
 

@@ -63,15 +63,15 @@ std::uint32_t default_queue(std::uint16_t max_data) {
 }
 
 /// The local endpoint that a link binds; port 0 when it binds none of its own choice.
-Endpoint local_endpoint(const LinkSettings& link) {
+WrittenEndpoint local_endpoint(const LinkSettings& link) {
     if (link.kind == "udp-listen") return link.udp_listen.local;
     if (link.kind == "udp" && link.udp.bind) return *link.udp.bind;
     return {};
 }
 
-bool collide(const Endpoint& a, const Endpoint& b) {
+bool collide(const WrittenEndpoint& a, const WrittenEndpoint& b) {
     if (a.port == 0 || a.port != b.port || a.address.v6 != b.address.v6) return false;
-    return a.address == b.address || a.address.is_any() || b.address.is_any();
+    return a == b || a.address.is_any() || b.address.is_any();
 }
 
 bool share_ids(const CanSettings& a, const CanSettings& b) {
@@ -147,8 +147,8 @@ private:
             error(draft_.links[i], "address",
                   "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
         const IpAddress& address = udp.peer.address;
-        if (address.v6 && address.is_link_local() && !address.is_multicast() && address.scope == 0 &&
-            !(udp.bind && udp.bind->address.scope != 0))
+        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() &&
+            !(udp.bind && !udp.bind->interface.empty()))
             error(draft_.links[i], "address",
                   "'" + peer + "' is the same on every interface; say which: [" + address.text() +
                       "%eth0]:" + std::to_string(udp.peer.port));
@@ -180,7 +180,7 @@ private:
         if (!b.can.interface.empty() && a.can.interface == b.can.interface && share_ids(a.can, b.can))
             error(origin, "interface",
                   "'interface' " + in_quotes(b.can.interface) + " is used by " + who(first) + " already, under the same CAN ids");
-        if (const Endpoint local = local_endpoint(b); collide(local_endpoint(a), local))
+        if (const WrittenEndpoint local = local_endpoint(b); collide(local_endpoint(a), local))
             error(origin, b.kind == "udp" ? "bind" : "address",
                   "local port " + std::to_string(local.port) + " is used by " + who(first) + " already");
     }

@@ -8,7 +8,7 @@ namespace anogate {
 namespace {
 
 constexpr Duration required_within = std::chrono::seconds{10};
-constexpr Duration stop_look = std::chrono::milliseconds{2};
+constexpr Duration stop_look = std::chrono::milliseconds{10};
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 

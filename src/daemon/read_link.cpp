@@ -14,7 +14,7 @@ namespace {
 /// A text that is no KIND:ADDRESS at all.
 std::string no_kind(std::string_view text) {
     if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
-    if (Endpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
+    if (WrittenEndpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
@@ -29,7 +29,7 @@ public:
         const LinkKind* kind = colon != text.npos ? find_link_kind(text.substr(0, colon)) : nullptr;
         if (!is_utf8(text)) {
             error("not text in UTF-8");
-        } else if (colon == text.npos || text.starts_with('/') || Endpoint::parse(text)) {
+        } else if (colon == text.npos || text.starts_with('/') || WrittenEndpoint::parse(text)) {
             error(no_kind(text));
         } else if (kind == nullptr) {
             error(unknown_kind(text.substr(0, colon)));

@@ -25,6 +25,12 @@ std::optional<Number> number(std::string_view text, Number most) {
     return value;
 }
 
+// As the kernel has it.
+bool names_interface(std::string_view text) noexcept {
+    return !text.empty() && text.size() < IF_NAMESIZE && text != "." && text != ".." &&
+           std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' ' || c == '/' || c == ':' || c == 0x7F; });
+}
+
 }  // namespace
 
 std::optional<IpAddress> IpAddress::parse(std::string_view text) {
@@ -94,6 +100,26 @@ std::string Endpoint::text() const {
     std::string host = address.text();
     if (address.v6) host.append("]").insert(0, 1, '[');
     return host.append(":").append(std::to_string(port));
+}
+
+std::optional<WrittenEndpoint> WrittenEndpoint::parse(std::string_view text) {
+    const std::size_t percent = text.find('%');
+    const std::size_t end = text.rfind("]:");
+    if (percent == text.npos) {
+        const auto plain = Endpoint::parse(text);
+        return plain ? std::optional{WrittenEndpoint{*plain}} : std::nullopt;
+    }
+    if (end == text.npos || end < percent) return std::nullopt;
+    const std::string_view interface = text.substr(percent + 1, end - percent - 1);
+    const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
+    if (!plain || !plain->address.v6 || !plain->address.is_link_local() || !names_interface(interface)) return std::nullopt;
+    return WrittenEndpoint{*plain, std::string{interface}};
+}
+
+std::string WrittenEndpoint::text() const {
+    std::string result = Endpoint::text();
+    if (!interface.empty()) result.insert(result.rfind(']'), "%" + interface);
+    return result;
 }
 
 std::optional<Network> Network::parse(std::string_view text) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstring>
 
 namespace anogate {
@@ -90,6 +91,21 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept {
     return {address_of(in), ntohs(in.sin_port)};
 }
 
+std::optional<Endpoint> endpoint_now(const WrittenEndpoint& written) {
+    Endpoint endpoint = written;
+    if (written.interface.empty()) return endpoint;
+    endpoint.address.scope = ::if_nametoindex(written.interface.c_str());
+    if (endpoint.address.scope == 0) {
+        const std::string& digits = written.interface;
+        std::from_chars(digits.data(), digits.data() + digits.size(), endpoint.address.scope);
+        char name[IF_NAMESIZE];
+        if (!::if_indextoname(endpoint.address.scope, name)) return std::nullopt;
+    }
+    return endpoint;
+}
+
+std::string no_interface(const WrittenEndpoint& written) { return "no network interface " + written.interface + " now"; }
+
 std::vector<Network> own_networks() {
     std::vector<Network> networks;
     for_each_own_network([&](const Network& network, const char*) { networks.push_back(network); });
@@ -119,8 +135,10 @@ std::optional<IpAddress> source_towards(const IpAddress& there) {
     return std::nullopt;
 }
 
-OpenedSocket open_udp(const Endpoint& local, bool share_port) {
-    const int family = local.address.v6 ? AF_INET6 : AF_INET;
+OpenedSocket open_udp(const WrittenEndpoint& written, bool share_port) {
+    const auto local = endpoint_now(written);
+    if (!local) return {{}, no_interface(written)};
+    const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
     if (!fd) return {{}, error_text("no UDP socket", errno)};
     const int on = 1;
@@ -128,14 +146,14 @@ OpenedSocket open_udp(const Endpoint& local, bool share_port) {
     ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
     ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
     if (share_port) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (local.address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
-    const SocketAddress address = SocketAddress::of(local, local.address.v6);
+    if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    const SocketAddress address = SocketAddress::of(*local, local->address.v6);
     if (::bind(fd.get(), address.get(), address.size) == 0) return {std::move(fd), {}};
     switch (errno) {
-    case EADDRINUSE: return {{}, "port " + std::to_string(local.port) + " is in use by another program"};
-    case EADDRNOTAVAIL: return {{}, "no interface has the address " + local.address.text() + " now"};
-    case EACCES: return {{}, "port " + std::to_string(local.port) + ": no permission (below 1024 only root may listen)"};
-    default: return {{}, error_text(local.text(), errno)};
+    case EADDRINUSE: return {{}, "port " + std::to_string(local->port) + " is in use by another program"};
+    case EADDRNOTAVAIL: return {{}, "no interface has the address " + local->address.text() + " now"};
+    case EACCES: return {{}, "port " + std::to_string(local->port) + ": no permission (below 1024 only root may listen)"};
+    default: return {{}, error_text(written.text(), errno)};
     }
 }
 

@@ -15,7 +15,7 @@ LinkSettings link_settings(const Settings& settings) {
     for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
     link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(largest_datagram - ano::overhead));
     link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
-    link.udp_listen.local = {settings.tunnel->bind, settings.tunnel->port};
+    link.udp_listen.local = {{settings.tunnel->bind, settings.tunnel->port}};
     return link;
 }
 

@@ -29,6 +29,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
               }},
       again_{context.alarms, [this] { flush(*channel_); }},
       rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
+      interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
@@ -51,26 +52,35 @@ void UdpLink::try_open() {
     if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
     descriptor_.read_with([this] { read(); });
-    if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
+    const UdpSettings& udp = settings().udp;
+    interface_watch_.start(udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer);
+    if (udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
     context_.host.link_up(*this);
 }
 
 OpenedSocket UdpLink::open_to_peer() {
-    const Endpoint& peer = settings().udp.peer;
+    const WrittenEndpoint& written = settings().udp.peer;
+    const auto to = endpoint_now(written);
+    if (!to) return {{}, no_interface(written)};
+    const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
-    Endpoint local;
+    WrittenEndpoint local;
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().udp.bind) local = *settings().udp.bind;
-    if (multicast) local.address = {local.address.v6, {}, 0};    // bound to another, a socket would not hear the group
+    if (multicast) {    // bound to another address, a socket would not hear the group
+        local.address = {local.address.v6, {}, 0};
+        local.interface.clear();
+    }
     OpenedSocket opened = open_udp(local, multicast);
     if (!opened.fd) return opened;
     to_ = SocketAddress::of(peer, local.address.v6);
+    to_interface_ = peer.address.scope;
     connected_ = !multicast && !is_broadcast(peer.address, own_networks());
     if (multicast) {
         if (std::string error = join_group(opened.fd.get()); !error.empty()) return {{}, std::move(error)};
     } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {
-        return {{}, "no way to " + peer.text() + " now: " + error_text(errno)};
+        return {{}, "no way to " + written.text() + " now: " + error_text(errno)};
     }
     return opened;
 }
@@ -78,12 +88,13 @@ OpenedSocket UdpLink::open_to_peer() {
 // By the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is in the group
 // already is as good.
 std::string UdpLink::join_group(int fd) const {
-    const Endpoint& peer = settings().udp.peer;
+    const WrittenEndpoint& peer = settings().udp.peer;
     const auto& bind = settings().udp.bind;
-    unsigned interface = peer.address.scope;
+    unsigned interface = to_interface_;
     if (bind && !bind->address.is_any()) {
-        interface = interface_of(bind->address);
-        if (interface == 0) return "no interface has the address " + bind->address.text() + " now";
+        const auto now = endpoint_now(*bind);
+        interface = now ? interface_of(now->address) : 0;
+        if (interface == 0) return "no interface has the address " + bind->text() + " now";
     }
     const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
@@ -111,6 +122,7 @@ void UdpLink::keep_joined() {
 
 void UdpLink::fail(std::string why) {
     descriptor_.close();
+    interface_watch_.stop();
     pacing_.stop();
     rejoin_.cancel();
     expiry_.cancel();
@@ -131,6 +143,7 @@ void UdpLink::stop() {
     expiry_.cancel();
     again_.cancel();
     rejoin_.cancel();
+    interface_watch_.stop();
     pacing_.stop();
     descriptor_.close();
 }

@@ -1,6 +1,7 @@
 // One fixed UDP peer; a broadcast address or a multicast group is one as well.
 #pragma once
 #include <gateway/backoff.hpp>
+#include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
@@ -39,9 +40,11 @@ private:
     Alarm expiry_;
     Alarm again_;    // after the system had no memory to send
     Alarm rejoin_;
+    InterfaceWatch interface_watch_;
     Pacing pacing_;
     bool connected_ = false;    // not towards many at once
     SocketAddress to_;
+    unsigned to_interface_ = 0;    // that the peer's address names
     Endpoint local_;
     std::vector<Network> networks_;    // ours, to know our own datagrams when they come back
     TimePoint networks_read_at_{};

@@ -35,6 +35,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
       silence_{context.alarms, [this] { forget_silent_peers(); }, silence_slack},
+      interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
       allow_{this->settings().udp_listen.allow} {}
@@ -56,11 +57,13 @@ void UdpListenLink::try_open() {
     descriptor_.open(std::move(socket.fd));
     opened(local_);
     descriptor_.read_with([this] { read(); });
+    interface_watch_.start(settings().udp_listen.local);
     context_.host.link_up(*this);
 }
 
 void UdpListenLink::fail(std::string why) {
     descriptor_.close();
+    interface_watch_.stop();
     pacing_.stop();
     while (!peers_.empty()) forget(*peers_.back());
     context_.host.link_down(*this, std::move(why));
@@ -75,6 +78,7 @@ void UdpListenLink::stop_reading() {
 void UdpListenLink::stop() {
     retry_.cancel();
     silence_.cancel();
+    interface_watch_.stop();
     pacing_.stop();
     peers_.clear();
     descriptor_.close();
@@ -225,8 +229,8 @@ void UdpListenLink::flush_all() {
 }
 
 LinkFacts UdpListenLink::facts() const {
-    const Endpoint& shown = descriptor_.is_open() ? local_ : settings().udp_listen.local;
-    LinkFacts facts{{"address", shown.text()}, {"port", std::int64_t{shown.port}}};
+    const std::string local = descriptor_.is_open() ? local_.text() : settings().udp_listen.local.text();
+    LinkFacts facts{{"address", local}, {"port", std::int64_t{local_port()}}};
     if (descriptor_.is_open()) facts.push_back({"kernel_drops", kernel_drops(descriptor_.fd())});
     return facts;
 }

@@ -1,6 +1,7 @@
 // A UDP port. Whoever sends it a whole good frame becomes a peer with a channel of its own.
 #pragma once
 #include <gateway/backoff.hpp>
+#include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
@@ -57,6 +58,7 @@ private:
     Backoff backoff_;
     Alarm retry_;
     Alarm silence_;
+    InterfaceWatch interface_watch_;
     Pacing pacing_;                   // of all peers together
     std::size_t first_served_ = 0;    // of the peers, when more may go: each has its turn
     std::vector<std::unique_ptr<Peer>> peers_;

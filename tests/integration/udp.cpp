@@ -96,7 +96,7 @@ TEST(UdpLink, a_bound_port_in_use_is_waited_for) {
     auto holder = std::make_unique<UdpPeer>();
     UdpPeer host;
     auto link = udp("host", host.local().text());
-    link.udp.bind = holder->local();
+    link.udp.bind = endpoint(holder->local().text());
     RunningGateway daemon{link};
     EXPECT_EQ(daemon.link("host").at("state"), "waiting");
     EXPECT_NE(daemon.link("host").at("error").get<std::string>().find("in use"), std::string::npos);
@@ -212,6 +212,32 @@ TEST(UdpLink, ipv6_multicast_on_an_interface) {
     UdpPeer member{"[fe80::1%va]:0"};
     ASSERT_TRUE(member.send(endpoint("[ff02::1234%va]:17000"), vendor::who_are_you));
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
+}
+
+TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_another_number) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001"), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("air"));
+    for (const int round : {1, 2}) {
+        for (const char* link : {"far", "near"})
+            EXPECT_EQ(daemon.link(link).at("error"), "no network interface va now") << round;
+        ASSERT_TRUE(network.run("link add va type veth peer name vb" + std::to_string(round)) &&
+                    network.run("link set va up") && network.run("link set vb" + std::to_string(round) + " up") &&
+                    network.run("addr add fe80::1/64 dev va nodad") && network.run("addr add fe80::2/64 dev va nodad"));
+        ASSERT_TRUE(daemon.until_up("far") && daemon.until_up("near")) << round;
+        {
+            UdpPeer far{"[fe80::2%va]:17000"}, air;
+            air.send(daemon.port("air"), telemetry);
+            EXPECT_TRUE(daemon.until([&] { return far.heard() == telemetry; })) << round;
+            EXPECT_TRUE(far.send(endpoint("[fe80::1%va]:17001"), vendor::who_are_you));
+            EXPECT_TRUE(daemon.until([&] { return daemon.link("near").at("channels").size() == 1; })) << round;
+        }
+        ASSERT_TRUE(network.run("link del va"));
+        EXPECT_TRUE(daemon.until([&] {
+            return daemon.link("far").at("state") == "waiting" && daemon.link("near").at("state") == "waiting";
+        })) << round;
+    }
 }
 
 TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {

@@ -7,8 +7,8 @@
 
 namespace support {
 
-inline anogate::Endpoint endpoint(const std::string& text) {
-    const auto parsed = anogate::Endpoint::parse(text);
+inline anogate::WrittenEndpoint endpoint(const std::string& text) {
+    const auto parsed = anogate::WrittenEndpoint::parse(text);
     if (!parsed) throw std::invalid_argument{"no endpoint: " + text};
     return *parsed;
 }

@@ -32,6 +32,10 @@ public:
         return ::sendto(socket_.get(), datagram.data(), datagram.size(), 0, address.get(), address.size) ==
                static_cast<ssize_t>(datagram.size());
     }
+    bool send(const anogate::WrittenEndpoint& to, std::span<const std::uint8_t> datagram) {
+        const auto now = anogate::endpoint_now(to);
+        return now && send(*now, datagram);
+    }
     bool send(std::uint16_t port, std::span<const std::uint8_t> datagram) {
         auto to = local_;
         if (to.address.is_any()) to.address = anogate::IpAddress::v4(127, 0, 0, 1);

@@ -313,8 +313,8 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
 
 // Printing.
 
-Endpoint random_endpoint(support::Random& random, bool v6) {
-    Endpoint endpoint;
+WrittenEndpoint random_endpoint(support::Random& random, bool v6) {
+    WrittenEndpoint endpoint;
     endpoint.address = *IpAddress::parse(v6 ? random.of({"::1", "fd00::5", "2001:db8::1:2"})
                                             : random.of({"127.0.0.1", "10.1.2.3", "255.255.255.255"}));
     endpoint.port = static_cast<std::uint16_t>(1 + random.below(65535));
@@ -347,7 +347,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
                 {random_endpoint(random, i % 2 == 0).address, static_cast<std::uint8_t>(random.below(33))});
     } else if (link.kind == "udp") {
         link.udp.peer = random_endpoint(random, v6);
-        if (random.one_in(2)) link.udp.bind = Endpoint{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0};
+        if (random.one_in(2)) link.udp.bind = WrittenEndpoint{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
     } else if (link.kind == "can") {
         link.can.interface = "can" + unique;
         link.can.fd = random.one_in(2);

@@ -1,0 +1,44 @@
+// The interface that a link-local address names may go, and come back as another.
+#pragma once
+#include <link/alarm.hpp>
+#include <link/ip_socket.hpp>
+#include <link/link_context.hpp>
+
+#include <functional>
+#include <string>
+
+namespace anogate {
+
+/// Looks once a second whether the interface of an open socket is still there: nobody else tells a socket that only listens.
+/// Costs nothing where no interface is named.
+class InterfaceWatch {
+public:
+    /// `gone` is called once after start(), with words for the user.
+    InterfaceWatch(const LinkContext& context, std::function<void(std::string why)> gone)
+        : host_{context.host}, gone_{std::move(gone)}, look_{context.alarms, [this] { look(); }, retry_slack} {}
+
+    void start(const WrittenEndpoint& written) {
+        if (written.interface.empty()) return;
+        written_ = written;
+        opened_ = endpoint_now(written);
+        look_.set(host_.now() + between_looks);
+    }
+    void stop() { look_.cancel(); }
+
+private:
+    static constexpr Duration between_looks = std::chrono::seconds{1};
+
+    void look() {
+        const auto now = endpoint_now(written_);
+        if (now && now == opened_) return look_.set(host_.now() + between_looks);
+        gone_(now ? "another network interface " + written_.interface : no_interface(written_));
+    }
+
+    LinkHost& host_;
+    std::function<void(std::string)> gone_;
+    Alarm look_;
+    WrittenEndpoint written_;
+    std::optional<Endpoint> opened_;
+};
+
+}  // namespace anogate
