@@ -3,10 +3,13 @@
 #include <ano/address.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/flexible_json.hpp>
+#include <ano_json/syntax_fault.hpp>
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -84,13 +87,13 @@ FlexibleLayouts FrameOptions::layouts() const {
     FlexibleLayouts layouts;
     if (config.empty()) return layouts;
     std::ifstream file{config};
-    if (!file) throw UsageError{"--config " + config + ": it can't be read"};
+    if (!file) throw UsageError{"--config " + config + ": it can't be read: " + std::strerror(errno)};
     const std::string text{std::istreambuf_iterator<char>{file}, {}};
     nlohmann::json whole;
     try {
         whole = nlohmann::json::parse(text, nullptr, true, true);
     } catch (const nlohmann::json::exception& e) {
-        throw UsageError{"--config " + config + ": it is not JSON: " + e.what()};
+        throw UsageError{"--config " + config + ": it is not JSON: " + ano::syntax_fault(text, e)};
     }
     if (!whole.is_object()) throw UsageError{"--config " + config + ": it is not an object"};
     if (!whole.contains("flexible")) return layouts;

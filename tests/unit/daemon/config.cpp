@@ -164,7 +164,8 @@ TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
 TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
     EXPECT_EQ(
         faults_in("{\"a\":\n  [1,}"),
-        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal\n");
+        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there a "
+        "comma too many before it?)\n");
     for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3},
                                     std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
