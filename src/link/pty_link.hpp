@@ -24,13 +24,15 @@ private:
 
     std::string link_path(const std::string& device);
     bool watch_users();
+    void watch_path();
+    void keep_path();
     void look_for_users();
     void users_gone();
     UniqueFd open_user_side() const;
     std::string nobody_there() const;
 
     std::string device_;     // /dev/pts/N
-    Descriptor watch_;       // inotify on device_: somebody opened or closed it
+    Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
     UniqueFd user_side_;     // held open only where it can't be watched
     bool up_ = false;
 };
