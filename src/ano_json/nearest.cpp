@@ -7,6 +7,7 @@ namespace ano {
 namespace {
 
 constexpr std::size_t longest_word = 64;    // nobody mistypes longer ones; keeps hostile input cheap
+constexpr std::size_t shortest_part = 3;    // letters of a word that say which is meant
 
 char lower(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -31,6 +32,16 @@ std::size_t edits(std::string_view a, std::string_view b) {
     return above[b.size()];
 }
 
+/// "timeout" of peer_timeout.
+bool contains_word(std::string_view candidate, std::string_view word) {
+    return candidate.find(word) != candidate.npos;
+}
+
+/// The "baud" of baudrate.
+bool begins_word(std::string_view candidate, std::string_view word) {
+    return candidate.size() >= shortest_part && word.starts_with(candidate);
+}
+
 }    // namespace
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
@@ -40,14 +51,18 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
     for (const std::string_view candidate : candidates) {
         if (candidate.size() > longest_word) continue;
         const std::size_t count = edits(word, candidate);
-        if (count > fewest || (count == fewest && !best.empty()) || count >= candidate.size()) continue;
+        if (count > fewest || count >= candidate.size()) continue;
+        // Of two that are as near, the one that was not written to its end ("of": off, not on); else the first.
+        const bool begun = candidate.starts_with(word) && !best.starts_with(word);
+        if (count == fewest && !best.empty() && !begun) continue;
         best = candidate;
         fewest = count;
     }
-    if (!best.empty() || word.size() < 3) return best;
-    const auto contains = [word](std::string_view c) { return c.find(word) != std::string_view::npos; };
-    const auto found = std::find_if(candidates.begin(), candidates.end(), contains);
-    return found != candidates.end() ? *found : best;
+    if (!best.empty() || word.size() < shortest_part) return best;
+    for (const auto part : {contains_word, begins_word})
+        for (const std::string_view candidate : candidates)
+            if (part(candidate, word)) return candidate;
+    return {};
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {

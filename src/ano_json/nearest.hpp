@@ -6,7 +6,8 @@
 
 namespace ano {
 
-/// The candidate that `word` is most likely a slip of: few edits away (capitals do not count), or one that contains it.
+/// The candidate that `word` is most likely a slip of: few edits away (capitals do not count), else one that
+/// contains it, or that it begins with.
 /// Empty when none is near.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
 

@@ -43,12 +43,19 @@ bool is_alive(const std::string& path) {
     return !dead;
 }
 
+/// In a folder of his own, as $XDG_RUNTIME_DIR is, nobody else was to come in.
+bool is_private(const fs::path& folder) {
+    struct stat info {};
+    return ::stat(folder.c_str(), &info) == 0 && (info.st_mode & 0011) == 0;
+}
+
 void let_group_in(const std::string& path) {
     const group* group = ::getgrnam("anogate");
     if (group && ::chown(path.c_str(), uid_t(-1), group->gr_gid) == 0) {
         ::chmod(path.c_str(), 0660);
     } else {
         ::chmod(path.c_str(), 0600);
+        if (is_private(fs::path{path}.parent_path())) return;
         spdlog::warn("{}: only this user may use it, for there is no group `anogate` we are in", path);
     }
 }

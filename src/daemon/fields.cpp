@@ -14,12 +14,23 @@ bool is_beyond_hex(char c) {
     return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z');
 }
 
+/// "12333", ":12333" and "*:12333": every interface is meant, or was forgotten to be named.
+std::string_view port_alone(std::string_view text) {
+    if (text.starts_with('*')) text.remove_prefix(1);
+    if (text.starts_with(':')) text.remove_prefix(1);
+    return parse_number(text).value_or(UINT64_MAX) <= UINT16_MAX ? text : std::string_view{};
+}
+
 /// The half that people get wrong, where it can be told.
 std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string shown = printable(std::string{text});
     if (const auto address = IpAddress::parse(text)) {
         const std::string better = address->v6 ? "[" + shown + "]:PORT" : shown + ":PORT";
         return "'" + shown + "' has no port: write " + better;
+    }
+    if (const std::string port{port_alone(text)}; !port.empty()) {
+        const bool local = key.name == "bind" || key.is_of("udp-listen");
+        return "'" + shown + "' has no IP address: write " + (local ? "0.0.0.0:" + port + " for every interface" : "IP:" + port);
     }
     if (const std::size_t percent = text.find('%'), end = text.find(']'); percent < end && end != text.npos) {
         const std::string_view interface = text.substr(percent + 1, end - percent - 1);

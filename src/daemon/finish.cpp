@@ -90,6 +90,7 @@ public:
             if (links_[i].kind == "can") can(i);
             for (std::size_t k = 0; k < i; ++k) pair(k, i);
         }
+        groups();
         gateway();
         for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i)
             route(draft_.settings.routes[i], draft_.routes[i]);
@@ -102,6 +103,9 @@ public:
 private:
     void error(const Origin& origin, std::string_view key, std::string what) {
         draft_.errors.push_back({origin.key(key), std::move(what)});
+    }
+    void warning(std::string where, const std::string& what) {
+        draft_.warnings.push_back({std::move(where), "warning: " + what});
     }
     /// How a link is named to people: by name, and where it was said.
     std::string who(std::size_t i) const { return in_quotes(links_[i].name) + " (" + draft_.links[i].where + ")"; }
@@ -130,11 +134,12 @@ private:
         const std::uint64_t milliseconds = (ano::overhead + link.max_data) * std::uint64_t{1000} / rate;
         if (milliseconds <= slow_frame) return;
         const std::uint64_t fits = rate * slow_frame / 1000;
-        draft_.warnings.push_back({draft_.links[i].key("max_data"),
-                                   "warning: a frame of max_data " + std::to_string(link.max_data) + " takes " + std::to_string(milliseconds) +
-                                       " ms at " + std::to_string(rate) + " bytes/s, and what is urgent waits behind it; max_data " +
-                                       std::to_string(fits > ano::overhead ? fits - ano::overhead : 0) + " keeps it under " +
-                                       std::to_string(slow_frame) + " ms"});
+        const std::string limit = std::to_string(slow_frame) + " ms";
+        warning(draft_.links[i].key("max_data"),
+                "a frame of max_data " + std::to_string(link.max_data) + " takes " + std::to_string(milliseconds) + " ms at " +
+                    std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +
+                    (fits < ano::overhead ? "even one without DATA takes more than " + limit
+                                          : "max_data " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
 
     void udp(std::size_t i) {
@@ -185,14 +190,27 @@ private:
                   "local port " + std::to_string(local.port) + " is used by " + who(first) + " already");
     }
 
+    void groups() {
+        for (std::size_t i = 0; i < links_.size(); ++i) {
+            const std::string& group = links_[i].group;
+            const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
+            if (!group.empty() && std::count_if(links_.begin(), links_.end(), in_group) == 1)
+                warning(draft_.links[i].key("group"),
+                        in_quotes(links_[i].name) + " is alone in the group " + in_quotes(group) + ": it is as without");
+        }
+    }
+
     void gateway() {
         const GatewaySettings& gateway = draft_.settings.gateway;
-        if (gateway.unknown == Unknown::link)
-            must_exist(gateway.unknown_link, draft_.unknown, "unknown", "flood, drop, or ");
+        if (links_.empty() && draft_.errors.empty()) warning("", "the configuration has no links: there is nothing to join");
+        if (ano::address::is_host(gateway.id))
+            warning("", "the gateway's own id " + address_text(gateway.id) +
+                            " is the address of hosts: what is sent to them ends in the gateway; give it another, such as 199");
+        if (gateway.unknown == Unknown::link) must_exist(gateway.unknown_link, draft_.unknown, "unknown", {"flood", "drop"});
     }
 
     void route(const RouteSettings& route, const Origin& origin) {
-        must_exist(route.link, origin, "link", "");
+        must_exist(route.link, origin, "link");
         const auto covers = [&](std::uint8_t id) { return id != 0 && route.first <= id && id <= route.last; };
         if (const std::uint8_t id = draft_.settings.gateway.id; covers(id))
             error(origin, "address",
@@ -209,7 +227,7 @@ private:
         const AliasSettings& alias = draft_.settings.aliases[i];
         const Origin& origin = draft_.aliases[i];
         const std::string as = "'as' " + address_text(alias.as);
-        must_exist(alias.link, origin, "link", "", false);
+        must_exist(alias.link, origin, "link", {}, false);
         if (alias.as == alias.device) error(origin, "as", as + " is the id that the device has already");
         if (alias.as == draft_.settings.gateway.id) error(origin, "as", as + " is the gateway's own id");
         if (ano::address::is_host(alias.as) || ano::address::is_host(alias.device))
@@ -219,18 +237,28 @@ private:
         for (std::size_t k = 0; k < i; ++k) {
             const AliasSettings& other = draft_.settings.aliases[k];
             if (other.as == alias.as) error(origin, "as", as + " is given at " + draft_.aliases[k].where + " too");
-            if (other.link == alias.link && (other.device == alias.device || other.as == alias.device || other.device == alias.as))
-                error(origin, "device", "'device' " + address_text(alias.device) + ": " + draft_.aliases[k].where +
-                                            " says otherwise, one device has one alias and an alias none");
+            if (other.link == alias.link) aliases_of_a_link(alias, origin, other, " (" + draft_.aliases[k].where + ")");
         }
+    }
+
+    void aliases_of_a_link(const AliasSettings& alias, const Origin& origin, const AliasSettings& other, const std::string& there) {
+        const std::string device = "'device' " + address_text(alias.device);
+        if (other.device == alias.device)
+            error(origin, "device", device + " has the alias " + address_text(other.as) + " already" + there);
+        else if (other.as == alias.device)
+            error(origin, "device", device + " is the alias of " + address_text(other.device) + there + ": give 'as' there");
+        else if (other.device == alias.as)
+            error(origin, "as", "'as' " + address_text(alias.as) + " is the id of a device on this link that has an alias itself" + there);
     }
 
     void tunnel(const TunnelSettings& tunnel) {
         for (std::size_t i = 0; i < tunnel.links.size(); ++i)
-            must_exist(tunnel.links[i], draft_.tunnel, "links/" + std::to_string(i), "", false);
+            must_exist(tunnel.links[i], draft_.tunnel, "links/" + std::to_string(i), {}, false);
         for (std::size_t i = 0; i < tunnel.wrap.size(); ++i)
             if (!tunnel.wrap[i].link.empty())
-                must_exist(tunnel.wrap[i].link, draft_.tunnel, "wrap/" + std::to_string(i) + "/link", "", false);
+                must_exist(tunnel.wrap[i].link, draft_.tunnel, "wrap/" + std::to_string(i) + "/link", {}, false);
+        if (tunnel.links.empty() && tunnel.wrap.empty())
+            warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
             if (collide(local_endpoint(links_[i]), {tunnel.bind, tunnel.port}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
@@ -241,8 +269,8 @@ private:
         const Origin& origin = draft_.gpio[i];
         if (line.chip.empty() && is_number(line.line))
             error(origin, "line", "'line' " + line.line + " is a number: 'chip' must say of which chip");
-        if (!line.link.empty()) must_exist(line.link, origin, "link", "");
-        for (std::size_t k = 0; k < line.links.size(); ++k) must_exist(line.links[k], origin, "links/" + std::to_string(k), "");
+        if (!line.link.empty()) must_exist(line.link, origin, "link");
+        for (std::size_t k = 0; k < line.links.size(); ++k) must_exist(line.links[k], origin, "links/" + std::to_string(k));
         if (line.link.empty() && line.links.empty()) gpio_without_link(line, origin);
         if (line.use == GpioUse::rs485) rs485(line, origin);
         for (std::size_t k = 0; k < i; ++k) {
@@ -274,19 +302,23 @@ private:
             error(origin, "link", "'link' " + in_quotes(line.link) + " uses the RTS line by 'flow' or 'rts', which rs485 needs");
     }
 
-    void must_exist(const std::string& name, const Origin& origin, std::string_view key, std::string_view others,
-                    bool or_tunnel = true) {
+    /// `words` may stand there too.
+    void must_exist(const std::string& name, const Origin& origin, std::string_view key,
+                    std::initializer_list<std::string_view> words = {}, bool or_tunnel = true) {
         if (or_tunnel && draft_.settings.tunnel && name == "tunnel") return;
         std::vector<std::string_view> names;
-        std::string listed;
+        std::string listed, others;
         for (const LinkSettings& link : links_) {
             names.push_back(link.name);
             listed += (listed.empty() ? "" : ", ") + link.name;
         }
         if (draft_.broken_links || std::find(names.begin(), names.end(), name) != names.end()) return;
-        std::string what = "there is no link " + in_quotes(name) + ano::did_you_mean(name, names);
-        if (!others.empty() || !names.empty())
-            what += "; give " + std::string{others} + (names.empty() ? "a link" : "one of " + listed);
+        std::vector<std::string_view> meant{words};
+        meant.insert(meant.end(), names.begin(), names.end());
+        for (const std::string_view word : words) others += std::string{word} + ", ";
+        std::string what = "there is no link " + in_quotes(name) + ano::did_you_mean(name, meant);
+        if (!others.empty()) others += "or ";
+        if (!meant.empty()) what += "; give " + others + (names.empty() ? "a link" : "one of " + listed);
         error(origin, key, std::move(what));
     }
 

@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,7 +81,7 @@ struct Gpio::Line {
     bool pulsing = false;    // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;
-    bool was_inhibiting = true;
+    std::optional<bool> was_inhibiting{};    // nothing: not told yet
 };
 
 /// "link_up" and so on.

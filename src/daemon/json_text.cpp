@@ -1,3 +1,4 @@
+#include <ano_json/syntax_fault.hpp>
 #include <daemon/json_text.hpp>
 #include <daemon/key_facts.hpp>
 
@@ -75,12 +76,6 @@ private:
     bool too_deep_ = false;
 };
 
-/// The library's message from the line on: "line 3, column 5: ...; expected string literal".
-std::string without_prefix(const std::string& message) {
-    const std::size_t line = message.find("line ");
-    return line != std::string::npos ? message.substr(line) : message;
-}
-
 }  // namespace
 
 std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
@@ -90,7 +85,7 @@ std::optional<json> parse_json(std::string_view text, const std::string& file, C
         json document = json::parse(text, follow, true, true);
         if (!watch.too_deep()) return document;
     } catch (const json::exception& error) {
-        if (!watch.too_deep()) errors.push_back({file, without_prefix(error.what())});
+        if (!watch.too_deep()) errors.push_back({file, ano::syntax_fault(text, error)});
     }
     return std::nullopt;
 }

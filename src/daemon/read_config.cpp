@@ -94,6 +94,17 @@ bool is_object(const json& value, const std::string& where, ConfigErrors& errors
     return value.is_object();
 }
 
+/// What must be a list, for one text may be several in a LINK text only.
+bool is_a_list(Form form, const json& value) {
+    return form == Form::frames || form == Form::senders || (form == Form::networks && value.is_string() && value != "any");
+}
+
+/// "send.deny" of a LINK text, as it is in a file.
+std::string nested(const std::string& name) {
+    const std::size_t dot = name.find('.');
+    return printable("\"" + name.substr(0, dot) + "\": {\"" + name.substr(dot + 1) + "\": ...}");
+}
+
 /// One entry of a limit, {"0x01": 50}.
 template <class Section>
 std::string read_entry(const Key<Section>& key, const std::string& name, const json& value, Section& section) {
@@ -116,13 +127,15 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
             if (is_object(value, where, errors))
                 read_keys(value, {where, true}, keys, section, errors, kind, but, full + ".");
         } else if (key == nullptr) {
-            error = unknown_key_of(keys, full, kind);
+            const std::string object_of = full.substr(0, full.find('.'));
+            const bool dotted = name.find('.') != name.npos && (is_object_of_keys(keys, object_of, kind) || object_of == "limit");
+            error = dotted ? "unknown key " + in_quotes(name) + ": in a file it is " + nested(full) : unknown_key_of(keys, full, kind);
         } else if (key->form == Form::limits) {
             if (!is_object(value, where, errors)) continue;
             for (const auto& [entry, rate] : value.items())
                 if (std::string wrong = read_entry(*key, entry, rate, section); !wrong.empty())
                     errors.push_back({where + pointer_step(entry), std::move(wrong)});
-        } else if ((key->form == Form::frames || key->form == Form::senders) && !value.is_array()) {
+        } else if (is_a_list(key->form, value) && !value.is_array()) {
             error = in_quotes(full) + " must be a list" +
                     (value.is_string() ? " such as [" + printable(value.dump()) + "]" : "") + ", not " + shown(value);
         } else {
@@ -134,7 +147,8 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
     if (!inside.empty()) return;
     for (const Key<Section>& key : keys)
         if (key.required && key.is_of(kind) && !object.contains(key.name))
-            errors.push_back({origin.where, in_quotes(key.name) + " is missing: " + std::string{key.help}});
+            errors.push_back({origin.where, in_quotes(key.name) + " is missing" +
+                                                (key.form == Form::choice ? ", " + expected(key) : "") + ": " + std::string{key.help}});
 }
 
 class Reader {

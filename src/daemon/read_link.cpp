@@ -62,6 +62,8 @@ private:
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
         if (name.empty())
             error("a comma with no key behind it");
+        else if (link_.kind == "serial" && parse_number(name))
+            error("unknown key " + in_quotes(name) + " (did you mean 'baud=" + std::string{name} + "'?)");
         else if (key != nullptr && key->form != Form::boolean)
             error(in_quotes(name) + " needs a value: " + std::string{name} + "=" + placeholder(*key));
         else

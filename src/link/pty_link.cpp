@@ -49,6 +49,7 @@ StreamLink::Opened PtyLink::open_wire() {
     let_dialout_in(device_);
     const bool watched = watch_users();
     std::string error = link_path(device_);
+    if (watched) watch_path();
     if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
     if (error.empty()) return {std::move(ours), {}};
     claim_ = UniqueFd{};
@@ -77,6 +78,7 @@ std::string PtyLink::link_path(const std::string& device) {
 // A name in the kernel that only one can have, and that goes with its owner however that ends. The folder is told by its number:
 // a path may be written in several ways.
 std::string PtyLink::claim_path() {
+    claim_ = UniqueFd{};
     const fs::path path = settings().pty.path;
     struct stat folder{};
     if (::stat(path.has_parent_path() ? path.parent_path().c_str() : ".", &folder) != 0) return error_text(path.string(), errno);
@@ -100,9 +102,29 @@ bool PtyLink::watch_users() {
     watch_.read_with([this] {
         alignas(inotify_event) char events[4096];
         while (::read(watch_.fd(), events, sizeof events) > 0) {}
-        look_for_users();
+        keep_path();
+        if (watch_.is_open()) look_for_users();
     });
     return true;
+}
+
+// Whose link it is just now: that of another program that took the path is watched until it is gone.
+void PtyLink::watch_path() {
+    constexpr std::uint32_t gone = IN_DELETE_SELF | IN_MOVE_SELF | IN_ATTRIB;
+    ::inotify_add_watch(watch_.fd(), settings().pty.path.c_str(), gone | IN_DONT_FOLLOW);
+}
+
+// A path that somebody removed is made again: a cleaner of /tmp, or a second gateway that had taken it and ended.
+void PtyLink::keep_path() {
+    std::error_code ec;
+    const fs::file_status there = fs::symlink_status(settings().pty.path, ec);
+    if (!fs::exists(there)) {
+        if (std::string error = link_path(device_); !error.empty()) return fail(std::move(error));
+    } else if (fs::read_symlink(settings().pty.path, ec) == device_) {
+        return;
+    }
+    watch_path();
+    if (!up_) context_.host.link_down(*this, nobody_there());
 }
 
 void PtyLink::came_up() {
@@ -167,7 +189,13 @@ std::size_t PtyLink::unsent() const {
     return user_side ? terminal::unread(user_side.get()) : 0;
 }
 
-std::string PtyLink::nobody_there() const { return "no program has " + settings().pty.path + " open"; }
+std::string PtyLink::nobody_there() const {
+    const std::string& path = settings().pty.path;
+    std::error_code ec;
+    const fs::path leads_to = fs::read_symlink(path, ec);
+    if (ec || leads_to == device_) return "no program has " + path + " open";
+    return path + " leads to " + leads_to.string() + ", which another program made: give this link a path of its own";
+}
 
 std::string PtyLink::gone_text(int error) const { return error_text(device_, error == 0 ? EIO : error); }
 

@@ -25,6 +25,8 @@ private:
     std::string link_path(const std::string& device);
     std::string claim_path();
     bool watch_users();
+    void watch_path();
+    void keep_path();
     void look_for_users();
     void users_gone();
     UniqueFd open_user_side() const;
@@ -32,7 +34,7 @@ private:
 
     std::string device_;     // /dev/pts/N
     UniqueFd claim_;         // on the path, among gateways
-    Descriptor watch_;       // inotify on device_: somebody opened or closed it
+    Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
     UniqueFd user_side_;     // held open only where it can't be watched
     bool up_ = false;
 };

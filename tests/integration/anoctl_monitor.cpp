@@ -174,6 +174,20 @@ TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
     EXPECT_EQ(from.exit_code(), 2);
     Monitor none{{}};
     EXPECT_EQ(none.exit_code(), 2);
+    Monitor behind{{"--id", "euler", "pty:/tmp/x", "--count", "1"}};
+    EXPECT_EQ(behind.exit_code(), 2);
+    EXPECT_NE(behind.err().find("link is required, before the options"), std::string::npos) << behind.err();
+}
+
+TEST(AnoctlMonitor, says_why_nothing_is_shown) {
+    const support::TemporaryFolder folder;
+    support::PtyDevice device{(folder.path() / "tty").string()};
+    Monitor monitor{{"serial:" + device.path()}};
+    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    device.write(support::Bytes(200, 0x55));
+    EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate?\n")) << monitor.err();
+    device.write(euler);
+    EXPECT_TRUE(monitor.shows("euler"));
 }
 
 }    // namespace

@@ -126,7 +126,16 @@ TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
     struct stat info{};
     ASSERT_EQ(::stat(socket.c_str(), &info), 0);
     EXPECT_EQ(info.st_mode & 0777, 0600u);
-    EXPECT_TRUE(daemon.until_says("only this user may use it"));
+    std::filesystem::create_directory(dir / "open");
+    std::filesystem::permissions(dir / "open", std::filesystem::perms{0755});
+    Daemon other{ANOGATED, dir / "open/control.sock", {"sim:fc"}};
+    EXPECT_TRUE(other.until_says("only this user may use it"));
+    other.signal(SIGTERM);
+    EXPECT_EQ(other.wait(), 0);
+}
+
+TEST_F(ControlSocket, says_nothing_of_others_in_a_folder_that_they_cannot_enter) {
+    EXPECT_EQ(daemon.output().find("only this user may use it"), std::string::npos) << daemon.output();
 }
 
 TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {

@@ -76,6 +76,15 @@ TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
     EXPECT_NE(daemon.output().find("is not there; waiting for it"), std::string::npos) << daemon.output();
 }
 
+TEST(Daemon, a_safety_switch_that_is_absent_says_what_that_means) {
+    const TempDir dir;
+    std::ofstream{dir / "a.json"} << R"({"gpio": [{"chip": "no-such-chip", "line": 4, "use": "inhibit", "links": ["fc"]}]})";
+    Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "a.json", "sim:fc"}};
+    EXPECT_TRUE(daemon.until_says("the chip is not there; waiting for it")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("gpio inhibit of fc: on, control frames go nowhere")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
 TEST(Daemon, ends_within_a_second_under_load_and_with_a_reader_that_is_stuck) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};

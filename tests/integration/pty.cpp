@@ -182,6 +182,38 @@ TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
     EXPECT_EQ(next.link("app").at("error"), "no program has " + (dir / "app") + " open");
 }
 
+TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_ends) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app")};
+    const std::string device = daemon.link("app").at("device");
+    fs::create_symlink("/dev/pts/99999", dir / "others");
+    fs::rename(dir / "others", dir / "app");
+    EXPECT_TRUE(daemon.until([&] {
+        return daemon.link("app").at("error") ==
+               (dir / "app") + " leads to /dev/pts/99999, which another program made: give this link a path of its own";
+    })) << daemon.link("app").at("error");
+    fs::remove(dir / "app");
+    EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
+    EXPECT_EQ(fs::read_symlink(dir / "app"), device);
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    const PortUser app{dir / "app"};
+    EXPECT_TRUE(daemon.until_up("app"));
+}
+
+TEST(PtyLink, a_path_that_was_removed_is_made_again_each_time) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app")};
+    for (int round = 0; round < 3; ++round) {
+        fs::remove(dir / "app");
+        EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
+        const PortUser app{dir / "app"};
+        EXPECT_TRUE(daemon.until_up("app"));
+        fs::remove(dir / "app");
+        EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); })) << "in use, too";
+        EXPECT_EQ(daemon.link("app").at("state"), "up");
+    }
+}
+
 TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
     const TempDir dir;
     std::ofstream{dir / "app"} << "precious";

@@ -53,6 +53,13 @@ TEST(SerialLink, a_frame_sent_one_byte_at_a_time_arrives_whole) {
     EXPECT_TRUE(daemon.until([&] { return b.heard() == vendor::i_am_an_mcu; }));
 }
 
+TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_how_it_is_meant) {
+    RunningGateway daemon{serial("a", "ttyAbsent"), serial("b", "/dev/ttyAbsent:115200"), serial("c", "/dev/by-path/usb-0:1:1.0")};
+    EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent is not there (did you mean /dev/ttyAbsent?)");
+    EXPECT_EQ(daemon.link("b").at("error"), "/dev/ttyAbsent:115200 is not there (did you mean /dev/ttyAbsent,baud=115200?)");
+    EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 is not there");
+}
+
 TEST(SerialLink, a_device_comes_and_goes_and_nobody_else_notices) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"}, fc{dir / "fc"};

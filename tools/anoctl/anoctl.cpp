@@ -27,17 +27,22 @@ std::span<const Subcommand> subcommands() noexcept {
 
 namespace {
 
-void name_the_stranger(int argc, const char* const* argv) {
-    if (argc < 2 || argv[1][0] == '-') return;
-    std::vector<std::string_view> names;
+/// "; the commands are decode, …"
+std::string commands() {
     std::string all;
+    for (const Subcommand& s : subcommands()) all += (all.empty() ? "; the commands are " : ", ") + std::string{s.name};
+    return all;
+}
+
+void name_the_stranger(int argc, const char* const* argv) {
+    if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
+    if (argv[1][0] == '-') return;
+    std::vector<std::string_view> names;
     for (const Subcommand& s : subcommands()) {
         if (s.name == std::string_view{argv[1]}) return;
         names.emplace_back(s.name);
-        all += (all.empty() ? "" : ", ") + std::string{s.name};
     }
-    throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) +
-                     "; the commands are " + all};
+    throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
 }    // namespace
@@ -72,7 +77,9 @@ int run(int argc, const char* const* argv, Streams& streams) {
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : e.what(), usage);
+        // --id and its like take every word behind them, the link too.
+        const char* first = app.got_subcommand("monitor") ? ", before the options" : "";
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : std::string{e.what()} + first, usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {

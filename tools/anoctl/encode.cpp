@@ -4,6 +4,7 @@
 
 #include <ano/reading.hpp>
 #include <ano_json/hex.hpp>
+#include <ano_json/syntax_fault.hpp>
 
 #include <unistd.h>
 #include <CLI/CLI.hpp>
@@ -79,7 +80,7 @@ Json parsed(std::string_view text, const std::string& what) {
     try {
         return Json::parse(text);
     } catch (const nlohmann::json::exception& e) {
-        throw UsageError{what + ": it is not JSON: " + e.what()};
+        throw UsageError{what + ": it is not JSON: " + ano::syntax_fault(text, e)};
     }
 }
 

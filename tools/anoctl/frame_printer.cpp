@@ -3,6 +3,7 @@
 #include <ano/address.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/flexible_json.hpp>
+#include <ano_json/syntax_fault.hpp>
 #include <daemon/read_file.hpp>
 
 #include <CLI/CLI.hpp>
@@ -85,12 +86,12 @@ FlexibleLayouts FrameOptions::layouts() const {
     if (config.empty()) return layouts;
     std::error_code error;
     const std::string text = anogate::read_file(config, anogate::largest_config, error);
-    if (error) throw UsageError{"--config " + config + ": " + error.message()};
+    if (error) throw UsageError{"--config " + config + ": it can't be read: " + error.message()};
     nlohmann::json whole;
     try {
         whole = nlohmann::json::parse(text, nullptr, true, true);
     } catch (const nlohmann::json::exception& e) {
-        throw UsageError{"--config " + config + ": it is not JSON: " + e.what()};
+        throw UsageError{"--config " + config + ": it is not JSON: " + ano::syntax_fault(text, e)};
     }
     if (!whole.is_object()) throw UsageError{"--config " + config + ": it is not an object"};
     if (!whole.contains("flexible")) return layouts;

@@ -3,6 +3,7 @@
 #include "frame_printer.hpp"
 
 #include <daemon/config.hpp>
+#include <gateway/hints.hpp>
 #include <link/asio.hpp>
 #include <link/kinds.hpp>
 
@@ -23,6 +24,7 @@ using namespace anogate;
 
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
+constexpr Duration look_every = std::chrono::seconds{3};
 
 using IdSet = std::bitset<256>;
 
@@ -51,6 +53,7 @@ public:
             if (!ec) stop();
         });
         link_->start();
+        look_later();
         io_.run();
         complain() << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown of " << seen_ << ", " << skipped()
                    << " bytes of no frame\n";
@@ -100,6 +103,7 @@ private:
             std::visit([&](const auto& v) { facts += text_of(v); }, value);
         }
         if (!up_) complain() << link.name() << " is up" << facts << std::endl;
+        if (!up_) up_at_ = now();
         up_ = true;
         why_.clear();
     }
@@ -109,6 +113,35 @@ private:
         why_ = std::move(why);
     }
     TimePoint now() override { return now_ = Clock::now(); }
+
+    // As long as there was no frame: what a gateway's status would say of the link.
+    void look_later() {
+        look_.expires_after(look_every);
+        look_.async_wait([this](error_code ec) {
+            if (ec || done_ || seen_ > 0) return;
+            std::string hint = anogate::hint(figures());
+            if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
+            hint_ = std::move(hint);
+            look_later();
+        });
+    }
+    LinkFigures figures() {
+        const Stray stray = link_->stray();
+        LinkFigures f;
+        f.kind = link_->settings().kind;
+        f.up = up_;
+        f.listens = f.kind == "udp-listen";
+        f.received = stray.received;
+        f.v7_frames = stray.v7_frames;
+        f.up_for = now() - up_at_;
+        for (const auto& channel : channels_) {
+            if (!channel) continue;
+            ++f.channels;
+            add(f.received, channel->received());
+            f.v7_frames += channel->parser.counters().v7_frames;
+        }
+        return f;
+    }
 
     static std::string text_of(const std::string& text) { return text; }
     static std::string text_of(std::int64_t number) { return std::to_string(number); }
@@ -147,7 +180,10 @@ private:
     std::vector<std::unique_ptr<Channel>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
+    asio::steady_timer look_{io_};
+    std::string hint_;
     bool up_ = false;
+    TimePoint up_at_{};
     bool done_ = false;
     std::string why_;
     std::uint64_t seen_ = 0;

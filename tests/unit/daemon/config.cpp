@@ -141,7 +141,9 @@ TEST(Config, routes_lead_somewhere) {
 TEST(Config, unknown_names_a_link_that_is) {
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "app"}, "links": ["pty:/run/app"]})"), "");
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "flod"}, "links": ["pty:/run/app"]})"),
-              "/gateway/unknown: there is no link 'flod'; give flood, drop, or one of app\n");
+              "/gateway/unknown: there is no link 'flod' (did you mean 'flood'?); give flood, drop, or one of app\n");
+    EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "dorp"}})"),
+              "/gateway/unknown: there is no link 'dorp' (did you mean 'drop'?); give flood, drop, or a link\n");
 }
 
 TEST(Config, ids_are_of_one_thing_each) {
@@ -185,7 +187,8 @@ TEST(Config, a_long_text_is_cut_between_its_characters) {
 TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
     EXPECT_EQ(
         faults_in("{\"a\":\n  [1,}"),
-        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal\n");
+        ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there a "
+        "comma too many before it?)\n");
     for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3},
                                     std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
@@ -285,6 +288,27 @@ TEST(Config, faults_of_rules_name_their_place) {
     EXPECT_NE(fault(R"("send.deny": ["0xB0"])").find("unknown key 'send.deny'"), std::string::npos);
 }
 
+TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
+    const auto fault = [](const std::string& keys) {
+        return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
+    };
+    EXPECT_EQ(fault(R"("send.deny": ["0xB0"])"), "/links/0/send.deny: unknown key 'send.deny': in a file it is \"send\": {\"deny\": ...}\n");
+    EXPECT_EQ(fault(R"("limit.0x01": 5)"), "/links/0/limit.0x01: unknown key 'limit.0x01': in a file it is \"limit\": {\"0x01\": ...}\n");
+    EXPECT_EQ(fault(R"("a.b": 5)"), "/links/0/a.b: unknown key 'a.b'\n");
+}
+
+TEST(Config, a_network_in_a_file_stands_in_a_list) {
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {"links": ["fc"], "allow": "10.8.0.0/24"}})"),
+              "/tunnel/allow: 'allow' must be a list such as [\"10.8.0.0/24\"], not the text \"10.8.0.0/24\"\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {"links": ["fc"], "allow": "any"}})"), "");
+}
+
+TEST(Config, what_is_missing_is_told_with_its_choices) {
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "gpio": [{"line": "A", "link": "fc"}]})")
+                  .rfind("/gpio/0: 'use' is missing, one of link_up, activity, power, reset, inhibit, rs485: on while", 0),
+              0u);
+}
+
 TEST(Config, an_alias_is_one_id_of_one_device) {
     const auto fault = [](const std::string& aliases) {
         return faults_in(R"({"gateway": {"id": 199}, "links": ["sim:fc,id=5", "pty:/tmp/x"], "alias": [)" + aliases + "]}");
@@ -297,8 +321,12 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 5})").find("is the port id of 'fc'"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": "0xFE", "as": 31})").find("a host"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is given at"), std::string::npos);
-    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})").find("says otherwise"), std::string::npos);
-    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})").find("says otherwise"), std::string::npos);
+    EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})"),
+              "/alias/1/device: 'device' 0x29 has the alias 0x1F already (/alias/0)\n");
+    EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})"),
+              "/alias/1/device: 'device' 0x1F is the alias of 0x29 (/alias/0): give 'as' there\n");
+    EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 42, "as": 41})"),
+              "/alias/1/as: 'as' 0x29 is the id of a device on this link that has an alias itself (/alias/0)\n");
 }
 
 TEST(Config, warns_of_frames_that_block_a_slow_line) {
@@ -309,6 +337,22 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("takes 356 ms at 11520 bytes/s"), std::string::npos);
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data 1144 keeps it under 100 ms"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data 492"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data 0 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even one without DATA takes more than 100 ms"), std::string::npos);
+}
+
+TEST(Config, warns_of_what_is_as_good_as_not_said) {
+    const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
+    EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links: there is nothing to join\n");
+    EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": 199}, "tunnel": {"links": ["fc"]}})"), "");
+    EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": "0xFE"}})"),
+              "anogated: warning: the gateway's own id 0xFE is the address of hosts: what is sent to them ends in the gateway; "
+              "give it another, such as 199\n");
+    EXPECT_EQ(warnings(R"({"links": ["sim:fc,group=radio"]})"),
+              "anogated: /links/0: LINK 'sim:fc,group=radio': warning: 'fc' is alone in the group 'radio': it is as without\n");
+    EXPECT_EQ(warnings(R"({"links": ["sim:fc,group=a", "pty:/tmp/x,group=a"]})"), "");
+    EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "tunnel": {}})"),
+              "anogated: /tunnel/links: warning: no link's tunnel frames are carried: name the links of their devices\n");
 }
 
 // Printing.
@@ -538,7 +582,7 @@ TEST(ConfigGpio, faults_name_their_place) {
               "/gpio/0/pulse: 'pulse' is not a key of link_up, but of power, reset\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "kind": "serial"})"), "/gpio/0/kind: unknown key 'kind' (did you mean 'line'?)\n");
     EXPECT_EQ(fault(R"({"use": "power"})").substr(0, 27), "/gpio/0: 'line' is missing:");
-    EXPECT_EQ(fault(R"({"line": "x"})").substr(0, 26), "/gpio/0: 'use' is missing:");
+    EXPECT_EQ(fault(R"({"line": "x"})").substr(0, 26), "/gpio/0: 'use' is missing,");
     EXPECT_EQ(fault(R"({"line": 17, "use": "power"})"), "/gpio/0/line: 'line' 17 is a number: 'chip' must say of which chip\n");
     EXPECT_EQ(fault(R"({"line": -1, "use": "power", "chip": "c"})"),
               "/gpio/0/line: 'line' must be a line's number such as 17 or its name such as \"GPIO17\", not -1\n");

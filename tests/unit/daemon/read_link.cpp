@@ -186,6 +186,20 @@ TEST(LinkText, every_fault_is_told_not_only_the_first) {
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
 }
 
+TEST(LinkText, a_baud_rate_alone_is_known_for_one) {
+    EXPECT_EQ(fault_of("serial:/dev/x,115200"), "unknown key '115200' (did you mean 'baud=115200'?)");
+    EXPECT_EQ(fault_of("sim:fc,100"), "unknown key '100'");
+}
+
+TEST(LinkText, a_port_alone_lacks_its_address) {
+    for (const char* port : {"12333", ":12333", "*:12333"})
+        EXPECT_EQ(fault_of(std::string{"udp-listen:"} + port),
+                  "'" + std::string{port} + "' has no IP address: write 0.0.0.0:12333 for every interface");
+    EXPECT_EQ(fault_of("udp:6670"), "'6670' has no IP address: write IP:6670");
+    EXPECT_EQ(fault_of("udp:10.0.0.1:6670,bind=6669"), "'6669' has no IP address: write 0.0.0.0:6669 for every interface");
+    EXPECT_EQ(fault_of("udp:65536").rfind("'address' must be an IP address and a port", 0), 0u);
+}
+
 TEST(LinkText, addresses_are_not_host_names) {
     EXPECT_EQ(fault_of("udp:localhost:1"),
               "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");

@@ -21,6 +21,18 @@ TEST(Nearest, finds_a_part_of_a_word) {
     EXPECT_EQ(nearest("timeout", keys), "peer_timeout");
 }
 
+TEST(Nearest, finds_the_word_that_a_longer_one_begins_with) {
+    EXPECT_EQ(nearest("baudrate", keys), "baud");
+    EXPECT_EQ(nearest("parity_bits", keys), "parity");
+    EXPECT_EQ(nearest("identity", keys), "") << "two letters say nothing";
+}
+
+TEST(Nearest, prefers_the_word_that_was_begun) {
+    constexpr std::string_view choices[] = {"auto", "on", "off"};
+    EXPECT_EQ(nearest("of", choices), "off");
+    EXPECT_EQ(nearest("o", choices), "on");
+}
+
 TEST(Nearest, suggests_nothing_for_what_is_far) {
     EXPECT_EQ(nearest("encryption", keys), "");
     EXPECT_EQ(nearest("xx", keys), "");

@@ -1,0 +1,55 @@
+#include <ano_json/syntax_fault.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace ano {
+namespace {
+
+std::string fault_of(std::string_view text) {
+    try {
+        return "no fault: " + nlohmann::json::parse(text, nullptr, true, true).dump();
+    } catch (const nlohmann::json::exception& error) {
+        return syntax_fault(text, error);
+    }
+}
+
+/// What is in brackets at the end.
+std::string slip_in(std::string_view text) {
+    const std::string fault = fault_of(text);
+    return fault.ends_with(')') ? fault.substr(fault.rfind(" (") + 2) : std::string{};
+}
+
+TEST(SyntaxFault, begins_with_the_line) {
+    EXPECT_EQ(fault_of("{\n  \"a\" 1}").rfind("line 2, column 7: syntax error", 0), 0u) << fault_of("{\n  \"a\" 1}");
+}
+
+TEST(SyntaxFault, knows_a_comma_that_is_missing) {
+    for (const char* text : {R"({"a": 1 "b": 2})", R"({"a": {} "b": 2})", R"([{"a": 1} {"a": 2}])", "[1 2]", "[[] []]", "[1 true]"})
+        EXPECT_EQ(slip_in(text), "is a comma missing before it?)") << fault_of(text);
+}
+
+TEST(SyntaxFault, knows_a_comma_too_many) {
+    for (const char* text : {"[1,]", "{\"a\": 1,\n}", "[1, }"})
+        EXPECT_EQ(slip_in(text), "is there a comma too many before it?)") << fault_of(text);
+    EXPECT_EQ(slip_in("{\"a\": }"), "");
+}
+
+TEST(SyntaxFault, knows_what_needs_quotes) {
+    for (const char* text : {"{a: 1}", "{'a': 1}", "[fc]", "{\"a\": yes}"})
+        EXPECT_EQ(slip_in(text), "names and texts stand in double quotes: \"fc\")") << fault_of(text);
+    EXPECT_EQ(slip_in("{\"id\": 0xC7}"), "a number in hex stands in double quotes: \"0xDC\")") << fault_of("{\"id\": 0xC7}");
+}
+
+TEST(SyntaxFault, knows_an_end_that_came_too_soon_and_a_comment_of_another_language) {
+    EXPECT_EQ(slip_in("{\"a\": [1"), "is a closing bracket or quote missing?)");
+    EXPECT_EQ(slip_in("{} # mine"), "a comment begins with //)") << fault_of("{} # mine");
+}
+
+TEST(SyntaxFault, takes_any_text) {
+    for (const std::string& text : {std::string{}, std::string{"]"}, std::string{"\0\xFF", 2}, std::string{",]"}, std::string{"\"\xFF"}})
+        EXPECT_EQ(fault_of(text).rfind("line 1", 0), 0u) << fault_of(text);
+}
+
+}    // namespace
+}    // namespace ano
