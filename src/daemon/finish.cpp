@@ -232,7 +232,7 @@ private:
             if (!tunnel.wrap[i].link.empty())
                 must_exist(tunnel.wrap[i].link, draft_.tunnel, "wrap/" + std::to_string(i) + "/link", "", false);
         for (std::size_t i = 0; i < links_.size(); ++i)
-            if (collide(local_endpoint(links_[i]), {tunnel.bind, tunnel.port}))
+            if (collide(local_endpoint(links_[i]), WrittenEndpoint{{tunnel.bind, tunnel.port}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 
