@@ -260,7 +260,7 @@ private:
         if (tunnel.links.empty() && tunnel.wrap.empty())
             warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
-            if (collide(local_endpoint(links_[i]), {tunnel.bind, tunnel.port}))
+            if (collide(local_endpoint(links_[i]), WrittenEndpoint{{tunnel.bind, tunnel.port}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 
