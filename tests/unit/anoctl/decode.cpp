@@ -114,8 +114,8 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
     EXPECT_EQ(anoctl({"decode", "--config", folder.write("no.json", "{"), log_hex}).exit, 2);
     const auto no_file = anoctl({"decode", "--config", folder.path().string(), log_hex});
     EXPECT_EQ(no_file.exit, 2);
-    EXPECT_EQ(no_file.err, "anoctl: --config " + folder.path().string() + ": Is a directory\n");
-    EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err, "anoctl: --config /dev/zero: File too large\n");
+    EXPECT_EQ(no_file.err, "anoctl: --config " + folder.path().string() + ": it can't be read: Is a directory\n");
+    EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err, "anoctl: --config /dev/zero: it can't be read: File too large\n");
 }
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
