@@ -153,8 +153,9 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     from.heard_at = now_;
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     const Treatment treatment = treatment_of(frame.id());
-    if (came_before(from, frame, treatment)) return;
+    const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
+    if (came_before(from, frame, brought, treatment)) return;
     if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
@@ -168,8 +169,9 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (route.new_conflict) log_conflict();
 }
 
-// Our own, come back by another way, or a copy of one that another link of the group brought.
-bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatment) {
+// Our own, come back by another way, or a copy of one that another link of the group brought: that is told by what was
+// `brought`, before its alias.
+bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment) {
     const std::uint64_t key = key_of(frame);
     const std::uint8_t group = links_[index(from.link)].group;
     const bool common = asked_by_many(frame);
@@ -178,7 +180,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, Treatment treatme
         if (common && !loop_guard_.suspect(from.id, now_)) learn(from, frame);    // the answer is for this one as well
         return true;
     }
-    if (group == 0 || !duplicates_.duplicate(key, group, from.link, treatment.replaces, now_)) return false;
+    if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, treatment.replaces, now_)) return false;
     ++from.routed.duplicate;
     return true;
 }

@@ -80,7 +80,7 @@ private:
     void add_tunnel(const TunnelSettings& settings);
     void add_aliases();
     void give_rules(LinkState& link, const RuleSettings& settings);
-    bool came_before(Channel& from, ano::FrameView frame, Treatment treatment);
+    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);

@@ -107,6 +107,22 @@ TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
+// At rest they do: the frame of the one, sent on to the other's link, is not what comes from there.
+TEST_F(Alias, both_sensors_may_say_the_very_same) {
+    const Bytes flow = frame(sensor, 0xFF, 0x51, {0, 0, 0, 0, 255});
+    for (std::size_t n = 0; n < 3; ++n) {
+        flow1.write(flow);
+        ASSERT_TRUE(daemon->until([&] { return heard_above().size() == 2 * n + 1; })) << n;
+        flow2.write(flow);
+        ASSERT_TRUE(daemon->until([&] { return heard_above().size() == 2 * n + 2; })) << n;
+    }
+    EXPECT_EQ(heard_above()[0], flow);
+    EXPECT_EQ(heard_above()[1], frame(alias, 0xFF, 0x51, {0, 0, 0, 0, 255}));
+    EXPECT_EQ(daemon->count("flow1", "looped"), 0u);
+    EXPECT_EQ(daemon->count("flow2", "looped"), 0u);
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
 class Traffic : public testing::Test {
 protected:
     void start(LinkSettings to, LinkSettings from = udp_listen("air")) {
