@@ -104,8 +104,7 @@ void Gpio::ring(Line& line) {
         line.pin.set(line.settings().use == GpioUse::power);
         arm(line);
     } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held()) {
-        spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
-        begin_pulse(line, now);
+        if (begin_pulse(line, now)) spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
     } else {
         arm(line);
     }
@@ -116,22 +115,26 @@ void Gpio::arm(Line& line) {
     if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held()) line.alarm.set(*due);
 }
 
-void Gpio::begin_pulse(Line& line, TimePoint now) {
+bool Gpio::begin_pulse(Line& line, TimePoint now) {
+    const bool is_reset = line.settings().use == GpioUse::reset;
+    line.pin.set(is_reset);
+    if (!line.pin.is_held()) return line.pin.set(!is_reset), false;
     line.pulsing = true;
     ++line.pulses;
     line.reset.pulsed(now);
-    line.pin.set(line.settings().use == GpioUse::reset);
     line.alarm.set(now + pulse_of(line.settings()));
+    return true;
 }
 
 std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
     const GpioUse use = line.settings().use;
-    if (!line.pin.is_held()) return Refusal{"the line is not there: " + line.pin.error()};
+    const auto not_there = [&] { return Refusal{"the line is not there: " + line.pin.error()}; };
+    if (!line.pin.is_held()) return not_there();
     if (line.pulsing) return Refusal{"it is being done already", pulse_of(line.settings())};
     if (use == GpioUse::reset && !line.reset.may_pulse(now))
         return Refusal{"it was reset less than a minute ago", line.reset.may_pulse_at() - now};
+    if (!begin_pulse(line, now)) return not_there();
     spdlog::info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
-    begin_pulse(line, now);
     return std::nullopt;
 }
 

@@ -52,7 +52,8 @@ public:
 private:
     void ring(Line& line);
     void blink(Line& line, TimePoint now);
-    void begin_pulse(Line& line, TimePoint now);
+    /// False: the chip has just gone.
+    bool begin_pulse(Line& line, TimePoint now);
     void arm(Line& line);
     void changed(Line& line);
     void inhibit_changed(Line& line);

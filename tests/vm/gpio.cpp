@@ -426,6 +426,24 @@ TEST_F(Gpio, outputs_have_their_value_again_when_the_chip_is_back) {
     EXPECT_TRUE(becomes(sim, 1, true));
 }
 
+TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
+    GpioSim sim{"a", 2};
+    const std::string chip = "{\"chip\": \"" + sim.label() + "\", ";
+    GpioGateway gateway{loop, udp("fc"), chip + R"("line": 0, "use": "reset", "link": "fc"}, )" + chip + R"("line": 1, "use": "power"})"};
+    sim.unplug();    // the gateway has not noticed yet
+    const auto reset = gateway.post(R"({"use": "reset"})"), power = gateway.post(R"({"use": "power"})");
+    EXPECT_EQ(reset.status, 409u) << reset.body;
+    EXPECT_EQ(power.status, 409u) << power.body;
+    EXPECT_EQ(gateway.gpio(0)["pulses"], 0);
+    EXPECT_EQ(gateway.gpio(1)["pulses"], 0);
+    sim.plug();
+    EXPECT_TRUE(loop.until([&] { return gateway.gpio(0)["state"] == "held" && gateway.gpio(1)["state"] == "held"; }));
+    EXPECT_FALSE(sim.level(0));
+    EXPECT_TRUE(sim.level(1));
+    EXPECT_EQ(gateway.post(R"({"use": "reset"})").status, 200u) << "the minute has not begun";
+    EXPECT_TRUE(sim.level(0));
+}
+
 TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
     GpioSim sim{"a", 4};
     GpioGateway gateway{loop, udp("fc") + "," + udp("radio"),
