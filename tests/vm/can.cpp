@@ -275,7 +275,7 @@ TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
 TEST_F(Can, other_traffic_on_the_bus_is_kept_out_by_the_kernel) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
-    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R"}) ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
+    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R8"}) ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
     bus.send(frame(0xDC, 0xFE, 0x03));
     EXPECT_EQ(received(app, 1).size(), 1u);
     EXPECT_EQ(gateway.count("vcan0", "bytes_in"), 8u);

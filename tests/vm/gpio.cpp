@@ -13,6 +13,7 @@
 #include <support/wait.hpp>
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <fcntl.h>
@@ -244,6 +245,30 @@ TEST_F(Gpio, inhibit_can_be_active_low_with_a_pull_up) {
     EXPECT_EQ(gateway.gpio()["inhibiting"], false) << "an open switch";
     sim.pull(1, false);
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == true; }));
+}
+
+TEST_F(Gpio, a_switch_that_chatters_fills_no_log) {
+    GpioSim sim{"a", 2};
+    const auto lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
+    const auto usual = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", lines));
+    spdlog::set_level(spdlog::level::warn);
+    {
+        GpioGateway gateway{loop, udp("ground"), line(sim, 0, R"("use": "inhibit", "links": ["ground"])")};
+        const std::size_t before = lines->last_formatted().size();
+        for (int i = 1; i <= 101; ++i) {
+            sim.pull(0, i % 2 == 1);
+            ASSERT_TRUE(loop.until([&] { return gateway.gpio()["edges"] == i; }));
+        }
+        const std::size_t while_it_chatters = lines->last_formatted().size() - before;
+        EXPECT_LE(while_it_chatters, 5u);
+        EXPECT_TRUE(loop.until([&] {
+            const std::string last = lines->last_formatted(1).at(0);
+            return last.find("on, control frames go nowhere") != last.npos && last.find("changed") != last.npos;
+        })) << lines->last_formatted(1).at(0);
+    }
+    spdlog::set_default_logger(usual);
+    spdlog::set_level(spdlog::level::off);
 }
 
 TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
