@@ -643,6 +643,21 @@ TEST_F(Can, isotp_stays_up_while_many_frames_wait_for_nobody) {
     EXPECT_EQ(gateway.link("vcan0")["error"].get<std::string>().find("the peer does not answer"), 0u);
 }
 
+TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
+    if (!std::getenv("ANOGATE_IN_VM")) GTEST_SKIP() << "unloads a kernel module: only in tests/vm/machine";
+    ASSERT_EQ(run("echo 'install can-isotp /bin/false' >/etc/modprobe.d/no-isotp.conf"), 0);
+    ASSERT_TRUE(loop.until([] { return run("rmmod can-isotp 2>/dev/null") == 0; })) << "sockets of earlier tests close late";
+    UdpApp other;
+    RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
+    EXPECT_EQ(gateway.link("vcan0")["state"], "waiting");
+    EXPECT_EQ(gateway.link("vcan0")["error"], "this kernel has no ISO-TP (module can-isotp)");
+    EXPECT_TRUE(gateway.up("stream"));
+    app.send(frame(0xFE, 0xFF, 0x03), gateway.port("app"));
+    EXPECT_EQ(received(other, 1).size(), 1u) << "the rest runs";
+    ASSERT_EQ(run("rm /etc/modprobe.d/no-isotp.conf && modprobe can-isotp"), 0);
+    EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
+}
+
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
     spdlog::set_level(spdlog::level::off);
