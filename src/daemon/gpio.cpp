@@ -3,6 +3,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 namespace anogate {
 namespace {
 
@@ -14,6 +16,8 @@ Duration pulse_of(const GpioSettings& settings) {
     if (settings.pulse) return *settings.pulse;
     return settings.use == GpioUse::power ? Duration{std::chrono::seconds{1}} : Duration{std::chrono::milliseconds{100}};
 }
+
+constexpr Duration telling_apart = std::chrono::seconds{1};    // a switch that chatters must not fill the disk
 
 double seconds(Duration d) { return std::chrono::duration<double>{d}.count(); }
 
@@ -94,18 +98,19 @@ void Gpio::blink(Line& line, TimePoint now) {
     if (lit) line.alarm.set(line.blink.due());
 }
 
-// Of one alarm a line: the light changes, the pulse ends, or the silence may have lasted long enough.
+// Of one alarm a line: the light changes, the switch may be told of again, the pulse ends, or the silence may have lasted long enough.
 void Gpio::ring(Line& line) {
     const TimePoint now = Clock::now();
     if (line.settings().use == GpioUse::activity) {
         blink(line, now);
+    } else if (line.settings().use == GpioUse::inhibit) {
+        if (line.untold > 0) tell_inhibit(line, now);
     } else if (line.pulsing) {
         line.pulsing = false;
         line.pin.set(line.settings().use == GpioUse::power);
         arm(line);
     } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held()) {
-        spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
-        begin_pulse(line, now);
+        if (begin_pulse(line, now)) spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
     } else {
         arm(line);
     }
@@ -116,22 +121,26 @@ void Gpio::arm(Line& line) {
     if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held()) line.alarm.set(*due);
 }
 
-void Gpio::begin_pulse(Line& line, TimePoint now) {
+bool Gpio::begin_pulse(Line& line, TimePoint now) {
+    const bool is_reset = line.settings().use == GpioUse::reset;
+    line.pin.set(is_reset);
+    if (!line.pin.is_held()) return line.pin.set(!is_reset), false;
     line.pulsing = true;
     ++line.pulses;
     line.reset.pulsed(now);
-    line.pin.set(line.settings().use == GpioUse::reset);
     line.alarm.set(now + pulse_of(line.settings()));
+    return true;
 }
 
 std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
     const GpioUse use = line.settings().use;
-    if (!line.pin.is_held()) return Refusal{"the line is not there: " + line.pin.error()};
+    const auto not_there = [&] { return Refusal{"the line is not there: " + line.pin.error()}; };
+    if (!line.pin.is_held()) return not_there();
     if (line.pulsing) return Refusal{"it is being done already", pulse_of(line.settings())};
     if (use == GpioUse::reset && !line.reset.may_pulse(now))
         return Refusal{"it was reset less than a minute ago", line.reset.may_pulse_at() - now};
+    if (!begin_pulse(line, now)) return not_there();
     spdlog::info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
-    begin_pulse(line, now);
     return std::nullopt;
 }
 
@@ -151,7 +160,15 @@ void Gpio::inhibit_changed(Line& line) {
     const bool on = !line.pin.is_held() || line.pin.active();
     inhibit_.set(line.inhibit_place, on);
     if (on == std::exchange(line.was_inhibiting, on)) return;
-    spdlog::warn("{}: {}", line.what(), on ? "on, control frames go nowhere" : "off, control frames pass");
+    ++line.untold;
+    if (!line.alarm.is_set()) tell_inhibit(line, Clock::now());
+}
+
+void Gpio::tell_inhibit(Line& line, TimePoint now) {
+    const std::uint64_t changes = std::exchange(line.untold, 0);
+    spdlog::warn("{}: {}{}", line.what(), inhibit_.is_on(line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
+                 changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
+    line.alarm.set(now + telling_apart);
 }
 
 }  // namespace anogate

@@ -52,10 +52,12 @@ public:
 private:
     void ring(Line& line);
     void blink(Line& line, TimePoint now);
-    void begin_pulse(Line& line, TimePoint now);
+    /// False: the chip has just gone.
+    bool begin_pulse(Line& line, TimePoint now);
     void arm(Line& line);
     void changed(Line& line);
     void inhibit_changed(Line& line);
+    void tell_inhibit(Line& line, TimePoint now);
 
     Inhibit inhibit_;
     LinkSet watched_;
@@ -82,6 +84,7 @@ struct Gpio::Line {
     std::uint64_t pulses = 0;
     bool was_held = false;
     std::optional<bool> was_inhibiting{};    // nothing: not told yet
+    std::uint64_t untold = 0;    // changes of an inhibit switch
 };
 
 /// "link_up" and so on.

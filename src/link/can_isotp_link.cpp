@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t largest_pdu = 4095;    // without the escape of ISO 15765-2:2016, which few devices know
 
+// How a transfer ended that has begun. The socket tells it by the next call, be it a read or a write.
+bool is_of_transfer(int error) {
+    return error == ECOMM || error == ETIMEDOUT || error == EILSEQ || error == EBADMSG || error == EMSGSIZE;
+}
+
 }  // namespace
 
 CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
@@ -43,10 +48,7 @@ void CanIsotpLink::read() {
     if (count < 0) {
         const int error = errno;
         if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error_text(can(), error));
-        ++transfer_errors_;
-        trouble_ = error == ECOMM || error == ETIMEDOUT ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
-                                                        : "a transfer failed: " + error_text(error);
-        return;
+        return transfer_failed(error);
     }
     const TimePoint now = context_.host.now();
     const auto on_frame = [this](ano::FrameView frame) { context_.host.receive(channel(), frame); };
@@ -57,6 +59,12 @@ void CanIsotpLink::read() {
         trouble_.clear();
     }
     context_.host.flush();
+}
+
+void CanIsotpLink::transfer_failed(int error) {
+    ++transfer_errors_;
+    trouble_ = error == ECOMM || error == ETIMEDOUT ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
+                                                    : "a transfer failed: " + error_text(error);
 }
 
 void CanIsotpLink::write() {
@@ -78,6 +86,8 @@ void CanIsotpLink::write() {
             return wait_for_room(true);
         } else if (errno == ENOBUFS || errno == ENOMEM) {
             return wait_for_room(false);
+        } else if (is_of_transfer(errno)) {
+            transfer_failed(errno);
         } else if (errno != EINTR) {
             return fail(can_error_text(can(), errno));
         }

@@ -104,6 +104,7 @@ private:
     void write() override;
     void lost() override {}
     void close_wire() noexcept override;
+    void transfer_failed(int error);
 
     std::int64_t transfer_errors_ = 0;
     std::string trouble_;

@@ -94,6 +94,7 @@ std::string can_interface_fault(const CanSettings& can) {
 
 std::string can_error_text(const CanSettings& can, int error) {
     switch (error) {
+    case EADDRNOTAVAIL:    // what an ISO-TP socket says then
     case ENODEV: return "there is no interface " + can.interface;
     case ENETDOWN: return can.interface + " is down: ip link set " + can.interface + " up";
     default: return error_text(can.interface, error);

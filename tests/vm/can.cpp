@@ -255,6 +255,15 @@ TEST_F(Can, a_lost_can_frame_costs_one_v8_frame) {
     EXPECT_EQ(gateway.count("vcan0", "frames_in"), 39u);
 }
 
+TEST_F(Can, a_frame_whose_rest_never_comes_holds_nobody_back_for_long) {
+    RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
+    ASSERT_EQ(run("cansend vcan0 6DC#ABDCFE03C8000102"), 0);    // 200 bytes announced
+    BusSocket bus{"vcan0"};
+    bus.send(frame(0xDC, 0xFE, 0x03, data_of(17)));
+    EXPECT_EQ(received(app, 1, 10s), Frames{frame(0xDC, 0xFE, 0x03, data_of(17))});
+    EXPECT_EQ(gateway.count("vcan0", "expired"), 1u) << gateway.status();
+}
+
 TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     ASSERT_EQ(run("cansend vcan0 6DD#" + hex(frame(0xDC, 0xFE, 0x03))), 0);
@@ -266,7 +275,7 @@ TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
 TEST_F(Can, other_traffic_on_the_bus_is_kept_out_by_the_kernel) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
-    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R"}) ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
+    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R8"}) ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
     bus.send(frame(0xDC, 0xFE, 0x03));
     EXPECT_EQ(received(app, 1).size(), 1u);
     EXPECT_EQ(gateway.count("vcan0", "bytes_in"), 8u);
@@ -391,6 +400,26 @@ TEST_F(Can, a_full_queue_never_cuts_a_frame) {
     EXPECT_TRUE(loop.until([&] { return there.count("far", "frames_in") == out; }));
     EXPECT_EQ(there.count("far", "frames_in"), out);
     EXPECT_EQ(there.count("far", "skipped_bytes"), 0u);
+}
+
+TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
+    ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 100kbit burst 200 limit 400"), 0);
+    UdpApp far;
+    RunningGateway near{loop, {"can:vcan0,max_data=5000", app.link("app") + ",max_data=5000"}};
+    RunningGateway there{loop, {"can:vcan0,max_data=5000", far.link("app")}};
+    app.send(frame(0xFE, 0xFF, 0xB0, data_of(5000)), near.port("app"));
+    ASSERT_TRUE(loop.until([&] { return there.count("vcan0", "bytes_in") > 100; }));
+    ASSERT_EQ(run("ip link set vcan0 down"), 0);
+    EXPECT_TRUE(loop.until([&] { return !near.up("vcan0") && !there.up("vcan0"); }));
+    EXPECT_EQ(near.count("vcan0", "link_down"), 1u) << near.link("vcan0");
+    EXPECT_EQ(near.count("vcan0", "frames_out"), 0u);
+    ASSERT_EQ(run("ip link set vcan0 up"), 0);
+    EXPECT_TRUE(loop.until([&] { return near.up("vcan0") && there.up("vcan0"); }));
+    const Bytes next = frame(0x11, 0xFF, 0x03, data_of(17));
+    app.send(next, near.port("app"));
+    EXPECT_EQ(received(far, 1), Frames{next});
+    EXPECT_EQ(there.count("vcan0", "wrong_source"), 0u);
+    EXPECT_EQ(there.count("vcan0", "frames_in"), 1u);
 }
 
 // A slow bus that another program keeps full; images wait, and commands among them.
@@ -599,6 +628,34 @@ TEST_F(Can, isotp_to_nobody_is_said_and_blocks_nothing) {
         RecordProperty("ms_to_notice", static_cast<int>((std::chrono::steady_clock::now() - before) / 1ms));
     }
     RecordProperty("ms", static_cast<int>((std::chrono::steady_clock::now() - start) / 1ms));
+}
+
+TEST_F(Can, isotp_stays_up_while_many_frames_wait_for_nobody) {
+    RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app")}};
+    for (std::uint8_t n = 0; n < 3; ++n) app.send(frame(0xFE, 0xFF, 0xE1, data_of(50, n)), gateway.port("app"));
+    bool went_down = false;
+    EXPECT_TRUE(loop.until([&] {
+        went_down = went_down || !gateway.up("vcan0");
+        return gateway.count("vcan0", "transfer_errors") == 3;
+    })) << gateway.link("vcan0");
+    EXPECT_FALSE(went_down);
+    EXPECT_EQ(gateway.count("vcan0", "frames_out"), 3u) << gateway.link("vcan0");
+    EXPECT_EQ(gateway.link("vcan0")["error"].get<std::string>().find("the peer does not answer"), 0u);
+}
+
+TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
+    if (!std::getenv("ANOGATE_IN_VM")) GTEST_SKIP() << "unloads a kernel module: only in tests/vm/machine";
+    ASSERT_EQ(run("echo 'install can-isotp /bin/false' >/etc/modprobe.d/no-isotp.conf"), 0);
+    ASSERT_TRUE(loop.until([] { return run("rmmod can-isotp 2>/dev/null") == 0; })) << "sockets of earlier tests close late";
+    UdpApp other;
+    RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
+    EXPECT_EQ(gateway.link("vcan0")["state"], "waiting");
+    EXPECT_EQ(gateway.link("vcan0")["error"], "this kernel has no ISO-TP (module can-isotp)");
+    EXPECT_TRUE(gateway.up("stream"));
+    app.send(frame(0xFE, 0xFF, 0x03), gateway.port("app"));
+    EXPECT_EQ(received(other, 1).size(), 1u) << "the rest runs";
+    ASSERT_EQ(run("rm /etc/modprobe.d/no-isotp.conf && modprobe can-isotp"), 0);
+    EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
 }
 
 int main(int argc, char** argv) {

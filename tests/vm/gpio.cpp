@@ -13,6 +13,7 @@
 #include <support/wait.hpp>
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <fcntl.h>
@@ -246,6 +247,30 @@ TEST_F(Gpio, inhibit_can_be_active_low_with_a_pull_up) {
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == true; }));
 }
 
+TEST_F(Gpio, a_switch_that_chatters_fills_no_log) {
+    GpioSim sim{"a", 2};
+    const auto lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
+    const auto usual = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", lines));
+    spdlog::set_level(spdlog::level::warn);
+    {
+        GpioGateway gateway{loop, udp("ground"), line(sim, 0, R"("use": "inhibit", "links": ["ground"])")};
+        const std::size_t before = lines->last_formatted().size();
+        for (int i = 1; i <= 101; ++i) {
+            sim.pull(0, i % 2 == 1);
+            ASSERT_TRUE(loop.until([&] { return gateway.gpio()["edges"] == i; }));
+        }
+        const std::size_t while_it_chatters = lines->last_formatted().size() - before;
+        EXPECT_LE(while_it_chatters, 5u);
+        EXPECT_TRUE(loop.until([&] {
+            const std::string last = lines->last_formatted(1).at(0);
+            return last.find("on, control frames go nowhere") != last.npos && last.find("changed") != last.npos;
+        })) << lines->last_formatted(1).at(0);
+    }
+    spdlog::set_default_logger(usual);
+    spdlog::set_level(spdlog::level::off);
+}
+
 TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
     GpioSim sim{"a", 4};
     sim.pull(0, true);
@@ -424,6 +449,24 @@ TEST_F(Gpio, outputs_have_their_value_again_when_the_chip_is_back) {
     sim.plug();
     EXPECT_TRUE(becomes(sim, 0, true));
     EXPECT_TRUE(becomes(sim, 1, true));
+}
+
+TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
+    GpioSim sim{"a", 2};
+    const std::string chip = "{\"chip\": \"" + sim.label() + "\", ";
+    GpioGateway gateway{loop, udp("fc"), chip + R"("line": 0, "use": "reset", "link": "fc"}, )" + chip + R"("line": 1, "use": "power"})"};
+    sim.unplug();    // the gateway has not noticed yet
+    const auto reset = gateway.post(R"({"use": "reset"})"), power = gateway.post(R"({"use": "power"})");
+    EXPECT_EQ(reset.status, 409u) << reset.body;
+    EXPECT_EQ(power.status, 409u) << power.body;
+    EXPECT_EQ(gateway.gpio(0)["pulses"], 0);
+    EXPECT_EQ(gateway.gpio(1)["pulses"], 0);
+    sim.plug();
+    EXPECT_TRUE(loop.until([&] { return gateway.gpio(0)["state"] == "held" && gateway.gpio(1)["state"] == "held"; }));
+    EXPECT_FALSE(sim.level(0));
+    EXPECT_TRUE(sim.level(1));
+    EXPECT_EQ(gateway.post(R"({"use": "reset"})").status, 200u) << "the minute has not begun";
+    EXPECT_TRUE(sim.level(0));
 }
 
 TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {

@@ -130,6 +130,26 @@ TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
     }
 }
 
+TEST_F(Serial, a_command_overtakes_what_a_slow_line_has_not_taken_yet) {
+    if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
+    UdpApp far;
+    RunningGateway a{loop, {"serial:/dev/ttyS1,baud=9600", app.link("app")}};
+    RunningGateway b{loop, {"serial:/dev/ttyS2,baud=9600", far.link("app")}};
+    for (std::uint8_t n = 0; n < 40; ++n) app.send(frame(0xFE, 0xFF, 0xB0, data_of(50, n)), a.port("app"));
+    ASSERT_TRUE(loop.until([&] { return a.count("ttyS1", "waiting") > 30; })) << "the driver would take 4096 bytes at once";
+    EXPECT_EQ(a.count("ttyS1", "paced"), 960u);
+    app.send(frame(0xFE, 0xFF, 0xC0, data_of(11, 0)), a.port("app"));
+    std::size_t images = 0;
+    const auto commanded = [&] {
+        for (const Bytes& f : far.frames())
+            if (f[3] == 0xC0) return true;
+            else ++images;
+        return false;
+    };
+    EXPECT_TRUE(loop.until(commanded));
+    EXPECT_LE(images, 10u) << "of 40";
+}
+
 TEST_F(Serial, modem_lines_are_held_as_told) {
     if (!in_vm()) GTEST_SKIP() << "needs a UART: only in tests/vm/machine";
     for (const bool on : {true, false}) {
