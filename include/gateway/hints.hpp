@@ -25,5 +25,7 @@ struct LinkFigures {
 
 /// One sentence at the most, the most telling; empty when there is nothing to say.
 std::string hint(const LinkFigures& link);
+/// The same without silence, which comes and goes on a link where all is well.
+std::string hint_of_trouble(const LinkFigures& link);
 
 }  // namespace anogate

@@ -22,6 +22,7 @@ namespace anogate {
 namespace {
 
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
+constexpr Duration between_hints = std::chrono::seconds{3};
 
 // Signals that would end the program before it can handle them wait until it does. Not SIGINT: whoever sits at the terminal
 // can end a program that waits for its configuration.
@@ -43,7 +44,7 @@ void fill_standard_files() {
 class Program {
 public:
     explicit Program(Settings settings)
-        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_} {
+        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_}, hints_{io_} {
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK);
     }
@@ -59,6 +60,7 @@ public:
         });
         notify_systemd("READY=1");
         keep_watchdog();
+        tell_hints();
         io_.run();
         return status_;
     }
@@ -93,10 +95,20 @@ private:
         });
     }
 
+    void tell_hints() {
+        hints_.expires_after(between_hints);
+        hints_.async_wait([this](error_code ec) {
+            if (ec) return;
+            for (const std::string& line : hint_log_.news(gateway_)) spdlog::info(line);
+            tell_hints();
+        });
+    }
+
     // A second signal while it flushes makes an end at once.
     void stop() {
         notify_systemd("STOPPING=1");
         watchdog_.cancel();
+        hints_.cancel();
         control_.stop();
         gateway_.stop(flush_patience, [this] { signals_.cancel(); });
     }
@@ -106,6 +118,8 @@ private:
     Control control_;
     asio::signal_set signals_;
     asio::steady_timer watchdog_;
+    asio::steady_timer hints_;
+    HintLog hint_log_;
     int status_ = 0;
 };
 

@@ -181,4 +181,18 @@ std::string status_text(Gateway& gateway) {
     return text;
 }
 
+std::vector<std::string> HintLog::news(Gateway& gateway) {
+    const TimePoint now = gateway.now();
+    std::vector<std::string> lines;
+    told_.resize(gateway.links().size());
+    for (std::size_t i = 0; i < told_.size(); ++i) {
+        const LinkState& state = gateway.links()[i];
+        if (!state.up) told_[i].clear();
+        std::string hint = hint_of_trouble(totals(gateway, state, now).figures);
+        if (hint.empty() || !told_[i].insert(hint).second) continue;
+        lines.push_back(state.link->name() + ": " + std::move(hint));
+    }
+    return lines;
+}
+
 }  // namespace anogate

@@ -1,6 +1,8 @@
 // The state of a gateway as JSON (the shape is part of the interface: README, "Looking at it").
 #pragma once
+#include <set>
 #include <string>
+#include <vector>
 
 namespace anogate {
 
@@ -10,5 +12,15 @@ class Gateway;
 std::string status_json(Gateway& gateway);
 /// The same in a few lines for the log.
 std::string status_text(Gateway& gateway);
+
+/// Hints for the log, for those who look at nothing else: each once while its link is up.
+class HintLog {
+public:
+    /// One line for each hint that was not told yet.
+    std::vector<std::string> news(Gateway& gateway);
+
+private:
+    std::vector<std::set<std::string>> told_;    // of every link
+};
 
 }  // namespace anogate

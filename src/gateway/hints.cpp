@@ -25,7 +25,7 @@ std::string nothing_at_all(const LinkFigures& link) {
 
 }  // namespace
 
-std::string hint(const LinkFigures& link) {
+std::string hint_of_trouble(const LinkFigures& link) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
@@ -43,8 +43,13 @@ std::string hint(const LinkFigures& link) {
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
     if (in.bytes_in == 0 && link.up_for >= patience) return nothing_at_all(link);
-    if (link.silent_for && *link.silent_for >= patience) return "silent for " + seconds(*link.silent_for);
     return {};
+}
+
+std::string hint(const LinkFigures& link) {
+    std::string trouble = hint_of_trouble(link);
+    if (!trouble.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return trouble;
+    return "silent for " + seconds(*link.silent_for);
 }
 
 }  // namespace anogate

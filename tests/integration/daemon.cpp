@@ -172,6 +172,16 @@ TEST(Daemon, sigusr1_logs_the_status_and_sighup_is_no_end) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
+TEST(Daemon, says_in_the_log_what_the_hints_say) {
+    const TempDir dir;
+    PtyDevice fc{dir / "fc"};
+    Daemon daemon{ANOGATED, dir / "control", {"serial:" + fc.path()}};
+    ASSERT_TRUE(daemon.until_up("fc")) << daemon.output();
+    fc.write(Bytes(500, 0xF8));
+    EXPECT_TRUE(daemon.until_says("fc: bytes but no frames: wrong baud rate?")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
 TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
     const TempDir dir;
     const std::string path = dir / "notify";

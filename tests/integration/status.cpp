@@ -1,4 +1,5 @@
 // GET /status: its shape is an interface, and its hints are what a user reads first.
+#include <daemon/status.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -105,6 +106,23 @@ TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
     EXPECT_TRUE(hint_says("fc", "bytes but no frames: wrong baud rate?"));
     for (int i = 0; i < 30; ++i) fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
+}
+
+TEST_F(Hints, are_news_once_while_the_link_is_up) {
+    daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    anogate::HintLog log;
+    EXPECT_TRUE(log.news(daemon->gateway()).empty());
+    fc.write(Bytes(500, 0xF8));
+    ASSERT_TRUE(hint_says("fc", "bytes but no frames"));
+    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate?"});
+    EXPECT_TRUE(log.news(daemon->gateway()).empty());
+    fc.unplug();
+    ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("state") == "waiting"; }));
+    EXPECT_TRUE(log.news(daemon->gateway()).empty());
+    fc.plug();
+    ASSERT_TRUE(daemon->until_up("fc"));
+    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate?"});
 }
 
 TEST_F(Hints, older_frames_are_named) {
