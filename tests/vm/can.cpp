@@ -68,6 +68,13 @@ std::vector<std::string> cut(const Bytes& frame, const CanSettings& can) {
     return all;
 }
 
+double cpu_seconds(int whose) {
+    rusage usage{};
+    ::getrusage(whose, &usage);
+    const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6; };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 Bytes data_of(std::size_t size, std::uint8_t first = 1) {
     Bytes data(size);
     for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(first + i);
@@ -286,6 +293,7 @@ TEST_F(Can, noise_at_full_rate_harms_nothing) {
     BusSocket bus{"vcan0"};
     Process full{"cangen vcan0 -g 0 -i -I 6DD -L 8 -D r -n 20000"};
     Process any_length{"cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no id at random: noise amid a frame of ours costs that frame
+    const double before = cpu_seconds(RUSAGE_SELF), theirs = cpu_seconds(RUSAGE_CHILDREN);
     std::size_t sent = 0, got = 0;
     loop.until([&] {
         if (sent - got < 20) bus.send(frame(0xDC, 0xFE, 0x03, data_of(17))), ++sent;
@@ -295,6 +303,9 @@ TEST_F(Can, noise_at_full_rate_harms_nothing) {
     EXPECT_TRUE(loop.until([&] { return (got += app.frames().size()) >= sent; }));
     EXPECT_EQ(got, sent);
     EXPECT_GT(sent, 20u);
+    const double ours = cpu_seconds(RUSAGE_SELF) - before, noise = cpu_seconds(RUSAGE_CHILDREN) - theirs;
+    RecordProperty("cpu_to_noise", std::to_string(ours / noise));
+    EXPECT_LT(ours, 2 * noise) << "the test's own frames included: " << ours << " s beside " << noise << " s of those who make it";
     EXPECT_TRUE(gateway.up("vcan0"));
     EXPECT_GT(gateway.count("vcan0", "skipped_bytes"), 100'000u);
     EXPECT_EQ(gateway.count("vcan0", "kernel_drops"), 0u);
