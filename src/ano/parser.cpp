@@ -171,10 +171,12 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     const std::size_t max_data = options_.max_data;
     const std::size_t whole = end_ - std::min(end_, header_size - 1);    // no whole header begins there or behind
     const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // where SC must stand before
-    std::uint64_t bad = 0;
+    const std::size_t last = sums_end - std::min(sums_end, header_size);
+    const std::uint8_t* const gaps_behind = gaps + std::min(sums_end, header_size);
+    std::uint64_t passed = 0;    // counted by the block: what most have in common costs nothing each
     std::uint64_t too_long = 0;
     const auto stop_at = [&](std::size_t at) {
-        counters_.bad_check += bad;
+        counters_.bad_check += passed - too_long;
         counters_.bad_length += too_long;
         return at;
     };
@@ -189,19 +191,21 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
         std::uint64_t refused = heads & heads >> 4 & heads >> 5;
         if (refused != 0) [[unlikely]] refused = refused_together(refused, from, sums_end);
         heads &= ~refused;
+        const std::uint64_t looked_at = heads;
         for (; heads != 0; heads &= heads - 1) {
             const std::size_t at = from + static_cast<unsigned>(std::countr_zero(heads));
             const std::size_t length = data_length(bytes + at);
-            const std::size_t to = at + header_size + length;
             if (length > max_data) {
                 ++too_long;
-            } else if (to >= sums_end || (sums[at] == gaps[to] && !add_is_wrong(at, to))) {
-                if (refused != 0) count_refused(refused & ((std::uint64_t{1} << (at - from)) - 1));
+            } else if (at + length >= last ||
+                       (sums[at] == gaps_behind[at + length] && !add_is_wrong(at, at + header_size + length))) [[unlikely]] {
+                const std::uint64_t before = (std::uint64_t{1} << (at - from)) - 1;
+                if (refused != 0) count_refused(refused & before);
+                passed += static_cast<unsigned>(std::popcount(looked_at & before));
                 return stop_at(at);
-            } else {
-                ++bad;
             }
         }
+        passed += static_cast<unsigned>(std::popcount(looked_at));
         if (refused != 0) count_refused(refused);
         from = std::min(from + block, whole);
     }
