@@ -93,8 +93,9 @@ public:
     /// How long a channel is taken for one that brings back what went there, after it did.
     static constexpr ano::Duration suspicion = std::chrono::seconds{60};
 
-    /// The channel is new; what went to one that had its number before does not count.
-    void open(ChannelId channel, ano::TimePoint now) noexcept {
+    /// The channel is new, one of `link`; what went to one that had its number before does not count.
+    void open(ChannelId channel, LinkId link, ano::TimePoint now) noexcept {
+        link_of_[index(channel)] = link;
         opened_at_[index(channel)] = now;
         suspect_until_[index(channel)] = ano::TimePoint::min();
     }
@@ -104,19 +105,21 @@ public:
         if (const Sent* known = sent_.find(key, now)) {
             sent = *known;
             sent.channels |= channels;
+            if (same_link(sent.from, from)) sent.from = from;
         }
         sent_.put(key, sent, now);
         quiet_at_ = now + window_;
     }
     /// A frame that was spread when it came by another channel: a copy, whichever way it took. One that was sent by one
-    /// way of a ring comes back by another, and no channel that it was sent to brings it.
+    /// way of a ring comes back by another, and no channel that it was sent to brings it. Not by another peer of the same
+    /// link: a sender with a new port says what it said before.
     bool copied(std::uint64_t key, ChannelId from, ano::TimePoint now) noexcept {
         if (now >= quiet_at_) return false;
         const Sent* known = sent_.find(key, now);
-        return known && known->from != from && sent_.put_at(key) > opened_at_[index(from)];
+        return known && !same_link(known->from, from) && sent_.put_at(key) > opened_at_[index(from)];
     }
-    /// A frame that came by `from` within the window after it went there; also each thousandth of `repeats`. A `common` one (asked_by_many()) is let through
-    /// once, unless `from` is a channel that brings things back.
+    /// A frame that came by `from` within the window after it went there; also the one of `repeats` that is kept back. A
+    /// `common` one (asked_by_many()) is let through once, unless `from` is a channel that brings things back.
     bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now, bool common = false) noexcept {
         if (now >= quiet_at_) return false;
         Sent* known = sent_.find(key, now);
@@ -139,8 +142,10 @@ private:
         ChannelSet channels;
         ChannelSet repeated;        // of these, by which it came once more
         std::uint32_t times = 0;    // by `from` again
-        ChannelId from{};           // by which it came first
+        ChannelId from{};           // by which it came and was let through
     };
+    bool same_link(ChannelId a, ChannelId b) const noexcept { return link_of_[index(a)] == link_of_[index(b)]; }
+
     ano::Duration window_;
     Recent<Sent> sent_;
     ano::TimePoint quiet_at_ = ano::TimePoint::min();
@@ -150,6 +155,11 @@ private:
         return all;
     }();
     std::array<ano::TimePoint, most_channels> opened_at_ = never, suspect_until_ = never;
+    std::array<LinkId, most_channels> link_of_ = [] {    // each alone until it is opened
+        std::array<LinkId, most_channels> all;
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<LinkId>(i);
+        return all;
+    }();
 };
 
 /// Of a frame that comes by several links of a group, lets one through.

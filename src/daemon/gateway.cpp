@@ -130,7 +130,7 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     used_.insert(id);
     state(link).channels.insert(id);
     router_.open(id, link.id());
-    loop_guard_.open(id, now_);
+    loop_guard_.open(id, link.id(), now_);
     if (!channels_[i]->peer.empty() && state(link).up) peer_log_.came(link.name(), channels_[i]->peer, now_);
     return channels_[i].get();
 }

@@ -114,11 +114,10 @@ Sink::~Sink() {
 }
 
 Flood::Flood(std::uint16_t port, std::uint8_t destination) {
-    static std::uint64_t floods = 0;    // the bytes of an earlier one, from another port, would be taken for its copy
     socket_.connect(port);
-    thread_ = std::thread{[this, destination, number = ++floods] {
+    thread_ = std::thread{[this, destination] {
         Batch room;
-        const std::vector<std::uint8_t> datagram = frame(0x30, destination, number);
+        const std::vector<std::uint8_t> datagram = frame(0x30, destination, 0);
         for (iovec& piece : room.pieces) piece = {const_cast<std::uint8_t*>(datagram.data()), datagram.size()};
         while (!stop_) ::sendmmsg(socket_.fd(), room.messages.data(), batch, 0);
     }};

@@ -73,7 +73,7 @@ TEST(LoopGuard, knows_what_comes_back) {
 TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
     LoopGuard guard;
     guard.remember(1, channel(60), channel(3), start);
-    guard.open(channel(3), start + 1ms);
+    guard.open(channel(3), link(3), start + 1ms);
     EXPECT_FALSE(guard.looped(1, channel(3), start + 1s));
     guard.remember(1, channel(60), channel(3), start + 1s);
     EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
@@ -88,17 +88,30 @@ TEST(LoopGuard, knows_a_copy_by_whatever_way_it_comes) {
     EXPECT_FALSE(guard.copied(1, channel(0), start + 1s)) << "it came first by this one";
     EXPECT_FALSE(guard.copied(2, channel(5), start + 1s));
     EXPECT_FALSE(guard.copied(1, channel(5), start + 3s));
-    guard.open(channel(6), start + 1001ms);
+    guard.open(channel(6), link(6), start + 1001ms);
     EXPECT_FALSE(guard.copied(1, channel(6), start + 2s)) << "a sender with a new port";
 }
 
 TEST(LoopGuard, takes_what_comes_as_a_channel_opens_for_that_channels_own) {
     LoopGuard guard;
-    guard.open(channel(5), start);    // two hosts with new ports, in one batch
+    guard.open(channel(5), link(5), start);    // two hosts with new ports, in one batch
     guard.remember(1, channel(0), channel(5), start);
     EXPECT_FALSE(guard.copied(1, channel(5), start));
     EXPECT_FALSE(guard.looped(1, channel(5), start));
     EXPECT_TRUE(guard.copied(1, channel(6), start));
+}
+
+TEST(LoopGuard, a_sender_with_a_new_port_goes_on_saying_the_same) {
+    LoopGuard guard;
+    guard.open(channel(0), link(0), start);
+    guard.open(channel(1), link(7), start);
+    guard.remember(1, channel(0), channel(1), start + 1s);
+    guard.open(channel(5), link(0), start + 2s);
+    for (auto now = start + 2s; now < start + 4s; now += 10ms) {
+        EXPECT_FALSE(guard.looped(1, channel(5), now) || guard.copied(1, channel(5), now));
+        guard.remember(1, channel(5), channel(1), now);
+        EXPECT_TRUE(guard.looped(1, channel(1), now)) << "it went there";
+    }
 }
 
 TEST(LoopGuard, a_sender_that_repeats_itself_misses_one_in_a_thousand) {
@@ -147,7 +160,7 @@ TEST(LoopGuard, a_device_that_comes_back_tells_of_questions_that_will) {
     guard.remember(3, channel(60), channels({1}), start + 61s);
     EXPECT_FALSE(guard.looped(3, channel(1), start + 61s, true)) << "not for ever";
     EXPECT_TRUE(guard.looped(3, channel(1), start + 62s));
-    guard.open(channel(1), start + 62s);
+    guard.open(channel(1), link(1), start + 62s);
     guard.remember(4, channel(60), channels({1}), start + 63s);
     EXPECT_FALSE(guard.looped(4, channel(1), start + 63s, true)) << "another channel by now";
 }
