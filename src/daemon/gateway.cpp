@@ -236,6 +236,11 @@ void Gateway::send(LinkId to, ano::FrameView frame) {
     for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame, treatment_of(frame.id()));
 }
 
+void Gateway::say(ChannelId to, ano::FrameView frame) {
+    ++frame_number_;
+    offer(to, frame, treatment_of(frame.id()));
+}
+
 void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
     Channel& channel = *channels_[index(to)];
     if (ruled_.contains(channel.link)) {

@@ -61,6 +61,9 @@ public:
     bool goes_once(Channel& from, ano::FrameView frame, LinkId to) override;
     bool may_leave(LinkId to, ano::FrameView frame) override;
     void learn(Channel& from, ano::FrameView frame) override;
+    /// What the gateway itself says to the other end of `to`: it came by no channel and teaches no address. Counted, ruled and
+    /// queued like any other frame; it leaves with the next flush().
+    void say(ChannelId to, ano::FrameView frame);
     void send(LinkId to, ano::FrameView frame) override;
     bool is_own_port(std::uint16_t port) const override;
 
