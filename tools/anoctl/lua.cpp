@@ -139,7 +139,8 @@ end
 local function fits(row, source, data, length)
     if row.source and row.source ~= source then return false end
     if row.length ~= 0 and row.length ~= length then return false end
-    if row.by_look and (plausible(by_id[row.id][1], data, length) or not plausible(row, data, length)) then return false end
+    if row.by_look and plausible(by_id[row.id][1], data, length) then return false end
+    if row.by_look and not plausible(row, data, length) then return false end
     for _, f in ipairs(row.fields) do
         if f.first then
             if length < f.offset + width[f.type] then return false end
@@ -297,7 +298,8 @@ void write_row(std::ostream& out, const Message& row) {
     std::string prefix = "ano." + std::string{row.name};
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
-        << ", length = " << row.variant.length << ", size = " << row.fixed_size << (row.variant.by_look ? ", by_look = true" : "") << ", fields = {\n";
+        << ", length = " << row.variant.length << ", size = " << row.fixed_size
+        << (row.variant.by_look ? ", by_look = true" : "") << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {
