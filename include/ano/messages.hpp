@@ -70,7 +70,7 @@ inline constexpr Message messages[] = {
     // id, name, what it says, traffic, acknowledged, fields, variant
 
     {0x00, "check", "Acknowledges a frame by its check bytes", urgent, {
-        {"id_get", u8}, {"sc_get", u8}, {"ac_get", u8}}},
+        {"id_get", u8, Role::code}, {"sc_get", u8, Role::code}, {"ac_get", u8, Role::code}}},
     {0x01, "inertial", "Accelerometer and gyroscope", sensor, {
         {"acc_x", i16, "cm/s²"}, {"acc_y", i16, "cm/s²"}, {"acc_z", i16, "cm/s²"},
         {"gyr_x", i16, times(32768, 2000), "°/s"}, {"gyr_y", i16, times(32768, 2000), "°/s"},
@@ -107,9 +107,10 @@ inline constexpr Message messages[] = {
         {"r_a", i16, times(10), "°", range(-180, 180)}, {"r_d", u16, "m"}}},
     {0x0D, "power", "Supply voltage and current", sensor, {
         {"voltage", u16, times(100), "V"}, {"current", u16, times(100), "A"}}},
-    {0x0D, "power", "Supply voltage and current of two batteries", sensor, {
-        {"voltage", u16, times(100), "V"}, {"current", u16, times(100), "A"},
-        {"voltage2", u16, times(100), "V"}, {"current2", u16, times(100), "A"}, {"reserved", u16}}, Variant{"field", 10}},
+    {0x0D, "power", "Voltage and current of the battery and of the controller's supply", sensor, {
+        {"voltage", u16, times(100), "V", label("battery")}, {"current", u16, times(100), "A", label("battery")},
+        {"voltage2", u16, times(100), "V", label("controller supply")},
+        {"current2", u16, times(100), "A", label("controller supply")}, {"reserved", u16}}, Variant{"field", 10}},
     {0x0E, "module_status", "State of the external modules", sensor, {
         {"sta_g_vel", u8, module_states}, {"sta_g_pos", u8, module_states}, {"sta_gps", u8, gps_states},
         {"sta_alt_add", u8, module_states}}},
@@ -201,22 +202,24 @@ inline constexpr Message messages[] = {
         {"frames", frames}}},
 
     {0xC0, "command", "Runs a command", urgent, yes, {
-        {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"values", bytes, note("types as told by command_info")}}},
+        {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"values", bytes, Role::values, note("types as told by command_info")}}},
     {0xC1, "command_query", "Asks for commands, and tells their number", urgent, {
         {"cmd", u8, command_queries}, {"val", u16}}},
     {0xC2, "command_info", "Describes a command", urgent, {
-        {"cmd_id", u16}, {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"val_type", u8[8], value_types}, {"name", text[20]},
+        {"cmd_id", u16}, {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"val_type", u8[8], value_types, Role::value_types, note("7 is u64 on current devices")}, {"name", text[20]},
         {"info", text}}},
     {0xE0, "parameter_command", "Asks for parameters, and tells their number", urgent, {
         {"cmd", u8, parameter_queries}, {"val", u16}}},
     {0xE0, "parameter_command", "Acts on all parameters", urgent, yes, {
         {"cmd", u8, only(0x10), parameter_action}, {"val", u16, actions}}, Variant{"action"}},
     {0xE1, "parameter_value", "The value of a parameter", urgent, as_write, {
-        {"par_id", u16}, {"value", bytes, note("type as told by parameter_info")}}},
+        {"par_id", u16}, {"value", bytes, Role::value, note("type as told by parameter_info")}}},
     {0xE2, "parameter_info", "Describes a parameter", urgent, {
-        {"par_id", u16}, {"par_type", u8, parameter_types}, {"name", text[20]}, {"info", text}}},
+        {"par_id", u16}, {"par_type", u8, parameter_types, range(0, 10)}, {"name", text[20]}, {"info", text}}},
+    {0xE2, "parameter_info", "Describes a parameter of an old device, which sends every value as i32", urgent, {
+        {"par_id", u16}, {"min", i32}, {"max", i32}, {"name", text[20]}, {"info", text}}, Variant{"old", 0, true}},
     {0xE3, "device_info", "Who a device is", urgent, {
-        {"dev_id", u8}, {"hw_ver", u16}, {"sw_ver", u16}, {"bl_ver", u16}, {"pt_ver", u16}, {"name", text}}},
+        {"dev_id", u8, Role::code}, {"hw_ver", u16}, {"sw_ver", u16}, {"bl_ver", u16}, {"pt_ver", u16}, {"name", text}}},
 
     {0xF0, "firmware", "A step of a firmware upgrade", urgent, {
         {"iap_cmd", u8, only(0x00), firmware_commands}, {"code", u16, firmware_codes}}},

@@ -36,10 +36,27 @@ enum class Readable : std::uint8_t {
     too_short,         // malformed: fewer bytes than the layout has
 };
 
+/// Whether `data` makes sense in this layout: it is long enough, whole numbers are in their documented range, and no text
+/// of fixed size begins with what can't be read.
+constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
+    if (data.size() < row.fixed_size) return false;
+    for (const Field& f : row.fields()) {
+        const std::uint8_t* at = data.data() + f.offset;
+        if (f.type == Type::text && !f.is_open() && (*at < 0x20 || *at == 0x7F || *at == 0x80 || *at == 0xFF))
+            return false;
+        if (!f.range || !is_integer(f.type)) continue;
+        const double wire = with_type(f.type, [&]<class T>(T) { return static_cast<double>(load<T>(at)); });
+        const double value = wire * f.scale.value / f.scale.wire;
+        if (value < f.range.first || value > f.range.last) return false;
+    }
+    return true;
+}
+
 /// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when it is none.
 constexpr const Message* select_layout(std::span<const Message> layouts, Bytes data) noexcept {
     const auto matches = [&](const Message& row) {
         if (row.variant.length != 0 && row.variant.length != data.size()) return false;
+        if (row.variant.by_look && (is_plausible(layouts.front(), data) || !is_plausible(row, data))) return false;
         if (!row.selective) return true;
         for (const Field& f : row.fields()) {
             if (!f.selects) continue;

@@ -108,6 +108,19 @@ struct Only {
 struct Note {
     std::string_view text;
 };
+/// What the value is of, where the name alone does not tell: shown beside the name.
+struct Label {
+    std::string_view text;
+};
+
+/// What a field is beyond its type.
+enum class Role : std::uint8_t {
+    plain,
+    code,           // a hardware id, a function code or a check byte: people see it in hex
+    value,          // bytes: one value, of the type that parameter_info tells
+    values,         // bytes: packed values, of the types that command_info tells
+    value_types,    // those types; what 7 is depends on the device (values.hpp)
+};
 
 consteval Scale times(double wire, double value = 1) {
     return {wire, value};
@@ -124,6 +137,9 @@ consteval Only only(std::uint32_t first, std::uint32_t last) {
 consteval Note note(const char* text) {
     return {text};
 }
+consteval Label label(const char* text) {
+    return {text};
+}
 
 struct Field {
     Type type = Type::u8;
@@ -135,8 +151,10 @@ struct Field {
     std::string_view name{};
     std::string_view unit{};
     std::string_view note{};
+    std::string_view label{};
     Meanings meanings{};
     Range range{};
+    Role role = Role::plain;
 
     constexpr Field() = default;
     template <class... Options>
@@ -164,6 +182,8 @@ private:
     consteval void set(NoData n) { no_data = n.wire; }
     consteval void set(Only o) { selects = o; }
     consteval void set(Note n) { note = n.text; }
+    consteval void set(Label l) { label = l.text; }
+    consteval void set(Role r) { role = r; }
 
     consteval bool holds(std::int64_t wire) const {
         if (!is_integer(type)) return false;
@@ -217,6 +237,7 @@ struct Traffic {
 struct Variant {
     std::string_view label{};
     std::uint16_t length = 0;
+    bool by_look = false;    // taken where the base layout reads as nonsense and this one does not: is_plausible()
 };
 
 inline constexpr std::size_t most_fields = 12;
@@ -304,7 +325,8 @@ consteval MessageIndex index_messages(std::span<const Message> rows) {
             const Message& base = rows[first];
             if (row.is_base() || row.name != base.name || first + count != i) table_error::two_messages_share_an_id();
             if (row.traffic != base.traffic) table_error::the_layouts_of_a_message_share_its_traffic_class();
-            if (row.variant.length == 0 && !row.selective) table_error::a_layout_needs_a_length_or_a_mode_of_its_own();
+            if (row.variant.length == 0 && !row.selective && !row.variant.by_look)
+                table_error::a_layout_needs_a_length_or_a_mode_of_its_own();
             const std::size_t length = row.variant.length;
             if (length != 0 && length < row.fixed_size) table_error::a_layout_is_no_longer_than_its_length();
             for (std::size_t j = first; j < i; ++j) {

@@ -1,10 +1,12 @@
+#include <ano/address.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/hex.hpp>
 #include <ano_json/nearest.hpp>
+#include <ano_json/typed_values.hpp>
+#include <ano_json/words.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -12,6 +14,8 @@ namespace ano {
 namespace {
 
 using Data = std::vector<std::uint8_t>;
+
+constexpr unsigned first_predefined = 200;    // addresses from here on say who bears them
 
 // Thrown inside this file only.
 [[noreturn]] void fail(std::string pointer, std::string what) {
@@ -35,22 +39,6 @@ std::string shown(const Json& json) {
     std::string text = json.is_string() ? in_quotes(json.get_ref<const std::string&>())
                                         : json.dump(-1, ' ', true, Json::error_handler_t::replace);
     if (text.size() > 60) text = text.substr(0, 57) + "...";
-    return text;
-}
-
-/// "i16, -327.68 to 327.67 °"
-std::string carried(const Field& f) {
-    std::string text{name_of(f.type)};
-    if (!f.scale.is_one()) {
-        const auto [least, most] = limits_of(f);
-        text += ", " + number_text(least) + " to " + number_text(most);
-    } else if (is_integer(f.type)) {
-        text += with_type(f.type, []<class T>(T) {
-            return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " +
-                   std::to_string(std::numeric_limits<T>::max());
-        });
-    }
-    if (!f.unit.empty()) text.append(" ").append(f.unit);
     return text;
 }
 
@@ -86,6 +74,31 @@ std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise
     return static_cast<std::uint8_t>(*value);
 }
 
+std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherwise) {
+    const auto it = object.find(key);
+    if (it == object.end() || !it->is_string() || number_of(*it)) return byte_at(object, key, otherwise);
+    const auto address = address_called(it->get_ref<const std::string&>());
+    if (const auto* fault = std::get_if<JsonFault>(&address)) fail(step(key), std::string{key} + ": " + fault->what);
+    return std::get<std::uint8_t>(address);
+}
+
+/// A number, or the word for one.
+std::optional<Number> number_for(const Field& f, const Json& json, ValueType7 seven) {
+    if (const auto number = number_of(json)) return number;
+    if (!json.is_string()) return std::nullopt;
+    const auto value = value_called(f, json.get_ref<const std::string&>(), seven);
+    if (!value) return std::nullopt;
+    return Number{std::uint64_t{*value}};
+}
+
+/// "'rde' is not a number, nor default, red, green, blue (did you mean 'red'?)"
+std::string no_number(const Json& json, const std::vector<std::string_view>& words) {
+    std::string text = shown(json) + " is not a number";
+    if (!json.is_string()) return text;
+    for (const std::string_view word : words) text.append(word == words.front() ? ", nor " : ", ").append(word);
+    return text + did_you_mean(json.get_ref<const std::string&>(), words);
+}
+
 Data hex_at(const Json& json, const std::string& pointer, std::string_view name) {
     if (json.is_string())
         if (auto bytes = from_hex(json.get_ref<const std::string&>())) return std::move(*bytes);
@@ -105,7 +118,10 @@ public:
         for (const Field& f : fields) {
             if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, step(f.name));
             const auto it = given.find(std::string{f.name});
-            if (it != given.end()) put(f, element, *it);
+            if (f.role == Role::value)
+                put_value(f, it == given.end() ? Json("") : *it, given);
+            else if (it != given.end())
+                put(f, element, *it);
             if (f.type != Type::frames) continue;
             if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, step("data"), "data"));
         }
@@ -117,7 +133,7 @@ private:
         const std::string pointer = step(f.name);
         switch (f.type) {
             case Type::text: return put_bytes(f, text(f, json), json);
-            case Type::bytes: return put_bytes(f, hex_at(json, pointer, f.name), json);
+            case Type::bytes: return put_bytes(f, bytes(f, json).bytes, json);
             case Type::ip: return put_address(f, json);
             case Type::list: return put_elements(f, element, json);
             case Type::frames: return put_frames(f, json);
@@ -131,13 +147,13 @@ private:
             put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + step(std::to_string(i)));
     }
 
-    void put_number(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) {
+    void put_number(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) const {
         if (json.is_null()) {
             if (!store_no_data(f, at)) fail(pointer, label(f) + "it has no value that says \"no data\"");
             return;
         }
-        const auto number = number_of(json);
-        if (!number) fail(pointer, label(f) + shown(json) + " is not a number");
+        const auto number = number_for(f, json, options_.value_type_7);
+        if (!number) fail(pointer, label(f) + no_number(json, words_of(f, options_.value_type_7)));
         switch (store_number(f, *number, at)) {
             case Stored::ok: return;
             case Stored::not_whole:
@@ -155,6 +171,52 @@ private:
         }
         if (encoded->find('\0') != std::string::npos) fail(step(f.name), label(f) + "text can't hold a NUL");
         return {encoded->begin(), encoded->end()};
+    }
+
+    // Hex digits, or values with their types.
+    TypedValues bytes(const Field& f, const Json& json) const {
+        const bool may_be_typed = f.role == Role::value || f.role == Role::values;
+        if (!may_be_typed) return {hex_at(json, step(f.name), f.name), {}};
+        if (!json.is_string() || !is_typed(json.get_ref<const std::string&>())) {
+            if (json.is_string())
+                if (auto bytes = from_hex(json.get_ref<const std::string&>())) return {std::move(*bytes), {}};
+            fail(step(f.name), label(f) + shown(json) + " is neither hex digits in pairs nor typed, as f32:1.5 is");
+        }
+        auto values = typed_values(json.get_ref<const std::string&>(), f.role, options_.encoding);
+        if (const auto* wrong = std::get_if<std::string>(&values)) fail(step(f.name), label(f) + *wrong);
+        return std::move(std::get<TypedValues>(values));
+    }
+
+    // The value of a parameter: not shorter than its type, as far as that is known.
+    void put_value(const Field& f, const Json& json, const Json& given) {
+        const TypedValues value = bytes(f, json);
+        std::optional<Type> type;
+        if (!value.types.empty()) type = value.types.front();
+        if (const auto it = given.find("par_type"); it != given.end()) {
+            const auto told = type_told(*it);
+            if (type && told && *type != *told)
+                fail(step(f.name), label(f) + shown(json) + " is not what par_type says: " + shown(*it));
+            if (!type) type = told;
+        }
+        if (!is_whole_value(value.bytes.size(), type)) fail_as_short(f, json, value.bytes.size(), type);
+        put_bytes(f, value.bytes, json);
+    }
+    std::optional<Type> type_told(const Json& json) const {
+        const Field& f = *find_message("parameter_info")->field("par_type");
+        std::uint8_t par_type = 0;
+        put_number(f, json, &par_type, step(f.name));
+        return parameter_type(par_type);
+    }
+    [[noreturn]] void fail_as_short(const Field& f, const Json& json, std::size_t size,
+                                    std::optional<Type> type) const {
+        std::string what = "it is empty";
+        if (size > 0) {
+            what = shown(json) + " is " + std::to_string(size) + (size == 1 ? " byte, " : " bytes, ");
+            what += type ? std::string{name_of(*type)} + " has " + std::to_string(width(*type)) : "as no number is";
+        }
+        fail(step(f.name), label(f) + what +
+                               "; a device would store check bytes of the frame with it: write it with its type, "
+                               "such as f32:1.5 or string:abc");
     }
 
     void put_bytes(const Field& f, const Data& bytes, const Json& json) {
@@ -223,7 +285,8 @@ std::vector<std::string_view> names_in(std::span<const Field> fields) {
     std::vector<std::string_view> names;
     for (const Field& f : fields) {
         names.push_back(f.name);
-        if (f.type == Type::frames) names.push_back("data");    // what is no whole frame
+        if (f.type == Type::frames) names.push_back("data");       // what is no whole frame
+        if (f.role == Role::value) names.push_back("par_type");    // which type it has
     }
     return names;
 }
@@ -236,7 +299,35 @@ bool has_all(const std::vector<std::string_view>& names, const Json& given) {
     return std::all_of(items.begin(), items.end(), is_given);
 }
 
-[[noreturn]] void fail_without_layout(std::span<const Message> layouts, const Json& given) {
+/// Whether `row` has a number for whatever was given as a word.
+bool knows_words(const Message& row, const Json& given, ValueType7 seven) {
+    for (const Field& f : row.fields()) {
+        const auto it = given.find(std::string{f.name});
+        if (it != given.end() && it->is_string() && is_number(f.type) && !number_for(f, *it, seven)) return false;
+    }
+    return true;
+}
+
+// A word that no layout knows which has all the fields.
+void fail_for_word(std::span<const Message> layouts, const Json& given, ValueType7 seven) {
+    for (const auto& [key, value] : given.items()) {
+        std::vector<std::string_view> words;
+        bool is_known = false;
+        bool is_number_field = false;
+        for (const Message& row : layouts) {
+            const Field* f = row.field(key);
+            if (f == nullptr || !is_number(f->type) || !has_all(names_in(row.fields()), given)) continue;
+            is_number_field = true;
+            is_known = is_known || !value.is_string() || number_for(*f, value, seven);
+            for (const std::string_view word : words_of(*f, seven))
+                if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+        }
+        if (is_number_field && !is_known)
+            fail(step(key), std::string{layouts.front().name} + " " + key + ": " + no_number(value, words));
+    }
+}
+
+[[noreturn]] void fail_without_layout(std::span<const Message> layouts, const Json& given, ValueType7 seven) {
     const std::string name{layouts.front().name};
     std::vector<std::string_view> known;
     for (const Message& row : layouts)
@@ -249,22 +340,26 @@ bool has_all(const std::vector<std::string_view>& names, const Json& given) {
         for (const Field& f : row.fields()) {
             const auto it = given.find(std::string{f.name});
             if (!f.selects || it == given.end() || !has_all(names_in(row.fields()), given)) continue;
+            if (!knows_words(row, given, seven)) continue;
             modes += modes.empty() ? std::string{f.name} + ": " + shown(*it) + " is none of " : ", ";
             modes += std::to_string(f.selects->first);
             if (f.selects->last != f.selects->first) modes += " to " + std::to_string(f.selects->last);
         }
     if (!modes.empty()) fail("", name + " " + modes);
+    for (const Message& row : layouts)
+        if (has_all(names_in(row.fields()), given) && !knows_words(row, given, seven))
+            fail("", name + " has no layout with all of these values");
     fail("", name + " has no layout with all of these fields");
 }
 
 Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options,
                    bool inside_a_tunnel) {
     const auto layouts = layouts_of(id);
-    if (layouts.empty()) fail("", "id " + std::to_string(id) + " is not listed: only its data can be given");
+    if (layouts.empty()) fail("", "id " + hex_byte(id) + " is not listed: only its data can be given");
     if (!given.is_object()) fail("", shown(given) + " is not an object of fields");
     FieldReader reader{layouts.front().name, options, inside_a_tunnel};
+    const std::string name{layouts.front().name};
     if (is_flexible(id)) {
-        const std::string name{layouts.front().name};
         const FlexibleLayout* layout = options.flexible == nullptr ? nullptr : options.flexible->find(id, source);
         if (layout == nullptr) fail("", name + " has no layout in the configuration: only its data can be given");
         const auto names = names_in(layout->fields());
@@ -273,12 +368,18 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
                 fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
         return reader.encode(layout->fields(), {}, layout->size(), given);
     }
+    bool looks_otherwise = false;
     for (const Message& row : layouts) {
         if (!has_all(names_in(row.fields()), given)) continue;
+        if (layouts.size() > 1 && !knows_words(row, given, options.value_type_7)) continue;
         Data data = reader.encode(row.fields(), row.element(), row.fixed_size, given);
-        if (select_layout(layouts, data) == &row) return data;    // else a mode was given that is another layout's
+        const Message* const taken = select_layout(layouts, data);
+        if (taken == &row) return data;    // else a mode was given that is another layout's
+        looks_otherwise = looks_otherwise || row.variant.by_look || (taken != nullptr && taken->variant.by_look);
     }
-    fail_without_layout(layouts, given);
+    if (looks_otherwise) fail("", name + " would be read in another layout with these values: give its data");
+    fail_for_word(layouts, given, options.value_type_7);
+    fail_without_layout(layouts, given, options.value_type_7);
 }
 
 std::uint8_t id_of(const Json& json) {
@@ -294,7 +395,7 @@ std::uint8_t id_of(const Json& json) {
     const std::uint8_t named = std::get<std::uint8_t>(found);
     if (id != json.end() && byte_at(json, "id", 0) != named)
         fail("/id", "id: " + shown(*id) + " is not the id of " + name->get<std::string>() + ", which is " +
-                        std::to_string(named));
+                        hex_byte(named));
     return named;
 }
 
@@ -322,8 +423,8 @@ Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_t
         if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))
             fail(step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
     const std::uint8_t id = id_of(json);
-    const std::uint8_t from = byte_at(json, "from", 254);
-    const std::uint8_t to = byte_at(json, "to", 255);
+    const std::uint8_t from = address_at(json, "from", address::host);
+    const std::uint8_t to = address_at(json, "to", address::broadcast);
     const Data data = data_of(json, id, from, options, inside_a_tunnel);
     if (data.size() > largest_data)
         fail("", std::to_string(data.size()) + " bytes of DATA are more than the 65535 a frame can carry");
@@ -358,6 +459,19 @@ std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t i
     } catch (JsonFault& fault) {
         return std::move(fault);
     }
+}
+
+std::variant<std::uint8_t, JsonFault> address_called(std::string_view word) {
+    if (const auto number = whole_number(Json(std::string{word})); number && *number <= 255)
+        return static_cast<std::uint8_t>(*number);
+    std::vector<std::string_view> names;    // of one address each: not "port"
+    for (unsigned a = first_predefined; a <= 255; ++a) {
+        const std::string_view who = address::who(static_cast<std::uint8_t>(a));
+        if (who == "reserved") continue;
+        if (is_same_word(who, word)) return static_cast<std::uint8_t>(a);
+        names.push_back(who);
+    }
+    return JsonFault{"", in_quotes(word) + " is not an address from 0 to 255" + did_you_mean(word, names)};
 }
 
 std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {

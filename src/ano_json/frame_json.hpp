@@ -7,6 +7,7 @@
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/frame.hpp>
+#include <ano/values.hpp>
 #include <ano_json/text.hpp>
 
 #include <cstdint>
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 struct JsonOptions {
     const FlexibleLayouts* flexible = nullptr;    // layouts of flexible messages
     Encoding encoding = Encoding::utf8;           // of text on the wire
+    ValueType7 value_type_7 = ValueType7::f32;    // among words for types of a command's values
 };
 
 /// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
@@ -35,13 +37,19 @@ struct JsonFault {
 };
 
 /// The whole frame, HEAD to AC. `from` is 254 and `to` is 255 where not given; `name` or `id` must be. In place of a
-/// number there may be a text that says one as C would ("0xDC"). The keys `time` and `link` of a tap are passed over.
+/// number there may be a text that says one as C would ("0xDC"), or the word for it ("airborne", "flight controller").
+/// `value` of a parameter and `values` of a command may be typed: "f32:1.5", "u16:100,i32:-5". A `value` that devices
+/// would take for more bytes than it has is refused; `par_type` beside it says which type it has and is not sent. The keys
+/// `time` and `link` of a tap are passed over.
 std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options = {});
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).
 /// `source` is looked at for flexible messages only.
 std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source,
                                                                   const Json& fields, const JsonOptions& options = {});
+
+/// The address that `word` is, as a number or as who bears it ("host", "flight controller"); else a fault.
+std::variant<std::uint8_t, JsonFault> address_called(std::string_view word);
 
 /// The id of the message that is called so, or of the number that `word` is; else a fault with the nearest name.
 std::variant<std::uint8_t, JsonFault> message_id(std::string_view word);

@@ -36,6 +36,10 @@ std::string spaced_hex(std::span<const std::uint8_t> bytes) {
     return text;
 }
 
+std::string hex_byte(std::uint8_t byte) {
+    return "0x" + spaced_hex({&byte, 1});
+}
+
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text) {
     std::vector<std::uint8_t> bytes;
     bytes.reserve(text.size() / 2);

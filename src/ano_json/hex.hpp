@@ -14,6 +14,9 @@ std::string hex(std::span<const std::uint8_t> bytes);
 /// "AB 01".
 std::string spaced_hex(std::span<const std::uint8_t> bytes);
 
+/// "0xDC": ids and addresses, for people.
+std::string hex_byte(std::uint8_t byte);
+
 /// Digits in pairs, capital or not, white space between pairs; nothing when `text` is anything else.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text);
 

@@ -71,11 +71,33 @@ private:
     iconv_t handle_;
 };
 
+// It is not UTF-8, and all of it is GBK. Text whose last character is cut off, as a field of fixed size does, is still
+// UTF-8 when it has other characters of several bytes.
+bool looks_like_gbk(std::string_view text) {
+    bool has_others = false;
+    std::string_view rest = text;
+    std::size_t bad = 0;
+    while (!rest.empty()) {
+        const std::size_t length = utf8_length(rest, bad);
+        if (length == 0) break;
+        has_others = has_others || length > 1;
+        rest.remove_prefix(length);
+    }
+    if (rest.empty() || (has_others && bad == rest.size())) return false;
+    try {
+        std::string out;
+        return Converter{"UTF-8", "GBK"}.convert(text, out);
+    } catch (const std::runtime_error&) {
+        return false;
+    }
+}
+
 }    // namespace
 
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding) {
     std::string_view in{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     std::string out;
+    if (encoding == Encoding::automatic) encoding = looks_like_gbk(in) ? Encoding::gbk : Encoding::utf8;
     if (encoding == Encoding::gbk) {
         Converter converter{"UTF-8", "GBK"};
         while (!converter.convert(in, out)) {
@@ -99,7 +121,7 @@ std::optional<std::string> from_utf8(std::string_view text, Encoding encoding) {
         if (length == 0) return std::nullopt;
         i += length;
     }
-    if (encoding == Encoding::utf8) return std::string{text};
+    if (encoding != Encoding::gbk) return std::string{text};
     std::string out;
     if (!Converter{"GBK", "UTF-8"}.convert(text, out)) return std::nullopt;
     return out;

@@ -11,10 +11,14 @@
 namespace ano {
 
 /// What text on the wire is written in.
-enum class Encoding : std::uint8_t { utf8, gbk };
+enum class Encoding : std::uint8_t {
+    utf8,
+    gbk,
+    automatic,    // each text by its look: GBK where it is GBK and not UTF-8. Written as UTF-8
+};
 
 /// Valid UTF-8, with U+FFFD for what is not text in `encoding`. Throws std::runtime_error when the system can't convert
-/// it.
+/// it (`automatic` takes it for UTF-8 then).
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
 /// `text` in `encoding`; nothing when it is not UTF-8 or has characters `encoding` lacks. Throws as to_utf8() does.
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);

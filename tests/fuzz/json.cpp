@@ -21,7 +21,7 @@ void must(bool law) {
 void survives(const Bytes& bytes) {
     const auto frame = frame_at(bytes);
     must(frame.has_value());
-    for (const Encoding encoding : {Encoding::utf8, Encoding::gbk}) {
+    for (const Encoding encoding : {Encoding::utf8, Encoding::gbk, Encoding::automatic}) {
         const Json read = Json::parse(frame_to_json(*frame, {nullptr, encoding}).dump());
         const auto again = frame_from_json(read);
         must(std::holds_alternative<Bytes>(again) && std::get<Bytes>(again) == bytes);

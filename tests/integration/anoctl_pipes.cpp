@@ -5,7 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <pty.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
 
 namespace {
 
@@ -74,6 +81,34 @@ TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
         EXPECT_EQ(piped.anoctl().wait(), 1) << command;
         EXPECT_EQ(piped.anoctl().output(), "anoctl: the output can't be written\n");
     }
+}
+
+// What anoctl writes to a terminal. `no_color` is what NO_COLOR holds; null: there is none.
+std::string on_a_terminal(const char* no_color) {
+    int terminal = -1;
+    const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (pid == 0) {
+        ::setenv("TERM", "xterm", 1);
+        ::unsetenv("NO_COLOR");
+        if (no_color != nullptr) ::setenv("NO_COLOR", no_color, 1);
+        ::execl(ANOCTL, "anoctl", "decode", "AB DC FE 60 01 00 03 E9 51", nullptr);
+        ::_exit(127);
+    }
+    std::string said;
+    std::array<char, 1024> buffer;
+    for (ssize_t n = 0; (n = ::read(terminal, buffer.data(), buffer.size())) > 0;)
+        said.append(buffer.data(), static_cast<std::size_t>(n));
+    ::close(terminal);
+    ::waitpid(pid, nullptr, 0);
+    return said;
+}
+
+TEST(AnoctlTerminal, has_colours_unless_no_color_ends_them) {
+    for (const char* no_color : {static_cast<const char*>(nullptr), ""})
+        EXPECT_NE(on_a_terminal(no_color).find("\x1b["), std::string::npos);
+    const std::string plain = on_a_terminal("1");
+    EXPECT_EQ(plain.find("\x1b["), std::string::npos) << plain;
+    EXPECT_NE(plain.find("waypoint_read"), std::string::npos) << plain;
 }
 
 }  // namespace

@@ -210,7 +210,7 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
     std::size_t compared = 0;
     for (std::size_t i = 0; i < vectors.size(); ++i) {
         const std::string raw{vectors[i].bytes.begin(), vectors[i].bytes.end()};
-        const Json expected = Json::parse(anoctl({"decode", "--json", "-"}, raw).out);
+        const Json expected = Json::parse(anoctl({"decode", "--json", "--encoding", "utf8", "-"}, raw).out);
         const Json& layers = packets[i]["_source"]["layers"];
         ASSERT_TRUE(layers.contains("ano")) << vectors[i].name << "\n" << layers.dump(1);
         Comparison comparison{vectors[i].name};

@@ -4,7 +4,7 @@
 #include <ano_json/text.hpp>
 
 #include <CLI/CLI.hpp>
-#include <ano_json/nearest.hpp>
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <ostream>
@@ -36,6 +36,7 @@ std::string commands() {
 
 void name_the_stranger(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
+    if (std::string_view{argv[1]} == "--json") throw UsageError{"--json is for a command" + commands()};
     if (argv[1][0] == '-') return;
     std::vector<std::string_view> names;
     for (const Subcommand& s : subcommands()) {
@@ -45,11 +46,29 @@ void name_the_stranger(int argc, const char* const* argv) {
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
+/// --json before the subcommand is meant for it.
+std::vector<const char*> with_json_behind(int argc, const char* const* argv) {
+    std::vector<const char*> words{argv, argv + argc};
+    const auto is_json = [](std::string_view word) { return word == "--json"; };
+    const auto first = words.begin() + std::min(argc, 1);
+    const auto command = std::find_if_not(first, words.end(), is_json);
+    if (command != words.end()) std::rotate(first, command, command + 1);
+    return words;
+}
+
 }    // namespace
 
-int run(int argc, const char* const* argv, Streams& streams) {
+bool wants_color(const char* no_color, const char* term) noexcept {
+    const bool refused = no_color != nullptr && *no_color != '\0';
+    return !refused && term != nullptr && std::string_view{term} != "dumb";
+}
+
+int run(int argc, const char* const* given, Streams& streams) {
+    const std::vector<const char*> words = with_json_behind(argc, given);
+    const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
+    app.footer("--json, before or behind the command, is one JSON object a line. NO_COLOR ends colours.");
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
     for (const Subcommand& s : subcommands()) {

@@ -52,6 +52,10 @@ Run add_monitor(CLI::App& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 
+/// Whether a terminal is to be written to in colour, by what the environment says (null: nothing). NO_COLOR that is not
+/// empty, and a terminal without abilities, mean no.
+bool wants_color(const char* no_color, const char* term) noexcept;
+
 /// The whole program but for its process. Returns what it exits with.
 int run(int argc, const char* const* argv, Streams& streams);
 

@@ -1,9 +1,9 @@
 // anoctl decode [HEX|FILE|-]: bytes to frames.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
+#include "hex_text.hpp"
 
 #include <ano/parser.hpp>
-#include <ano_json/hex.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -45,17 +45,25 @@ public:
             show();
         }
     }
-    /// Bytes as they come, until there are no more or nobody takes what is shown.
+    /// Bytes, or hex text, as they come, until there are no more or nobody takes what is shown.
     void read_all(int fd, const std::string& name) {
         std::vector<std::uint8_t> buffer(65536);
+        BytesOrText input;
+        const auto look = [&] {
+            if (input.bad_line() == 0) return;
+            finish();
+            throw Failure{name + ": line " + std::to_string(input.bad_line()) +
+                          ": it began as hex digits and goes on as something else"};
+        };
         while (streams_.out) {
             if (!wait_for_input(fd)) continue;
             const ssize_t n = ::read(fd, buffer.data(), buffer.size());
             if (n < 0 && errno == EINTR) continue;
             if (n < 0) throw Failure{name + ": " + std::strerror(errno)};
-            if (n == 0) return;
-            put_in({buffer.data(), static_cast<std::size_t>(n)});
+            put_in(n == 0 ? input.finish() : input.read({buffer.data(), static_cast<std::size_t>(n)}));
             streams_.out.flush();
+            look();
+            if (n == 0) return;
         }
     }
     /// The end of the input. Returns what to exit with.
@@ -136,7 +144,7 @@ struct Decode {
             if (input.empty() && streams.in_is_terminal)
                 throw UsageError{"give hex digits, a file, or - for standard input"};
             decoder.read_all(streams.in, "standard input");
-        } else if (const auto bytes = from_hex(joined)) {
+        } else if (const auto bytes = from_hex_text(joined)) {
             decoder.put_in(*bytes);
         } else {
             read_file(decoder);
@@ -158,10 +166,11 @@ private:
             for (const char c : word) {
                 if (std::isxdigit(static_cast<unsigned char>(c)))
                     ++digits;
-                else if (!std::isspace(static_cast<unsigned char>(c)))
+                else if ((c == 'x' || c == 'X') && digits > 0)
+                    --digits;    // the 0 of 0x
+                else if (!std::isspace(static_cast<unsigned char>(c)) && c != ',')
                     return input.size() > 1 || errno == ENOENT
-                               ? in_quotes(word) +
-                                     " is neither hex digits nor a file (a byte is two digits, without 0x)"
+                               ? in_quotes(word) + " is neither hex digits nor a file (a byte is two digits)"
                                : in_quotes(word) + ": " + std::strerror(errno);
             }
         }
@@ -174,7 +183,10 @@ private:
 
 Run add_decode(CLI::App& options) {
     const auto self = std::make_shared<Decode>();
-    options.add_option("input", self->input, "Hex digits, a file of bytes, or - for bytes on standard input")
+    options
+        .add_option("input", self->input,
+                    "Hex digits (0x before them or not), a file, or - for standard input. A file and standard input hold "
+                    "bytes, or hex digits as text and nothing else")
         ->option_text("[HEX|FILE|-]");
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };

@@ -22,6 +22,7 @@ Json describe(const Field& f) {
     if (f.range) json["range"] = {f.range.first, f.range.last};
     if (f.no_data) json["no_data"] = *f.no_data;
     if (f.selects) json["only"] = {f.selects->first, f.selects->last};
+    if (!f.label.empty()) json["label"] = f.label;
     if (!f.note.empty()) json["note"] = f.note;
     if (!f.meanings.empty()) json["values"] = Json::object();
     for (const Meaning& m : f.meanings) json["values"][std::to_string(m.value)] = m.text;
@@ -36,6 +37,7 @@ Json describe(const Message& row) {
     Json json{{"id", row.id}, {"name", row.name}, {"title", row.title}};
     if (!row.is_base()) json["layout"] = row.variant.label;
     if (row.variant.length != 0) json["length"] = row.variant.length;
+    if (row.variant.by_look) json["by_look"] = true;
     json["size"] = row.fixed_size;
     json["class"] = name_of(row.traffic.traffic_class);
     json["replaces"] = replaces[static_cast<std::size_t>(row.traffic.replaces)];

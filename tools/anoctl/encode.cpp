@@ -95,7 +95,7 @@ struct Encode {
 
     int run(Streams& streams) const {
         const FlexibleLayouts layouts = frames.layouts();
-        const JsonOptions options{&layouts, frames.encoding};
+        const JsonOptions options = frames.json_options(layouts);
         if (name == "-") return encode_lines(streams, options);
         write(streams, encoded(frame(), options, ""));
         return fine;
@@ -177,10 +177,13 @@ Run add_encode(CLI::App& options) {
         .add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
         ->required()
         ->option_text("NAME");
-    options.add_option("fields", self->fields, "Values in the unit of the field; what is left out is 0 or empty")
+    options
+        .add_option("fields", self->fields,
+                    "Values in the unit of the field, or words: cmd=action val=save; what is left out is 0 or empty. "
+                    "Typed where a device tells the types: value=f32:1.5 values=u16:100,i32:-5")
         ->option_text("FIELD=VALUE...");
-    options.add_option("--from", self->from, "Who sends it (default 254)")->option_text("ADDRESS");
-    options.add_option("--to", self->to, "Who it is for (default 255: everybody)")->option_text("ADDRESS");
+    options.add_option("--from", self->from, "Who sends it (default 0xFE, the host)")->option_text("ADDRESS");
+    options.add_option("--to", self->to, "Who it is for (default 0xFF: everybody)")->option_text("ADDRESS");
     options.add_option("--data", self->data, "The whole of DATA in hex digits, in place of fields")->option_text("HEX");
     auto* raw = options.add_flag("--raw", self->raw, "Bytes in place of hex digits");
     FrameOptions::add(options, self->frames);

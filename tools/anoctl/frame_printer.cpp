@@ -3,7 +3,9 @@
 #include <ano/address.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/flexible_json.hpp>
+#include <ano_json/hex.hpp>
 #include <ano_json/syntax_fault.hpp>
+#include <ano_json/words.hpp>
 #include <daemon/read_file.hpp>
 
 #include <CLI/CLI.hpp>
@@ -24,12 +26,6 @@ constexpr const char* dim = "\x1b[2m";
 constexpr const char* red = "\x1b[31m";
 constexpr const char* cyan = "\x1b[36m";
 
-std::string hex_byte(std::uint8_t byte) {
-    std::array<char, 8> text{};
-    std::snprintf(text.data(), text.size(), "0x%02X", byte);
-    return text.data();
-}
-
 std::string padded(std::string text, std::size_t columns) {
     std::size_t characters = 0;
     for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -43,14 +39,49 @@ std::string shown(const Json& value) {
     return value.dump(-1, ' ', true);
 }
 
-// Bytes and addresses need no quotation marks.
-std::string shown(const Json& value, const Field* field) {
+// Ids and addresses in hex, those of frames inside this one too.
+Json with_hex(const Json& value, const Field& field) {
+    const auto hexed = [](const Json& byte) { return Json(hex_byte(byte.get<std::uint8_t>())); };
+    if (field.role == Role::code && value.is_number_integer()) return hexed(value);
+    if (field.type != Type::frames || !value.is_array()) return value;
+    Json frames = value;
+    for (Json& frame : frames) {
+        const Message* message = find_message(frame["id"].get<std::uint8_t>());
+        for (const char* key : {"from", "to", "id"}) frame[key] = hexed(frame[key]);
+        if (message == nullptr || !frame.contains("fields")) continue;
+        for (const auto& [name, inner] : frame["fields"].items())
+            if (const Field* f = message->field(name)) inner = with_hex(inner, *f);
+    }
+    return frames;
+}
+
+// Bytes, addresses and codes need no quotation marks.
+std::string shown(const Json& given, const Field* field) {
+    const Json value = field != nullptr ? with_hex(given, *field) : given;
+    if (field != nullptr && field->role == Role::code && value.is_string()) return value.get<std::string>();
     const bool bare = field != nullptr && (field->type == Type::bytes || field->type == Type::ip) && value.is_string();
     return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : shown(value);
 }
 
 const Field* field_of(const Reading& reading, const std::string& name) {
     return reading.field(name);
+}
+
+// " (airborne)", or nothing; of the types of a command's values, those that it has.
+std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) {
+    std::string words;
+    const auto add = [&](const Json& number) {
+        if (!number.is_number_integer() || number.get<std::int64_t>() < 0) return;
+        const std::string_view word = word_of(field, number.get<std::uint64_t>(), seven);
+        if (!word.empty()) words.append(words.empty() ? "" : ", ").append(word);
+    };
+    if (field.role == Role::value_types && value.is_array()) {
+        for (const Json& number : value)
+            if (number != 0) add(number);
+    } else {
+        add(value);
+    }
+    return words.empty() ? words : " (" + words + ")";
 }
 
 // "14:03:07.123"
@@ -75,8 +106,18 @@ void FrameOptions::add(CLI::App& options, FrameOptions& self) {
         self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
     };
     options.add_option_function<std::string>("--encoding", read_encoding,
-                                             "What text on the wire is written in: utf8 (default) or gbk")
+                                             "What text on the wire is written in (default: read as UTF-8, as GBK "
+                                             "where it is not UTF-8; written as UTF-8)")
         ->option_text("utf8|gbk");
+    const auto read_value_type = [&self](const std::string& word) {
+        if (word != "f32" && word != "u64")
+            throw CLI::ValidationError{"--value-type-7", in_quotes(word) + " is neither f32 nor u64"};
+        self.value_type_7 = word == "u64" ? ValueType7::u64 : ValueType7::f32;
+    };
+    options.add_option_function<std::string>("--value-type-7", read_value_type,
+                                             "What 7 is among the types of a command's values: f32 (default), or u64 "
+                                             "as on current devices")
+        ->option_text("f32|u64");
     options.add_option("--config", self.config, "A gateway's configuration, for its layouts of flexible messages")
         ->option_text("FILE");
 }
@@ -101,7 +142,7 @@ FlexibleLayouts FrameOptions::layouts() const {
 }
 
 FramePrinter::FramePrinter(Streams& streams, const FrameOptions& options)
-    : streams_{streams}, json_{options.json}, layouts_{options.layouts()}, options_{&layouts_, options.encoding} {}
+    : streams_{streams}, json_{options.json}, layouts_{options.layouts()}, options_{options.json_options(layouts_)} {}
 
 void FramePrinter::print(FrameView frame, const std::string& link, double time) {
     Json json = frame_to_json(frame, options_);
@@ -143,11 +184,10 @@ void FramePrinter::columns(FrameView frame, const Json& json) {
             const Field* f = field_of(reading, name);
             std::string text = shown(value, f);
             if (f != nullptr && !value.is_null() && !f->unit.empty()) text.append(" ").append(f->unit);
-            if (f != nullptr && value.is_number_integer() && value.get<std::int64_t>() >= 0)
-                if (const auto meaning = f->meaning(value.get<std::uint64_t>()); !meaning.empty())
-                    text.append(" (").append(meaning).append(")");
+            if (f != nullptr) text += meaning_of(value, *f, options_.value_type_7);
             const std::size_t room = f != nullptr && is_number(f->type) ? 9 : 0;
-            streams_.out << ' ' << colored(dim, name) << ' ' << colored(bold, padded(text, room));
+            const std::string of = f != nullptr && !f->label.empty() ? " (" + std::string{f->label} + ")" : "";
+            streams_.out << ' ' << colored(dim, name + of) << ' ' << colored(bold, padded(text, room));
         }
     }
     for (const char* key : {"extra", "data"})

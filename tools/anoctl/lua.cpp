@@ -20,6 +20,7 @@ constexpr const char* head_text =
 local ano = Proto("ano", "ANO V8")
 
 -- Every layout: id, name, title, exact length (0: any), size of the fixed part, source (flexible messages), fields.
+-- by_look: taken where the base layout reads as nonsense and this one does not.
 -- A field: name, filter name, type, count (0: to the end), offset, wire and value of the scale, and what else it has.
 local rows = {
 )lua";
@@ -56,7 +57,7 @@ local function declare(f)
     elseif f.type == "bytes" then f.proto = ProtoField.bytes(f.filter, f.name)
     elseif f.type == "ip" then f.proto = ProtoField.ipv4(f.filter, f.name)
     elseif is_scaled(f) or not integer[f.type] then f.proto = ProtoField.double(f.filter, f.name)
-    else f.proto = ProtoField[integer[f.type]](f.filter, f.name, base.DEC, f.meanings) end
+    else f.proto = ProtoField[integer[f.type]](f.filter, f.name, f.hex and base.HEX or base.DEC, f.meanings) end
     all_fields[#all_fields + 1] = f.proto
 end
 
@@ -90,6 +91,7 @@ local function add_number(tree, f, range)
     elseif integer[f.type] then item = tree:add_le(f.proto, range)
     else item = tree:add(f.proto, range, wire) end
     if f.unit then item:append_text(" " .. f.unit) end
+    if f.label then item:append_text(" (" .. f.label .. ")") end
 end
 
 local function add_text(tree, f, range)
@@ -120,9 +122,25 @@ local function add_field(tree, row, f, data, pinfo)
     end
 end
 
+local function plausible(row, data, length)
+    if length < row.size then return false end
+    for _, f in ipairs(row.fields) do
+        if f.type == "text" and f.count > 0 then
+            local first = data(f.offset, 1):uint()
+            if first < 0x20 or first == 0x7F or first == 0x80 or first == 0xFF then return false end
+        elseif f.least and integer[f.type] then
+            local value = tonumber(tostring(load(data(f.offset, width[f.type]), f.type))) * f.value / f.wire
+            if value < f.least or value > f.most then return false end
+        end
+    end
+    return true
+end
+
 local function fits(row, source, data, length)
     if row.source and row.source ~= source then return false end
     if row.length ~= 0 and row.length ~= length then return false end
+    if row.by_look and plausible(by_id[row.id][1], data, length) then return false end
+    if row.by_look and not plausible(row, data, length) then return false end
     for _, f in ipairs(row.fields) do
         if f.first then
             if length < f.offset + width[f.type] then return false end
@@ -259,6 +277,9 @@ void write_field(std::ostream& out, const Field& f, const std::string& filter) {
         << ", wire = " << number_text(f.scale.wire) << ", value = " << number_text(f.scale.value);
     if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
     if (f.no_data) out << ", no_data = " << *f.no_data;
+    if (f.range) out << ", least = " << number_text(f.range.first) << ", most = " << number_text(f.range.last);
+    if (f.role == Role::code) out << ", hex = true";
+    if (!f.label.empty()) out << ", label = " << lua_text(f.label);
     if (f.selects) out << ", first = " << f.selects->first << ", last = " << f.selects->last;
     if (!f.meanings.empty()) {
         out << ",\n         meanings = {";
@@ -277,7 +298,8 @@ void write_row(std::ostream& out, const Message& row) {
     std::string prefix = "ano." + std::string{row.name};
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
-        << ", length = " << row.variant.length << ", size = " << row.fixed_size << ", fields = {\n";
+        << ", length = " << row.variant.length << ", size = " << row.fixed_size
+        << (row.variant.by_look ? ", by_look = true" : "") << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {

@@ -1,10 +1,10 @@
 #include "reference.hpp"
 
 #include <ano/messages.hpp>
+#include <ano_json/hex.hpp>
 #include <ano_json/text.hpp>
 
 #include <array>
-#include <cstdio>
 #include <ostream>
 #include <string>
 
@@ -18,24 +18,12 @@ constexpr const char* introduction = R"(# Messages of the ANO V8 protocol
 Made by `anoctl messages --markdown` from the table in `include/ano/messages.hpp`; a test compares them.
 
 Numbers are little-endian and packed. *Value* = what is on the wire × *scale*, in *unit*. A layout with a length of its own
-is taken at exactly that length of DATA, one with a mode where the named field holds one of the named values; everything
-else is the base layout. What stands behind a layout is kept as `extra`; fewer bytes are malformed.
+is taken at exactly that length of DATA, one with a mode where the named field holds one of the named values, one that says
+where it is taken there; everything else is the base layout. What stands behind a layout is kept as `extra`; fewer bytes are
+malformed.
 Classes say what leaves first where a line is slow. *Replaced*: a newer frame of the same source, destination and id (and
 first byte of DATA, where it says so) may take the place of one that waits on a congested line.
 )";
-
-std::string hex_id(std::uint8_t id) {
-    std::array<char, 8> text{};
-    std::snprintf(text.data(), text.size(), "0x%02X", id);
-    return text.data();
-}
-
-std::string type_text(const Field& f) {
-    std::string text{name_of(f.type)};
-    if (f.is_open()) return text + ", to the end";
-    if (f.count != 1) text += "[" + std::to_string(f.count) + "]";
-    return text;
-}
 
 std::string scale_text(const Field& f) {
     if (f.scale.is_one()) return {};
@@ -47,6 +35,7 @@ std::string scale_text(const Field& f) {
 std::string remark(const Field& f) {
     std::string text;
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (!f.label.empty()) add(std::string{f.label});
     if (f.selects) {
         std::string only = "here " + std::to_string(f.selects->first);
         if (f.selects->last != f.selects->first) only += " to " + std::to_string(f.selects->last);
@@ -68,7 +57,7 @@ void write_fields(std::ostream& out, std::span<const Field> fields, const std::s
 void write_layout(std::ostream& out, const Message& row) {
     out << '\n' << row.title << '.';
     if (!row.is_base()) out << " Layout `" << row.variant.label << "`";
-    if (row.variant.length != 0) out << ", at exactly " << row.variant.length << " bytes";
+    out << taken_for(row);
     if (!row.is_base()) out << '.';
     if (row.acknowledged == Acknowledged::yes) out << " Acknowledged.";
     if (row.acknowledged == Acknowledged::as_write) out << " Acknowledged as a write; not as the answer to a read.";
@@ -83,12 +72,26 @@ void write_layout(std::ostream& out, const Message& row) {
 
 }    // namespace
 
+std::string type_text(const Field& f) {
+    std::string text{name_of(f.type)};
+    if (f.is_open()) return text + ", to the end";
+    if (f.count != 1) text += "[" + std::to_string(f.count) + "]";
+    return text;
+}
+
+std::string taken_for(const Message& row) {
+    if (row.variant.by_look)
+        return ", where the base layout has a value out of its range or a text that begins with what can't be read, and "
+               "this one has not";
+    return row.variant.length == 0 ? "" : ", at exactly " + std::to_string(row.variant.length) + " bytes";
+}
+
 void write_markdown(std::ostream& out) {
     static constexpr std::array replaced{"", ", replaced", ", replaced by first byte"};
     out << introduction;
     for (const Message& row : messages) {
         if (row.is_base())
-            out << "\n## " << hex_id(row.id) << " " << row.name << "\n\n*" << name_of(row.traffic.traffic_class)
+            out << "\n## " << hex_byte(row.id) << " " << row.name << "\n\n*" << name_of(row.traffic.traffic_class)
                 << replaced[static_cast<std::size_t>(row.traffic.replaces)] << "*\n";
         write_layout(out, row);
     }

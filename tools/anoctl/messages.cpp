@@ -46,6 +46,8 @@ struct Messages {
             for (const Message& row : chosen()) {
                 if (json)
                     streams.out << describe(row).dump() << '\n';
+                else if (!names.empty())
+                    write_details(streams.out, row, streams.color);
                 else
                     write_row(streams.out, row, streams.color);
             }
@@ -71,7 +73,7 @@ private:
 
 Run add_messages(CLI::App& options) {
     const auto self = std::make_shared<Messages>();
-    options.add_option("names", self->names, "Only these messages, by name or id")->option_text("[NAME...]");
+    options.add_option("names", self->names, "These messages, by name or id: types, units, ranges and values of their fields")->option_text("[NAME...]");
     auto* markdown = options.add_flag("--markdown", self->markdown, "The protocol reference");
     auto* json = options.add_flag("--json", self->json, "One JSON object a layout, one a line");
     auto* lua = options.add_flag("--lua", self->lua, "A Wireshark dissector: tshark -X lua_script:FILE");

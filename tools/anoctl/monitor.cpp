@@ -227,12 +227,10 @@ private:
         if (words.empty()) return IdSet{}.set();
         IdSet set;
         for (const std::string& word : words) {
-            const auto number = ano::parse_number(word);
-            const auto* address = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
-            if (address == nullptr || *address > 255)
-                throw UsageError{std::string{option} + ": " + ano::in_quotes(word) +
-                                 " is not an address from 0 to 255"};
-            set.set(static_cast<std::size_t>(*address));
+            const auto address = ano::address_called(word);
+            if (const auto* fault = std::get_if<ano::JsonFault>(&address))
+                throw UsageError{std::string{option} + ": " + fault->what};
+            set.set(std::get<std::uint8_t>(address));
         }
         return set;
     }
@@ -250,7 +248,15 @@ Run add_monitor(CLI::App& options) {
     options.add_option("--id", self->ids, "Only these messages, by name or id")->option_text("ID...");
     options.add_option("--from", self->from, "Only from these addresses")->option_text("ADDRESS...");
     options.add_option("--to", self->to, "Only to these addresses")->option_text("ADDRESS...");
-    options.add_option("--count", self->count, "Ends after so many frames were shown")->option_text("N");
+    const auto read_count = [self](const std::string& word) {
+        const auto number = ano::parse_number(word);
+        const auto* count = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
+        if (count == nullptr || *count == 0)
+            throw CLI::ValidationError{"--count", ano::in_quotes(word) + " is not a number of frames, 1 or more"};
+        self->count = *count;
+    };
+    options.add_option_function<std::string>("--count", read_count, "Ends after so many frames were shown")
+        ->option_text("N");
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -4,6 +4,7 @@
 #include <ano_json/frame_json.hpp>
 
 #include <iosfwd>
+#include <string>
 
 namespace anoctl {
 
@@ -12,6 +13,14 @@ void write_markdown(std::ostream& out);
 
 /// A dissector for Wireshark, the layouts of flexible messages included: tshark -X lua_script:FILE.
 void write_lua(std::ostream& out, const ano::FlexibleLayouts& flexible);
+
+/// A layout for people on a terminal: every field with its type, unit, range and values.
+void write_details(std::ostream& out, const ano::Message& row, bool color);
+
+/// "u16", "text[20]", "bytes, to the end".
+std::string type_text(const ano::Field& field);
+/// Which DATA a layout is taken for, behind a comma; empty for a base layout.
+std::string taken_for(const ano::Message& row);
 
 /// One row of the table.
 ano::Json describe(const ano::Message& row);

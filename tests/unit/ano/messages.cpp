@@ -60,7 +60,7 @@ TEST(Messages, have_the_lengths_of_the_protocol_text) {
                                                                {"command_info", {33}},
                                                                {"parameter_command", {3, 3}},
                                                                {"parameter_value", {2}},
-                                                               {"parameter_info", {23}},
+                                                               {"parameter_info", {23, 30}},
                                                                {"device_info", {9}},
                                                                {"firmware", {3, 5, 20, 3}},
                                                                {"special", {0}},

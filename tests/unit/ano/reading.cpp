@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <variant>
 
 #include <support/bytes.hpp>
@@ -67,6 +69,28 @@ TEST(Reading, of_a_list_has_its_whole_elements_and_the_rest_as_extra) {
 TEST(Reading, prefers_the_mode_to_the_length) {
     const support::Bytes data{100, 1, 0, 2, 0, 9, 9};    // as long as the field variant
     EXPECT_EQ(read(0x34, data).message()->variant.label, "scan");
+}
+
+// The oldest devices put min and max (i32 each) in place of par_type.
+TEST(Reading, tells_an_old_parameter_info_by_its_look) {
+    const auto info = [](std::uint8_t par_type, support::Bytes min_rest, std::string_view name, std::size_t size) {
+        support::Bytes data{1, 0, par_type};
+        data.insert(data.end(), min_rest.begin(), min_rest.end());
+        data.insert(data.end(), name.begin(), name.end());
+        data.resize(size);
+        return std::string{read(0xE2, data).message()->variant.label};
+    };
+    const support::Bytes small{0, 0, 0, 100, 0, 0, 0};
+    const support::Bytes minus{0xFF, 0xFF, 0xFF, 100, 0, 0, 0};
+    EXPECT_EQ(info(0, small, "ROL", 30), "old");
+    EXPECT_EQ(info(8, small, "ROL", 34), "old");
+    EXPECT_EQ(info(0x9C, minus, "\xBD\xE2", 30), "old");    // GBK
+    EXPECT_EQ(info(8, {}, "ROL", 23), "");
+    EXPECT_EQ(info(8, {}, "PARAMETER_NAME", 40), "");
+    EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");      // a type that there is not
+    EXPECT_EQ(info(11, {}, "SHORT", 40), "");                  // with a name where the current layout has it
+    EXPECT_EQ(info(8, {}, "", 40), "");                        // without a name
+    EXPECT_EQ(info(0, small, "ROL", 29), "");                  // too short for the old one
 }
 
 TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {

@@ -133,4 +133,92 @@ TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from
     EXPECT_EQ(anoctl({"decode"}, hostile.out).out, "0xFE 0xFF 0xA0 log color=0 str=\"\\u001b[2J\\u009b\"\n");
 }
 
+TEST(Decode, takes_0x_before_bytes) {
+    const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
+    std::string prefixed;
+    for (std::size_t i = 0; i < log_hex.size(); i += 3) prefixed += "0x" + log_hex.substr(i, 2) + ", ";
+    EXPECT_EQ(anoctl({"decode", prefixed}).out, line);
+    EXPECT_EQ(anoctl({"decode", "0x" + ano::hex(ano::from_hex(log_hex).value())}).out, line);
+    EXPECT_EQ(anoctl({"decode", "0xAB", "0xAB"}).exit, 1);
+    EXPECT_EQ(anoctl({"decode", "0xABC"}).err, "anoctl: odd number of hex digits (3): a byte is two\n");
+    EXPECT_EQ(anoctl({"decode", "0xAB", "zz"}).err,
+              "anoctl: 'zz' is neither hex digits nor a file (a byte is two digits)\n");
+}
+
+TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
+    const support::TemporaryFolder folder;
+    const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
+    const std::string file = folder.write("frames.txt", log_hex + "\n\n" + log_hex + "\r\n");
+    EXPECT_EQ(anoctl({"decode", file}).out, line + line);
+    EXPECT_EQ(anoctl({"decode", file}).exit, 0);
+    EXPECT_EQ(anoctl({"decode", "-"}, "0xAB" + log_hex.substr(2)).out, line);
+    // Offsets count bytes, not characters.
+    const auto junk = anoctl({"decode"}, "12 34\n" + log_hex);
+    EXPECT_EQ(junk.out, line);
+    EXPECT_EQ(junk.err, "anoctl: offset 0: 2 bytes of no frame: no frame begins there\n");
+    const auto broken = anoctl({"decode", "-"}, log_hex + "\n" + log_hex + "\nsome words\n");
+    EXPECT_EQ(broken.exit, 1);
+    EXPECT_EQ(broken.out, line + line);
+    EXPECT_EQ(broken.err, "anoctl: standard input: line 3: it began as hex digits and goes on as something else\n");
+}
+
+TEST(Decode, takes_text_for_gbk_where_it_is_not_utf8) {
+    const std::string gbk = "AB DC FE A0 05 00 00 BD E2 CB F8 8C 2A";
+    EXPECT_EQ(anoctl({"decode", gbk}).out, "0xDC 0xFE 0xA0 log color=0 str=\"解锁\" data=\"00bde2cbf8\"\n");
+    EXPECT_NE(anoctl({"decode", "--json", gbk}).out.find("\"str\":\"解锁\""), std::string::npos);
+    EXPECT_NE(anoctl({"decode", "--encoding", "utf8", gbk}).out.find("\xEF\xBF\xBD"), std::string::npos);
+    const auto utf8 = anoctl({"encode", "log", "str=解锁", "--raw"});
+    EXPECT_EQ(anoctl({"decode"}, utf8.out).out, "0xFE 0xFF 0xA0 log color=0 str=\"解锁\"\n");
+    EXPECT_NE(anoctl({"decode", "--encoding", "gbk"}, utf8.out).out.find("瑙ｉ攣"), std::string::npos);
+}
+
+TEST(Decode, shows_ids_and_addresses_in_hex) {
+    EXPECT_EQ(anoctl({"decode", "AB DC FE 00 03 00 E1 62 3F 0A 8A"}).out,
+              "0xDC 0xFE 0x00 check id_get=0xE1 sc_get=0x62 ac_get=0x3F\n");
+    const std::string device = "AB DC FE E3 0C 00 DC 64 00 40 9C 00 00 20 03 54 4B 5A AC CB";
+    EXPECT_NE(anoctl({"decode", device}).out.find("device_info dev_id=0xDC hw_ver=100"), std::string::npos);
+    const auto tunnel = anoctl({"encode", "--raw", "ip_tunnel", "frames=[{\"name\": \"check\", \"fields\": {\"id_get\": 225}}]"});
+    const std::string shown = anoctl({"decode"}, tunnel.out).out;
+    EXPECT_NE(shown.find("frames=[{\"from\":\"0xFE\",\"to\":\"0xFF\",\"id\":\"0x00\",\"name\":\"check\",\"fields\":{\"id_get\":\"0xE1\""),
+              std::string::npos)
+        << shown;
+    // What is shown is what encode takes.
+    const std::string frames = shown.substr(shown.find("frames="), shown.size() - shown.find("frames=") - 1);
+    EXPECT_EQ(anoctl({"encode", "--raw", "ip_tunnel", frames}).out, tunnel.out);
+    // In JSON they stay numbers.
+    EXPECT_NE(anoctl({"decode", "--json"}, tunnel.out).out.find("\"frames\":[{\"from\":254,\"to\":255,\"id\":0,"),
+              std::string::npos);
+}
+
+TEST(Decode, knows_the_parameter_info_of_old_devices) {
+    EXPECT_EQ(anoctl({"decode", "AB DC FE E2 22 00 05 00 00 00 00 00 E8 03 00 00 50 49 44 5F 50 00 00 00 00 00 00 00 00 "
+                                "00 00 00 00 00 00 00 67 61 69 6E A4 AE"})
+                  .out,
+              "0xDC 0xFE 0xE2 parameter_info par_id=5 min=0 max=1000 name=\"PID_P\" info=\"gain\"\n");
+}
+
+TEST(Decode, on_a_terminal_says_what_types_a_command_has) {
+    const auto info = anoctl({"encode", "--raw", "command_info", "val_type=3,7,0,10"});
+    const auto shown = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), "decode");
+        return anoctl(words, info.out, true).out;
+    };
+    EXPECT_NE(shown({}).find("val_type [3,7,0,10,0,0,0,0] (u16, f32, f64)"), std::string::npos) << shown({});
+    EXPECT_NE(shown({"--value-type-7", "u64"}).find("(u16, u64, f64)"), std::string::npos);
+    const auto refused = anoctl({"decode", "--value-type-7", "i64"}, info.out);
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_EQ(refused.err.substr(0, refused.err.find('\n')), "anoctl: --value-type-7: 'i64' is neither f32 nor u64");
+    const auto made = anoctl({"encode", "command_info", "val_type=u16,u64", "--value-type-7", "u64"});
+    EXPECT_EQ(made.out, anoctl({"encode", "command_info", "val_type=3,7"}).out);
+}
+
+TEST(Decode, on_a_terminal_tells_the_battery_from_the_controller_supply) {
+    const auto power = anoctl({"encode", "--raw", "power", "voltage=11.1", "voltage2=5"});
+    const std::string shown = anoctl({"decode"}, power.out, true).out;
+    EXPECT_NE(shown.find("voltage (battery) 11.1 V"), std::string::npos) << shown;
+    EXPECT_NE(shown.find("voltage2 (controller supply) 5 V"), std::string::npos) << shown;
+    const auto text = anoctl({"decode"}, power.out).out;
+    EXPECT_EQ(text, "0xFE 0xFF 0x0D power voltage=11.1 current=0 voltage2=5 current2=0 reserved=0\n");
+}
+
 }    // namespace

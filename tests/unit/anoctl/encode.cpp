@@ -44,7 +44,7 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     expect_refused({"encode", "euler", "rol"}, "'rol' is not FIELD=VALUE");
     expect_refused({"encode", "euler", "rol=1", "rol=2"}, "'rol' is given twice");
     expect_refused({"encode", "euler", "--from", "256"}, "from: '256' is not a number from 0 to 255");
-    expect_refused({"encode", "0x77", "a=1"}, "id 119 is not listed: only its data can be given");
+    expect_refused({"encode", "0x77", "a=1"}, "id 0x77 is not listed: only its data can be given");
     expect_refused({"encode", "0x77", "--data", "1"}, "data: '1' is not hex digits in pairs");
     expect_refused({"encode", "euler", "rol=1", "--data", "01"},
                    "--data is the whole of DATA: no FIELD=VALUE beside it");
@@ -55,6 +55,67 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"check\"}\n\n{\"name\": 5}\n").err,
               "anoctl: line 3: name: 5 is not text\n");
     EXPECT_EQ(anoctl({"encode", "-"}, "\xFF\x01").exit, 2);
+}
+
+TEST(Encode, takes_the_words_that_are_shown) {
+    EXPECT_EQ(anoctl({"encode", "parameter_command", "cmd=action", "val=save", "--to", "0xDC"}).out,
+              "AB FE DC E0 03 00 10 AB 00 23 CC\n");
+    EXPECT_EQ(anoctl({"encode", "log", "color=green"}).out, anoctl({"encode", "log", "color=2"}).out);
+    EXPECT_EQ(anoctl({"encode", "parameter_info", "par_type=f32"}).out, anoctl({"encode", "parameter_info", "par_type=8"}).out);
+    EXPECT_EQ(anoctl({"encode", "command_info", "val_type=u16,i32"}).out, anoctl({"encode", "command_info", "val_type=3,6"}).out);
+    EXPECT_EQ(anoctl({"encode", "check", "--from", "flight controller", "--to", "host"}).out,
+              anoctl({"encode", "check", "--from", "0xDC", "--to", "0xFE"}).out);
+    expect_refused({"encode", "log", "color=grene"},
+                   "log color: 'grene' is not a number, nor default, red, green, blue (did you mean 'green'?)");
+}
+
+TEST(Encode, takes_values_with_their_types) {
+    EXPECT_EQ(anoctl({"encode", "parameter_value", "par_id=3", "value=f32:1.5", "--to", "0xDC"}).out,
+              "AB FE DC E1 06 00 03 00 00 00 C0 3F 6E 70\n");
+    EXPECT_EQ(anoctl({"encode", "command", "cid0=1", "cid2=1", "values=u16:100,i32:-5", "--to", "0xDC"}).out,
+              "AB FE DC C0 09 00 01 00 01 64 00 FB FF FF FF AC C6\n");
+    EXPECT_EQ(anoctl({"encode", "parameter_value", "value=string:a,b"}).exit, 0);
+    expect_refused({"encode", "command", "values=u8:300"}, "command values: '300' is out of range (u8, 0 to 255)");
+}
+
+TEST(Encode, refuses_a_parameter_with_less_value_than_its_type) {
+    const std::string behind =
+        "; a device would store check bytes of the frame with it: write it with its type, such as f32:1.5 or string:abc";
+    expect_refused({"encode", "parameter_value", "par_id=1"}, "parameter_value value: it is empty" + behind);
+    expect_refused({"encode", "parameter_value", "value=0000c0"},
+                   "parameter_value value: '0000c0' is 3 bytes, as no number is" + behind);
+    expect_refused({"encode", "parameter_value", "value=0000", "par_type=f32"},
+                   "parameter_value value: '0000' is 2 bytes, f32 has 4" + behind);
+    EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"parameter_value\", \"fields\": {\"par_id\": 1}}\n").exit, 2);
+}
+
+TEST(Anoctl, takes_json_before_the_command) {
+    EXPECT_EQ(anoctl({"--json", "encode", "check"}).out, anoctl({"encode", "check", "--json"}).out);
+    EXPECT_EQ(anoctl({"--json", "messages", "euler"}).out, anoctl({"messages", "euler", "--json"}).out);
+    EXPECT_EQ(anoctl({"--json", "decode", "AB"}).exit, 1);
+    EXPECT_EQ(anoctl({"--json", "messages", "--lua"}).exit, 2);
+    EXPECT_EQ(anoctl({"--json", "--help"}).exit, 0);
+    EXPECT_EQ(anoctl({"--json"}).err, "anoctl: --json is for a command; the commands are decode, encode, messages, monitor\n");
+    EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
+}
+
+TEST(Anoctl, refuses_to_count_to_nothing) {
+    for (const char* count : {"0", "-1", "many", "1.5"}) {
+        const auto result = anoctl({"monitor", "pty:/no/such/folder/x", std::string{"--count="} + count});
+        EXPECT_EQ(result.exit, 2) << count;
+        EXPECT_EQ(result.err.substr(0, result.err.find('\n')),
+                  "anoctl: --count: '" + std::string{count} + "' is not a number of frames, 1 or more");
+    }
+    EXPECT_EQ(anoctl({"monitor", "pty:/no/such/folder/x", "--count", "-1"}).exit, 2);
+}
+
+TEST(Anoctl, colours_are_ended_by_what_the_environment_says) {
+    EXPECT_TRUE(anoctl::wants_color(nullptr, "xterm"));
+    EXPECT_TRUE(anoctl::wants_color("", "xterm"));    // as no-color.org has it
+    EXPECT_FALSE(anoctl::wants_color("1", "xterm"));
+    EXPECT_FALSE(anoctl::wants_color("0", "xterm"));
+    EXPECT_FALSE(anoctl::wants_color(nullptr, "dumb"));
+    EXPECT_FALSE(anoctl::wants_color(nullptr, nullptr));
 }
 
 TEST(Anoctl, help_and_version_are_fine_and_nothing_is_not) {

@@ -40,8 +40,32 @@ TEST(Messages, as_json_are_one_object_a_layout) {
 TEST(Messages, as_text_are_one_line_a_layout) {
     const auto all = anoctl({"messages"}).out;
     EXPECT_EQ(static_cast<std::size_t>(std::count(all.begin(), all.end(), '\n')), ano::messages.size());
+}
+
+TEST(Messages, by_name_show_types_units_ranges_and_values) {
+    EXPECT_EQ(anoctl({"messages", "mode"}).out,
+              "0x06 mode telemetry: Flight mode, and the command being executed\n"
+              "    field  type  range     values\n"
+              "    mode   u8    0 to 255\n"
+              "    sflag  u8    0 to 255  0 locked, 1 unlocked, 2 airborne\n"
+              "    cid    u8    0 to 255\n"
+              "    cmd0   u8    0 to 255\n"
+              "    cmd1   u8    0 to 255\n");
     const auto power = anoctl({"messages", "0x0D"}).out;
-    EXPECT_EQ(std::count(power.begin(), power.end(), '\n'), 2);
+    EXPECT_NE(power.find("0x0D power telemetry: Supply voltage and current\n"), std::string::npos) << power;
+    EXPECT_NE(power.find("of the battery and of the controller's supply (layout field, at exactly 10 bytes)\n"),
+              std::string::npos);
+    EXPECT_NE(power.find("    voltage2  u16   V     0 to 655.35  controller supply\n"), std::string::npos);
+    const auto euler = anoctl({"messages", "euler"}).out;
+    EXPECT_NE(euler.find("    rol         i16   °     -327.68 to 327.67\n"), std::string::npos) << euler;
+    const auto scan = anoctl({"messages", "ranging"}).out;
+    EXPECT_NE(scan.find("      angle  u16"), std::string::npos) << scan;    // of each point
+    EXPECT_NE(scan.find("0 to 360"), std::string::npos);
+    EXPECT_NE(scan.find("    type     u8                      100         100 scan\n"), std::string::npos);
+    EXPECT_NE(anoctl({"messages", "general_velocity"}).out.find("null: no data"), std::string::npos);
+    EXPECT_NE(anoctl({"messages", "parameter_value"}).out.find("written as f32:1.5"), std::string::npos);
+    EXPECT_NE(anoctl({"messages", "parameter_info"}).out.find("0 to 10"), std::string::npos);
+    EXPECT_NE(anoctl({"messages", "flexible1"}).out.find("as configured"), std::string::npos);
 }
 
 TEST(Messages, bad_input_gets_words) {

@@ -133,7 +133,7 @@ TEST(FrameJson, faults_name_the_field_and_its_range) {
     EXPECT_EQ(fault_of(R"({"name": "command_info", "fields": {"val_type": [0, 999]}})"),
               "/fields/val_type/1: command_info val_type: 999 is out of range (u8, 0 to 255)");
     EXPECT_EQ(fault_of(R"({"name": "parameter_value", "fields": {"value": "abc"}})"),
-              "/fields/value: value: 'abc' is not hex digits in pairs");
+              "/fields/value: parameter_value value: 'abc' is neither hex digits in pairs nor typed, as f32:1.5 is");
     EXPECT_EQ(fault_of(R"({"name": "ranging", "fields": {"points": [{}, {"angle": 700}]}})"),
               "/fields/points/1/angle: ranging angle: 700 is out of range (u16, 0 to 655.35 °)");
 }
@@ -156,8 +156,8 @@ TEST(FrameJson, faults_of_the_frame_itself) {
     EXPECT_EQ(fault_of("5"), ": 5 is not an object");
     EXPECT_EQ(fault_of("{}"), ": a frame needs a name or an id");
     EXPECT_EQ(fault_of(R"({"id": 256})"), "/id: id: 256 is not a number from 0 to 255");
-    EXPECT_EQ(fault_of(R"({"id": 4, "name": "euler"})"), "/id: id: 4 is not the id of euler, which is 3");
-    EXPECT_EQ(fault_of(R"({"id": 119})"), "/fields: id 119 is not listed: only its data can be given");
+    EXPECT_EQ(fault_of(R"({"id": 4, "name": "euler"})"), "/id: id: 4 is not the id of euler, which is 0x03");
+    EXPECT_EQ(fault_of(R"({"id": 119})"), "/fields: id 0x77 is not listed: only its data can be given");
     EXPECT_EQ(fault_of(R"({"id": 241, "fields": {"a": 1}})"),
               "/fields: flexible1 has no layout in the configuration: only its data can be given");
     EXPECT_EQ(fault_of(R"({"id": 119, "data": "0"})"), "/data: data: '0' is not hex digits in pairs");

@@ -36,7 +36,7 @@ TEST(Text, of_any_bytes_is_utf8_in_both_encodings) {
     for (int round = 0; round < 2000; ++round) {
         std::string bytes(random.below(12u), '\0');
         for (char& c : bytes) c = static_cast<char>(random.byte());
-        for (const Encoding encoding : {Encoding::utf8, Encoding::gbk})
+        for (const Encoding encoding : {Encoding::utf8, Encoding::gbk, Encoding::automatic})
             ASSERT_TRUE(from_utf8(utf8(bytes, encoding), Encoding::utf8));
     }
 }
@@ -52,6 +52,18 @@ TEST(Text, gbk_goes_there_and_back) {
     std::string many;
     for (int i = 0; i < 1000; ++i) many += "解锁";
     EXPECT_EQ(utf8(*from_utf8(many, Encoding::gbk), Encoding::gbk), many);
+}
+
+TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
+    const auto text = [](std::string_view bytes) { return utf8(bytes, Encoding::automatic); };
+    const std::string r = "\xEF\xBF\xBD";
+    EXPECT_EQ(text("plain"), "plain");
+    EXPECT_EQ(text("说明"), "说明");
+    EXPECT_EQ(text("\xBD\xE2\xCB\xF8 ok"), "解锁 ok");
+    EXPECT_EQ(text("a\xC0"), "a" + r);              // neither
+    EXPECT_EQ(text("说\xE6\x98"), "说" + r);         // cut within a character
+    EXPECT_EQ(text("\xFF\xFE"), r + r);
+    EXPECT_EQ(from_utf8("解锁", Encoding::automatic), "解锁");
 }
 
 TEST(Number, is_read_as_c_writes_it) {
@@ -86,6 +98,8 @@ TEST(Quotes, keep_a_terminal_from_obeying) {
 
 TEST(Hex, is_digits_in_pairs) {
     EXPECT_EQ(hex(std::vector<std::uint8_t>{0xAB, 1}), "ab01");
+    EXPECT_EQ(hex_byte(0xDC), "0xDC");
+    EXPECT_EQ(hex_byte(5), "0x05");
     EXPECT_EQ(spaced_hex(std::vector<std::uint8_t>{0xAB, 1}), "AB 01");
     EXPECT_EQ(from_hex("aB 01\n"), (std::vector<std::uint8_t>{0xAB, 1}));
     EXPECT_EQ(from_hex(""), std::vector<std::uint8_t>{});

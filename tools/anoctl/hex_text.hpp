@@ -1,0 +1,59 @@
+// Bytes as people write them: "AB FE", "abfe", "0xAB, 0xFE", "0xABFE".
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+
+/// Reads hex digits in pairs, 0x before them or not, with white space or commas between bytes; a single digit behind 0x is
+/// a byte as well. Takes text in pieces.
+class HexText {
+public:
+    /// Appends to `bytes` what `text` says. False: it is something else; what stands before that was appended.
+    bool read(std::string_view text, std::vector<std::uint8_t>& bytes);
+    /// The end of the text. False: half a byte is left.
+    bool finish(std::vector<std::uint8_t>& bytes);
+    /// The line that is being read, from 1.
+    std::size_t line() const noexcept { return line_; }
+
+private:
+    bool read(char c, std::vector<std::uint8_t>& bytes);
+    bool end_word(std::vector<std::uint8_t>& bytes);
+
+    int high_ = -1;           // a digit that waits for its second; -1: none
+    std::size_t digits_ = 0;  // of this word
+    bool prefixed_ = false;   // this word began with 0x
+    std::size_t line_ = 1;
+};
+
+/// All of `text`; nothing when it is anything else.
+std::optional<std::vector<std::uint8_t>> from_hex_text(std::string_view text);
+
+/// Input that is raw bytes or hex text. It is text when nothing else is in it: known at the end, or as soon as it has begun
+/// with AB and 7 more bytes. Raw bytes with a frame are never mistaken, for 0xAB is not a character of hex text.
+class BytesOrText {
+public:
+    /// The bytes that `piece` brings, after those that were held back until it was known what they are.
+    std::span<const std::uint8_t> read(std::span<const std::uint8_t> piece);
+    /// The end of the input: the bytes that were still held back.
+    std::span<const std::uint8_t> finish();
+    /// Text went over into something else, in this line; 0: it did not.
+    std::size_t bad_line() const noexcept { return bad_line_; }
+
+private:
+    enum class Kind { unknown, raw, text };
+
+    std::span<const std::uint8_t> all_raw();
+
+    Kind kind_ = Kind::unknown;
+    HexText text_;
+    std::vector<std::uint8_t> held_;     // as it came, while unknown
+    std::vector<std::uint8_t> bytes_;    // what the text says
+    std::size_t bad_line_ = 0;
+};
+
+}    // namespace anoctl
