@@ -99,7 +99,8 @@ private:
         const std::string path = target.substr(0, target.find('?'));
         const auto found = control_.answers_.find(path);
         const auto action = control_.actions_.find(path);
-        if (found != control_.answers_.end() && request.method() == http::verb::get) {
+        const bool head = request.method() == http::verb::head;
+        if (found != control_.answers_.end() && (head || request.method() == http::verb::get)) {
             response.body() = found->second();
         } else if (action != control_.actions_.end() && request.method() == http::verb::post) {
             Reply reply = action->second(request.body());
@@ -109,7 +110,7 @@ private:
             response.result(http::status::not_found);
             response.body() = "{\"error\": \"there is nothing at this path; try /status\"}\n";
         } else {
-            const std::string allowed = found != control_.answers_.end() ? "GET" : "POST";
+            const std::string allowed = found != control_.answers_.end() ? "GET, HEAD" : "POST";
             response.result(http::status::method_not_allowed);
             response.set(http::field::allow, allowed);
             response.body() = "{\"error\": \"this path answers " + allowed + " only\"}\n";
@@ -118,6 +119,7 @@ private:
         response.set(http::field::server, "anogate");
         response.keep_alive(request.keep_alive());
         response.prepare_payload();
+        if (head) response.body().clear();    // told how long it would be, and not given it
         return response;
     }
 

@@ -8,6 +8,7 @@
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
 #include <daemon/status.hpp>
+#include <daemon/ticker.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -24,14 +25,17 @@ namespace {
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
 
-// Signals that would end the program before it can handle them wait until it does. Not SIGINT: whoever sits at the terminal
-// can end a program that waits for its configuration.
-void hold_signals(int how) {
+// Signals that would end the program before it can handle them wait until it does.
+void hold_signals(int how, std::initializer_list<int> signals) {
     sigset_t held;
     sigemptyset(&held);
-    for (const int signal : {SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&held, signal);
+    for (const int signal : signals) sigaddset(&held, signal);
     ::sigprocmask(how, &held, nullptr);
 }
+
+// Until the configuration is read nothing runs that would have to be ended in order, and reading may take long: a pipe that
+// nobody writes to. SIGINT ends the program then as it ends any other.
+void let_sigterm_end_at_once() { std::signal(SIGTERM, [](int) { ::_exit(0); }); }
 
 // Or a standard file that was closed would become a device or a socket, and what is said to the user would go there.
 void fill_standard_files() {
@@ -44,9 +48,9 @@ void fill_standard_files() {
 class Program {
 public:
     explicit Program(Settings settings)
-        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_}, hints_{io_} {
+        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         signals_.add(SIGUSR1);
-        hold_signals(SIG_UNBLOCK);
+        hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
 
     int run() {
@@ -60,7 +64,7 @@ public:
         });
         notify_systemd("READY=1");
         keep_watchdog();
-        tell_hints();
+        hints_.start(between_hints);
         io_.run();
         return status_;
     }
@@ -77,7 +81,7 @@ private:
 
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
-            if (ec) return;
+            if (ec || stopped_) return;
             wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
@@ -89,37 +93,33 @@ private:
         const auto interval = watchdog_interval();
         if (!interval) return;
         notify_systemd("WATCHDOG=1");
-        watchdog_.expires_after(*interval);
-        watchdog_.async_wait([this](error_code ec) {
-            if (!ec) keep_watchdog();
-        });
+        watchdog_.start(*interval);
     }
 
     void tell_hints() {
-        hints_.expires_after(between_hints);
-        hints_.async_wait([this](error_code ec) {
-            if (ec) return;
-            for (const std::string& line : hint_log_.news(gateway_)) spdlog::info(line);
-            tell_hints();
-        });
+        for (const std::string& line : hint_log_.news(gateway_)) spdlog::info(line);
     }
 
     // A second signal while it flushes makes an end at once.
     void stop() {
         notify_systemd("STOPPING=1");
-        watchdog_.cancel();
-        hints_.cancel();
+        watchdog_.stop();
+        hints_.stop();
         control_.stop();
-        gateway_.stop(flush_patience, [this] { signals_.cancel(); });
+        gateway_.stop(flush_patience, [this] {
+            stopped_ = true;
+            signals_.cancel();
+        });
     }
 
     asio::io_context io_{1};
     Gateway gateway_;
     Control control_;
     asio::signal_set signals_;
-    asio::steady_timer watchdog_;
-    asio::steady_timer hints_;
+    Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
+    Ticker hints_{io_, [this] { tell_hints(); }};
     HintLog hint_log_;
+    bool stopped_ = false;    // nothing runs any more: a signal that came just before the end must not be waited for again
     int status_ = 0;
 };
 
@@ -137,6 +137,7 @@ int run(int argc, char** argv) {
         return 1;
     }
     if (line.check || line.print_config) return 0;
+    hold_signals(SIG_BLOCK, {SIGTERM});
     std::signal(SIGPIPE, SIG_IGN);
     fill_standard_files();
     start_log(line.settings.log);
@@ -147,7 +148,8 @@ int run(int argc, char** argv) {
 
 // What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
 int run_program(int argc, char** argv) {
-    hold_signals(SIG_BLOCK);
+    hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});
+    let_sigterm_end_at_once();
     try {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {

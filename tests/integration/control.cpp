@@ -62,6 +62,16 @@ TEST_F(ControlSocket, one_connection_may_ask_many_times) {
     EXPECT_EQ(count, 21u);
 }
 
+TEST_F(ControlSocket, a_head_request_is_answered_like_a_get_without_the_body) {
+    const std::string answers = http(socket, "HEAD /status HTTP/1.1\r\nHost: x\r\n\r\nHEAD /nothing HTTP/1.0\r\n\r\n");
+    EXPECT_TRUE(answers.starts_with("HTTP/1.1 200 OK")) << answers;
+    EXPECT_EQ(answers.find('{'), std::string::npos) << answers;
+    const auto length = answers.find("Content-Length: ");
+    ASSERT_NE(length, std::string::npos) << answers;
+    EXPECT_GT(std::stoul(answers.substr(length + 16)), 100u) << answers;
+    EXPECT_NE(answers.find("\r\n\r\nHTTP/1.0 404"), std::string::npos) << answers;
+}
+
 TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
     EXPECT_EQ(http(socket, "GET /nothing HTTP/1.0\r\n\r\n").substr(9, 3), "404");
     const std::string posted = http(socket, "POST /status HTTP/1.0\r\nContent-Length: 2\r\n\r\n{}");

@@ -1,0 +1,53 @@
+#include <daemon/ticker.hpp>
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+TEST(Ticker, calls_again_and_again_until_it_is_stopped) {
+    asio::io_context io;
+    int calls = 0;
+    Ticker ticker{io, [&] {
+                      if (++calls == 3) ticker.stop();
+                  }};
+    ticker.start(1ms);
+    io.run();
+    EXPECT_EQ(calls, 3);
+}
+
+// The loop takes the call that is due and the end in one round, and the end comes first.
+TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
+    asio::io_context io;
+    int calls = 0;
+    Ticker ticker{io, [&] { ++calls; }};
+    ticker.start(1ms);
+    asio::post(io, [&] {
+        std::this_thread::sleep_for(2ms);
+        asio::post(io, [&] { ticker.stop(); });
+    });
+    io.run_for(1s);
+    EXPECT_TRUE(io.stopped()) << "nothing is left to wait for";
+    EXPECT_EQ(calls, 0);
+}
+
+TEST(Ticker, can_be_started_again) {
+    asio::io_context io;
+    int calls = 0;
+    Ticker ticker{io, [&] {
+                      ++calls;
+                      ticker.stop();
+                  }};
+    ticker.start(1ms);
+    io.run();
+    io.restart();
+    ticker.start(1ms);
+    io.run();
+    EXPECT_EQ(calls, 2);
+}
+
+}    // namespace
