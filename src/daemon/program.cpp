@@ -2,12 +2,14 @@
 #include <daemon/config.hpp>
 #include <daemon/control.hpp>
 #include <daemon/control_socket.hpp>
+#include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
 #include <daemon/status.hpp>
+#include <link/ip_socket.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -23,6 +25,7 @@ namespace {
 
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
+constexpr Duration control_retry = std::chrono::milliseconds{500};
 
 // Signals that would end the program before it can handle them wait until it does. Not SIGINT: whoever sits at the terminal
 // can end a program that waits for its configuration.
@@ -43,36 +46,63 @@ void fill_standard_files() {
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
-    explicit Program(Settings settings)
-        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP}, watchdog_{io_}, hints_{io_} {
+    Program(Settings settings, std::string source)
+        : gateway_{io_, std::move(settings)},
+          source_{std::move(source)},
+          control_{io_},
+          signals_{io_, SIGTERM, SIGINT, SIGHUP},
+          watchdog_{io_},
+          hints_{io_},
+          control_again_{io_} {
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK);
     }
 
     int run() {
-        start_control();
+        spdlog::info(first_line(gateway_.settings(), source_, own_networks()));
+        if (!start_control()) return exit_config;
         wait_for_signal();
         if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
             spdlog::error("{} is required and was not up within 10 s", link);
             status_ = 1;
-            stop();
+            stop("a required link is missing");
         });
         notify_systemd("READY=1");
         keep_watchdog();
         tell_hints();
         io_.run();
+        const FrameCount passed = frame_count(gateway_);
+        spdlog::info(last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
         return status_;
     }
 
 private:
-    void start_control() {
+    /// False: there can be none at the path that was asked for.
+    bool start_control() {
         const auto socket = control_socket(gateway_.settings().control, this_runner());
-        if (!socket) return;
+        if (!socket) return true;
         control_.get("/status", [this] { return status_json(gateway_); });
         control_.post("/gpio", [this](const std::string& body) { return gpio_request(gateway_.gpio(), body, gateway_.now()); });
-        if (const std::string error = control_.start(*socket); !error.empty())
-            spdlog::warn("no control interface: {}", error);
+        const Control::Outcome outcome = control_.start(*socket, makes_folder(*socket, this_runner()));
+        if (outcome.error.empty()) return true;
+        if (!outcome.in_use && !gateway_.settings().control.socket.empty()) {
+            spdlog::error("--control: {}", outcome.error);
+            return false;
+        }
+        spdlog::warn("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
+        if (outcome.in_use) wait_for_control(*socket);
+        return true;
+    }
+
+    // Whoever has the socket may end, and then this one is to be found there.
+    void wait_for_control(const std::string& socket) {
+        control_again_.expires_after(control_retry);
+        control_again_.async_wait([this, socket](error_code ec) {
+            if (ec) return;
+            if (control_.start(socket, makes_folder(socket, this_runner())).error.empty()) spdlog::info("{}: up", socket);
+            else wait_for_control(socket);
+        });
     }
 
     void wait_for_signal() {
@@ -81,7 +111,7 @@ private:
             wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
-            else stop();
+            else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
         });
     }
 
@@ -105,42 +135,52 @@ private:
     }
 
     // A second signal while it flushes makes an end at once.
-    void stop() {
+    void stop(const char* why) {
+        if (why_.empty()) why_ = why;
         notify_systemd("STOPPING=1");
         watchdog_.cancel();
         hints_.cancel();
+        control_again_.cancel();
         control_.stop();
         gateway_.stop(flush_patience, [this] { signals_.cancel(); });
     }
 
     asio::io_context io_{1};
     Gateway gateway_;
+    std::string source_;    // where the configuration is from
+    std::string why_;       // it ends
     Control control_;
     asio::signal_set signals_;
     asio::steady_timer watchdog_;
     asio::steady_timer hints_;
+    asio::steady_timer control_again_;
     HintLog hint_log_;
     int status_ = 0;
 };
 
+std::string source_of(const CommandLine& line) {
+    if (line.config_file.empty()) return "command line";
+    return line.config_file + (line.has_links ? " and command line" : "");
+}
+
 int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
-        if (exit->code != 0) std::cerr << exit->text;
+        if (exit->code != 0) say(Priority::error, exit->text);
         else if (!(std::cout << exit->text << std::flush)) return 1;
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
-    if (line.check) std::cerr << line.warnings;
+    if (line.check) say(Priority::warning, line.warnings);
     if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
-        std::cerr << "anogated: the configuration could not be written\n";
+        say(Priority::error, "anogated: the configuration could not be written\n");
         return 1;
     }
     if (line.check || line.print_config) return 0;
     std::signal(SIGPIPE, SIG_IGN);
     fill_standard_files();
     start_log(line.settings.log);
-    return Program{std::move(line.settings)}.run();
+    return Program{std::move(line.settings), source_of(line)}.run();
 }
 
 }  // namespace
@@ -151,9 +191,9 @@ int run_program(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {
-        std::cerr << "anogated: out of memory\n";
+        say(Priority::error, "anogated: out of memory\n");
     } catch (const std::exception& error) {
-        std::cerr << "anogated: " << error.what() << "\n";
+        say(Priority::error, std::string{"anogated: "} + error.what() + "\n");
     }
     return 1;
 }
