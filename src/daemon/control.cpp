@@ -2,6 +2,7 @@
 
 #include <daemon/control.hpp>
 #include <link/errors.hpp>
+#include <link/own_folder.hpp>
 
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -128,11 +129,11 @@ private:
     http::response<http::string_body> response_;
 };
 
-Control::Outcome Control::start(const std::string& path, bool make_folder) {
+Control::Outcome Control::start(const std::string& path) {
     if (path.size() >= sizeof sockaddr_un{}.sun_path)
         return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
     std::error_code ignored;
-    if (make_folder) fs::create_directories(fs::path{path}.parent_path(), ignored);
+    if (std::string error = make_folder_of(path); !error.empty()) return {std::move(error)};
     if (fs::is_socket(fs::symlink_status(path, ignored))) {
         if (is_alive(path)) return {path + ": another program is using it (give this one another by --control)", true};
         fs::remove(path, ignored);

@@ -34,9 +34,9 @@ public:
         std::string error;      // empty: it listens
         bool in_use = false;    // another program has the socket: it may be free later
     };
-    /// Listens at `path`; with `make_folder` its folder is made when missing. A socket that a dead process left is replaced. The
-    /// group `anogate` may use it; without such a group only our own user (the log says so). After an error it may be tried again.
-    Outcome start(const std::string& path, bool make_folder);
+    /// Listens at `path`; a folder of our own is made when missing, a socket that a dead process left is replaced. The group
+    /// `anogate` may use it; without such a group only our own user (the log says so). After an error it may be tried again.
+    Outcome start(const std::string& path);
     /// Closes everything at once and removes the socket.
     void stop();
 

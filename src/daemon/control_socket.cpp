@@ -1,5 +1,6 @@
 #include <daemon/control_socket.hpp>
 #include <link/errors.hpp>
+#include <link/own_folder.hpp>
 
 #include <unistd.h>
 
@@ -12,11 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char system_folder[] = "/run/anogate";
-
-fs::path folder_of(const std::string& path) {
-    const fs::path folder = fs::path{path}.parent_path();
-    return folder.empty() ? "." : folder;
-}
 
 }  // namespace
 
@@ -33,12 +29,6 @@ std::optional<std::string> control_socket(const ControlSettings& settings, const
     return runner.runtime_dir + "/anogate.sock";
 }
 
-bool makes_folder(const std::string& path, const Runner& runner) {
-    const fs::path folder = folder_of(path);
-    if (folder == system_folder) return true;
-    return !runner.runtime_dir.empty() && (folder == runner.runtime_dir || folder == fs::path{runner.runtime_dir} / "anogate");
-}
-
 std::string fault_of_socket(const std::string& path, const Runner& runner) {
     const std::string instead = " (give another path by --control, or --control none)";
     std::error_code ec;
@@ -46,8 +36,8 @@ std::string fault_of_socket(const std::string& path, const Runner& runner) {
     if (fs::exists(there) && !fs::is_socket(there)) return path + ": exists and is no socket" + instead;
     fs::path folder = folder_of(path);
     if (!fs::exists(folder, ec) && !ec) {
-        if (!makes_folder(path, runner)) return path + ": there is no folder " + folder.string() + instead;
-        folder = folder.parent_path();
+        if (!is_own_folder(folder, runner.runtime_dir)) return path + ": there is no folder " + folder.string() + instead;
+        while (!fs::exists(folder, ec) && !ec && folder.has_relative_path()) folder = folder.parent_path();
     }
     if (fs::exists(folder, ec) && !fs::is_directory(folder, ec)) return error_text(path, ENOTDIR) + instead;
     if (::access(folder.c_str(), W_OK | X_OK) != 0) return error_text(path, errno) + instead;

@@ -17,10 +17,6 @@ Runner this_runner();
 /// The path of the control socket; nothing when it was set to "none".
 std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner);
 
-/// Whether the folder of the socket at `path` is ours to make: /run/anogate, or anogate's in $XDG_RUNTIME_DIR. Any other that is
-/// missing was mistyped.
-bool makes_folder(const std::string& path, const Runner& runner);
-
 /// Why no socket can be made at `path`, as far as it shows without trying; empty: one can, or it is in use.
 std::string fault_of_socket(const std::string& path, const Runner& runner);
 

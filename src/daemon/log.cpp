@@ -1,4 +1,5 @@
 #include <daemon/log.hpp>
+#include <link/own_folder.hpp>
 
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/rotating_file_sink.h>
@@ -71,6 +72,9 @@ void start_log(const LogSettings& settings) {
     if (std::filesystem::is_fifo(settings.file, ec)) {
         fault = settings.file + " is a pipe, and one that nobody reads would hold up everything";
     } else if (!settings.file.empty()) {
+        fault = make_folder_of(settings.file);    // or the sink would make any
+    }
+    if (!settings.file.empty() && fault.empty()) {
         try {
             log = spdlog::rotating_logger_st("anogated", settings.file, size, files);
         } catch (const spdlog::spdlog_ex& e) {

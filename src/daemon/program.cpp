@@ -84,7 +84,7 @@ private:
         if (!socket) return true;
         control_.get("/status", [this] { return status_json(gateway_); });
         control_.post("/gpio", [this](const std::string& body) { return gpio_request(gateway_.gpio(), body, gateway_.now()); });
-        const Control::Outcome outcome = control_.start(*socket, makes_folder(*socket, this_runner()));
+        const Control::Outcome outcome = control_.start(*socket);
         if (outcome.error.empty()) return true;
         if (!outcome.in_use && !gateway_.settings().control.socket.empty()) {
             spdlog::error("--control: {}", outcome.error);
@@ -100,7 +100,7 @@ private:
         control_again_.expires_after(control_retry);
         control_again_.async_wait([this, socket](error_code ec) {
             if (ec) return;
-            if (control_.start(socket, makes_folder(socket, this_runner())).error.empty()) spdlog::info("{}: up", socket);
+            if (control_.start(socket).error.empty()) spdlog::info("{}: up", socket);
             else wait_for_control(socket);
         });
     }

@@ -150,7 +150,7 @@ TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
     const TempDir other;
     std::ofstream{other / "file"} << "precious";
     Daemon second{ANOGATED, other / "file", {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control)")) << second.output();
+    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control")) << second.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 

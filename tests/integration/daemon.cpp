@@ -362,6 +362,15 @@ TEST(Daemon, a_pipe_that_nobody_reads_is_no_log_file) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
+TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
+    const TempDir dir;
+    std::ofstream{dir / "config.json"} << R"({"links": ["sim:fc"], "log": {"file": ")" << (dir / "lgo/file") << R"("}})";
+    Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "config.json"}};
+    EXPECT_TRUE(daemon.until_says("the log goes to standard error: " + (dir / "lgo/file") + ": there is no folder")) << daemon.output();
+    EXPECT_FALSE(std::filesystem::exists(dir / "lgo"));
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
 // Takes the ten seconds that the interface promises.
 TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
     const TempDir dir;

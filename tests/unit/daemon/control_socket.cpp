@@ -1,4 +1,5 @@
 #include <daemon/control_socket.hpp>
+#include <link/own_folder.hpp>
 
 #include <support/files.hpp>
 
@@ -31,15 +32,11 @@ TEST(ControlSocket, of_a_user_without_a_runtime_folder_is_the_one_whose_error_te
 }
 
 TEST(ControlSocket, only_folders_of_its_own_are_made) {
-    const Runner root{true, ""}, user{false, "/run/user/1000"};
-    EXPECT_TRUE(makes_folder(system_wide, root));
-    EXPECT_TRUE(makes_folder("/run/user/1000/anogate.sock", user));
-    EXPECT_TRUE(makes_folder("/run/user/1000/anogate/c.sock", user));
-    EXPECT_FALSE(makes_folder("/run/user/1000/anogaet/c.sock", user));
-    EXPECT_FALSE(makes_folder("/run/user/1000/anogate.sock", root));
-    EXPECT_FALSE(makes_folder("/run/anogaet/control.sock", root));
-    EXPECT_FALSE(makes_folder("/run/anogate/more/control.sock", root));
-    EXPECT_FALSE(makes_folder("control.sock", root));
+    for (const char* own : {"/run/anogate", "/run/anogate/more", "/var/log/anogate", "/run/user/1000", "/run/user/1000/anogate"})
+        EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;
+    for (const char* other : {"/run/user/1000/anogaet", "/run/anogaet", "/run", "/tmp/anogate", "/run/anogate/../x", "."})
+        EXPECT_FALSE(is_own_folder(other, "/run/user/1000")) << other;
+    EXPECT_FALSE(is_own_folder("/run/user/1000", ""));
 }
 
 TEST(ControlSocket, a_path_where_none_can_be_is_told) {
