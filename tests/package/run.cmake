@@ -1,5 +1,6 @@
 # Installs BUILD into a folder of its own and uses it from there, as a stranger would.
 # cmake -DBUILD=... -DSOURCE=... -DCXX=... -DFLAGS=... -P run.cmake
+cmake_minimum_required(VERSION 3.22)
 set(prefix ${BUILD}/package/prefix)
 file(REMOVE_RECURSE ${BUILD}/package)
 
