@@ -190,6 +190,9 @@ TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
         EXPECT_EQ(daemon.wait(), 78);
         EXPECT_TRUE(daemon.output().starts_with("anogated: --control: " + (dir / path) + ": " + words)) << daemon.output();
     }
+    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // where even root can make none, which shows by trying
+    EXPECT_EQ(nowhere.wait(), 78);
+    EXPECT_NE(nowhere.output().find("--control: /proc/control.sock: "), std::string::npos) << nowhere.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));
     EXPECT_FALSE(std::filesystem::exists(dir / "rnu")) << "what was mistyped is not made";
 }
