@@ -1,9 +1,11 @@
 #include <daemon/command_line.hpp>
 #include <daemon/config.hpp>
+#include <daemon/control_socket.hpp>
 #include <daemon/help.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
 #include <daemon/read_file.hpp>
+#include <daemon/service.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -16,8 +18,7 @@ constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333
 
 /// What stands on the command line, not looked into yet.
 struct Arguments {
-    std::string config;
-    std::vector<std::string> links, routes;
+    std::vector<std::string> configs, links, routes;
     std::vector<std::pair<const KeyFacts*, std::string>> values;    // of the options that set a key
     bool check = false, print_config = false;
 };
@@ -34,13 +35,13 @@ void add_options(CLI::App& app, Keys<Section> keys, Arguments& arguments) {
     }
 }
 
-void add_all(CLI::App& app, Arguments& arguments) {
+void add_all(CLI::App& app, Arguments& arguments, const std::string& default_file) {
     app.set_version_flag("--version", "anogated " ANOGATE_VERSION, "print the version");
-    app.add_option("-c,--config", arguments.config,
-                   std::string{"JSON file; LINKs add to its links, options override its values (default: "} +
-                       default_config_file + ", when no LINK is given)")
+    app.add_option("-c,--config", arguments.configs,
+                   "JSON file; LINKs add to its links, options override its values (default: " + default_file +
+                       ", when no LINK is given)")
         ->type_name("FILE")
-        ->take_last();
+        ->allow_extra_args(false);
     add_options(app, gateway_keys(), arguments);
     add_options(app, control_keys(), arguments);
     add_options(app, log_keys(), arguments);
@@ -113,6 +114,7 @@ void read_options(const Arguments& arguments, Draft& draft) {
         set(row_among(control_keys(), key), value, draft.settings.control, draft.errors);
         set(row_among(log_keys(), key), value, draft.settings.log, draft.errors);
         if (key->name == "unknown") draft.unknown = {std::string{key->option}};
+        if (key->name == "socket") draft.control = {std::string{key->option}};
     }
 }
 
@@ -126,25 +128,38 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
     draft.errors.push_back({path.empty() ? "--config" : path, std::move(what)});
 }
 
+/// A control socket that somebody named must be possible: he will look for it there.
+void judge_control(Draft& draft) {
+    const std::string& socket = draft.settings.control.socket;
+    if (socket.empty() || socket == "none") return;
+    if (std::string fault = fault_of_socket(socket, this_runner()); !fault.empty())
+        draft.errors.push_back({draft.control.key("socket"), std::move(fault)});
+}
+
 }  // namespace
 
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
     Arguments arguments;
     CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
-    add_all(app, arguments);
+    add_all(app, arguments, default_file);
     if (auto exit = parse(app, argc, argv)) return *std::move(exit);
 
     Draft draft;
     draft.errors = unknown_options(app);
-    const bool by_default = app.count("--config") == 0 && arguments.links.empty();
-    const std::string file = by_default ? default_file : arguments.config;
-    if (by_default || app.count("--config") != 0) read_config_file(file, by_default, draft);
+    if (arguments.configs.size() > 1)
+        draft.errors.push_back({"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
+    const bool by_default = arguments.configs.empty() && arguments.links.empty();
+    const std::string file = by_default ? default_file : arguments.configs.empty() ? "" : arguments.configs.front();
+    if (by_default || !arguments.configs.empty()) read_config_file(file, by_default, draft);
     for (const std::string& link : arguments.links) read_link(link, "", draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     finish(draft);
+    if (arguments.check && is_for_service(file, default_file)) judge_for_service(draft);
+    else if (!arguments.print_config) judge_control(draft);
     if (!draft.errors.empty()) return failure(draft.errors);
-    return CommandLine{std::move(draft.settings), file, lines(draft.warnings), arguments.check, arguments.print_config};
+    return CommandLine{std::move(draft.settings), file,          !arguments.links.empty(), lines(draft.warnings),
+                       arguments.check,           arguments.print_config};
 }
 
 }  // namespace anogate

@@ -1,5 +1,6 @@
 // The command line of anogated, with the configuration that it names.
 #pragma once
+#include <daemon/installed.hpp>
 #include <gateway/settings.hpp>
 
 #include <string>
@@ -7,11 +8,10 @@
 
 namespace anogate {
 
-inline constexpr char default_config_file[] = "/etc/anogate/anogate.json";
-
 struct CommandLine {
     Settings settings;          // file, LINKs and options together, without fault
     std::string config_file;    // that was read; empty: none
+    bool has_links = false;     // the line itself names some
     std::string warnings;       // a line each
     bool check = false;
     bool print_config = false;
@@ -25,6 +25,6 @@ struct Exit {
 
 /// Reads the configuration file too. `default_file` is read when neither a file nor a link is named.
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv,
-                                                   const std::string& default_file = default_config_file);
+                                                   const std::string& default_file = default_config_file());
 
 }  // namespace anogate

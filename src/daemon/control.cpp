@@ -2,6 +2,7 @@
 
 #include <daemon/control.hpp>
 #include <link/errors.hpp>
+#include <link/own_folder.hpp>
 
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -56,7 +57,7 @@ void let_group_in(const std::string& path) {
     } else {
         ::chmod(path.c_str(), 0600);
         if (is_private(fs::path{path}.parent_path())) return;
-        spdlog::warn("{}: only this user may use it, for there is no group `anogate` we are in", path);
+        spdlog::info("{}: only this user may use it, for there is no group `anogate` we are in", path);
     }
 }
 
@@ -130,17 +131,16 @@ private:
     http::response<http::string_body> response_;
 };
 
-std::string Control::start(const std::string& path) {
+Control::Outcome Control::start(const std::string& path) {
     if (path.size() >= sizeof sockaddr_un{}.sun_path)
-        return path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes";
-    std::error_code made;
-    fs::create_directories(fs::path{path}.parent_path(), made);
+        return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
     std::error_code ignored;
+    if (std::string error = make_folder_of(path); !error.empty()) return {std::move(error)};
     if (fs::is_socket(fs::symlink_status(path, ignored))) {
-        if (is_alive(path)) return path + ": another program is using it (give this one another by --control)";
+        if (is_alive(path)) return {path + ": another program is using it (give this one another by --control)", true};
         fs::remove(path, ignored);
     } else if (fs::exists(fs::symlink_status(path, ignored))) {
-        return path + ": exists and is no socket (give another path by --control)";
+        return {path + ": exists and is no socket (give another path by --control)"};
     }
     error_code ec;
     acceptor_.open(Local{}, ec);
@@ -151,7 +151,7 @@ std::string Control::start(const std::string& path) {
     if (ec) {
         error_code ignored_too;
         acceptor_.close(ignored_too);
-        return error_text(path, ec.value()) + " (give another path by --control, or --control none)";
+        return {error_text(path, ec.value()) + " (give another path by --control, or --control none)"};
     }
     path_ = path;
     let_group_in(path);

@@ -30,9 +30,13 @@ public:
     /// Before start(): what POST `path` does.
     void post(std::string path, Action action) { actions_[std::move(path)] = std::move(action); }
 
-    /// Listens at `path`; its folder is made when missing, a socket that a dead process left is replaced. Returns what went
-    /// wrong, empty when it listens. The group `anogate` may use it; without such a group only our own user (a warning says so).
-    std::string start(const std::string& path);
+    struct Outcome {
+        std::string error;      // empty: it listens
+        bool in_use = false;    // another program has the socket: it may be free later
+    };
+    /// Listens at `path`; a folder of our own is made when missing, a socket that a dead process left is replaced. The group
+    /// `anogate` may use it; without such a group only our own user (the log says so). After an error it may be tried again.
+    Outcome start(const std::string& path);
     /// Closes everything at once and removes the socket.
     void stop();
 

@@ -1,22 +1,47 @@
 #include <daemon/control_socket.hpp>
+#include <link/errors.hpp>
+#include <link/own_folder.hpp>
 
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 
 namespace anogate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char system_folder[] = "/run/anogate";
+
+}  // namespace
 
 Runner this_runner() {
     const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
-    return {geteuid() == 0 || access("/run/anogate", W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
+    return {geteuid() == 0 || access(system_folder, W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
 }
 
 std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner) {
     if (settings.socket == "none") return std::nullopt;
     if (!settings.socket.empty()) return settings.socket;
     // Without either, the error of the first is the one that tells people what to do.
-    if (runner.system || runner.runtime_dir.empty()) return "/run/anogate/control.sock";
+    if (runner.system || runner.runtime_dir.empty()) return std::string{system_folder} + "/control.sock";
     return runner.runtime_dir + "/anogate.sock";
+}
+
+std::string fault_of_socket(const std::string& path, const Runner& runner) {
+    const std::string instead = " (give another path by --control, or --control none)";
+    std::error_code ec;
+    const fs::file_status there = fs::symlink_status(path, ec);
+    if (fs::exists(there) && !fs::is_socket(there)) return path + ": exists and is no socket" + instead;
+    fs::path folder = folder_of(path);
+    if (!fs::exists(folder, ec) && !ec) {
+        if (!is_own_folder(folder, runner.runtime_dir)) return path + ": there is no folder " + folder.string() + instead;
+        while (!fs::exists(folder, ec) && !ec && folder.has_relative_path()) folder = folder.parent_path();
+    }
+    if (fs::exists(folder, ec) && !fs::is_directory(folder, ec)) return error_text(path, ENOTDIR) + instead;
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) return error_text(path, errno) + instead;
+    return {};
 }
 
 }  // namespace anogate

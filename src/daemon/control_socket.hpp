@@ -1,4 +1,4 @@
-// Where the control socket is when nobody said.
+// Where the control socket is when nobody said, and where there can be one.
 #pragma once
 #include <gateway/settings.hpp>
 
@@ -16,5 +16,8 @@ Runner this_runner();
 
 /// The path of the control socket; nothing when it was set to "none".
 std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner);
+
+/// Why no socket can be made at `path`, as far as it shows without trying; empty: one can, or it is in use.
+std::string fault_of_socket(const std::string& path, const Runner& runner);
 
 }  // namespace anogate

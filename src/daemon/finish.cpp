@@ -3,6 +3,7 @@
 #include <daemon/config.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
+#include <daemon/unlikely.hpp>
 #include <daemon/values.hpp>
 #include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
@@ -86,6 +87,7 @@ public:
     void all() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
             link(i);
+            if (links_[i].kind == "serial") serial(i);
             if (links_[i].kind == "udp") udp(i);
             if (links_[i].kind == "can") can(i);
             for (std::size_t k = 0; k < i; ++k) pair(k, i);
@@ -142,6 +144,12 @@ private:
                                           : "max_data " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
 
+    void serial(std::size_t i) {
+        if (draft_.links[i].broken) return;
+        if (std::string fault = fault_of_device(links_[i].serial.device); !fault.empty())
+            error(draft_.links[i], "device", std::move(fault));
+    }
+
     void udp(std::size_t i) {
         const UdpSettings& udp = links_[i].udp;
         const std::string peer = udp.peer.text();
@@ -164,6 +172,8 @@ private:
 
     void can(std::size_t i) {
         if (draft_.links[i].broken) return;
+        if (std::string fault = fault_of_interface(links_[i].can.interface); !fault.empty())
+            error(draft_.links[i], "interface", std::move(fault));
         if (std::string fault = fault_of(links_[i].can); !fault.empty())
             error(draft_.links[i], links_[i].can.framing == CanFraming::isotp ? "framing" : "base", std::move(fault));
     }

@@ -2,9 +2,21 @@
 #pragma once
 #include <gateway/settings.hpp>
 
+#include <string>
+#include <string_view>
+
 namespace anogate {
 
-/// Standard error, or a rotated file; with times unless the journal adds its own.
+/// How much something matters, as syslog counts it.
+enum class Priority { error = 3, warning = 4, info = 6, debug = 7 };
+
+/// Standard error, or a rotated file. The journal has times of its own, and is told the priority of every line instead.
 void start_log(const LogSettings& settings);
+
+/// Says it on standard error, as the log would: for what comes before start_log().
+void say(Priority priority, std::string_view lines);
+
+/// Every line of `text` as the journal reads it: "<4>text". Whatever the text begins with, its priority is this one.
+std::string journal_lines(Priority priority, std::string_view text);
 
 }  // namespace anogate

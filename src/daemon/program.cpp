@@ -2,6 +2,7 @@
 #include <daemon/config.hpp>
 #include <daemon/control.hpp>
 #include <daemon/control_socket.hpp>
+#include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/log.hpp>
@@ -9,6 +10,7 @@
 #include <daemon/program.hpp>
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
+#include <link/ip_socket.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -24,6 +26,7 @@ namespace {
 
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
+constexpr Duration control_retry = std::chrono::milliseconds{500};
 
 // Signals that would end the program before it can handle them wait until it does.
 void hold_signals(int how, std::initializer_list<int> signals) {
@@ -47,36 +50,58 @@ void fill_standard_files() {
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
-    explicit Program(Settings settings)
-        : gateway_{io_, std::move(settings)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+    Program(Settings settings, std::string source)
+        : gateway_{io_, std::move(settings)},
+          source_{std::move(source)},
+          control_{io_},
+          signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
 
     int run() {
-        start_control();
+        spdlog::info(first_line(gateway_.settings(), source_, own_networks()));
+        if (!start_control()) return exit_config;
         wait_for_signal();
         if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
             spdlog::error("{} is required and was not up within 10 s", link);
             status_ = 1;
-            stop();
+            stop("a required link is missing");
         });
         notify_systemd("READY=1");
         keep_watchdog();
         hints_.start(between_hints);
         io_.run();
+        const FrameCount passed = frame_count(gateway_);
+        spdlog::info(last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
         return status_;
     }
 
 private:
-    void start_control() {
+    /// False: there can be none at the path that was asked for.
+    bool start_control() {
         const auto socket = control_socket(gateway_.settings().control, this_runner());
-        if (!socket) return;
+        if (!socket) return true;
+        socket_ = *socket;
         control_.get("/status", [this] { return status_json(gateway_); });
         control_.post("/gpio", [this](const std::string& body) { return gpio_request(gateway_.gpio(), body, gateway_.now()); });
-        if (const std::string error = control_.start(*socket); !error.empty())
-            spdlog::warn("no control interface: {}", error);
+        const Control::Outcome outcome = control_.start(socket_);
+        if (outcome.error.empty()) return true;
+        if (!outcome.in_use && !gateway_.settings().control.socket.empty()) {
+            spdlog::error("--control: {}", outcome.error);
+            return false;
+        }
+        spdlog::warn("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
+        if (outcome.in_use) control_again_.start(control_retry);
+        return true;
+    }
+
+    // Whoever has the socket may end, and then this one is to be found there.
+    void try_control_again() {
+        if (!control_.start(socket_).error.empty()) return;
+        control_again_.stop();
+        spdlog::info("{}: up", socket_);
     }
 
     void wait_for_signal() {
@@ -85,7 +110,7 @@ private:
             wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
-            else stop();
+            else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
         });
     }
 
@@ -101,10 +126,12 @@ private:
     }
 
     // A second signal while it flushes makes an end at once.
-    void stop() {
+    void stop(const char* why) {
+        if (why_.empty()) why_ = why;
         notify_systemd("STOPPING=1");
         watchdog_.stop();
         hints_.stop();
+        control_again_.stop();
         control_.stop();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
@@ -114,26 +141,35 @@ private:
 
     asio::io_context io_{1};
     Gateway gateway_;
+    std::string source_;    // where the configuration is from
+    std::string why_;       // it ends
     Control control_;
     asio::signal_set signals_;
+    std::string socket_;    // of the control interface
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { tell_hints(); }};
+    Ticker control_again_{io_, [this] { try_control_again(); }};
     HintLog hint_log_;
     bool stopped_ = false;    // nothing runs any more: a signal that came just before the end must not be waited for again
     int status_ = 0;
 };
 
+std::string source_of(const CommandLine& line) {
+    if (line.config_file.empty()) return "command line";
+    return line.config_file + (line.has_links ? " and command line" : "");
+}
+
 int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
-        if (exit->code != 0) std::cerr << exit->text;
+        if (exit->code != 0) say(Priority::error, exit->text);
         else if (!(std::cout << exit->text << std::flush)) return 1;
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
-    if (line.check) std::cerr << line.warnings;
+    if (line.check) say(Priority::warning, line.warnings);
     if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
-        std::cerr << "anogated: the configuration could not be written\n";
+        say(Priority::error, "anogated: the configuration could not be written\n");
         return 1;
     }
     if (line.check || line.print_config) return 0;
@@ -141,7 +177,7 @@ int run(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
     fill_standard_files();
     start_log(line.settings.log);
-    return Program{std::move(line.settings)}.run();
+    return Program{std::move(line.settings), source_of(line)}.run();
 }
 
 }  // namespace
@@ -153,9 +189,9 @@ int run_program(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {
-        std::cerr << "anogated: out of memory\n";
+        say(Priority::error, "anogated: out of memory\n");
     } catch (const std::exception& error) {
-        std::cerr << "anogated: " << error.what() << "\n";
+        say(Priority::error, std::string{"anogated: "} + error.what() + "\n");
     }
     return 1;
 }

@@ -178,9 +178,9 @@ public:
             else if (name == "flexible")
                 flexible(value, pointer);
             else if (name == "control")
-                section(value, pointer, control_keys(), draft_.settings.control);
+                section(value, pointer, control_keys(), draft_.settings.control), draft_.control = {pointer, true};
             else if (name == "log")
-                section(value, pointer, log_keys(), draft_.settings.log);
+                section(value, pointer, log_keys(), draft_.settings.log), draft_.log = {pointer, true};
             else
                 draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + ano::did_you_mean(name, names)});
         }

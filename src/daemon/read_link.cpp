@@ -14,6 +14,9 @@ namespace {
 /// A text that is no KIND:ADDRESS at all.
 std::string no_kind(std::string_view text) {
     if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
+    const std::string_view address = text.substr(0, text.find(','));
+    if (address.starts_with("tty")) return "no kind (did you mean 'serial:/dev/" + std::string{text} + "'?)";
+    if (address.starts_with("can") || address.starts_with("vcan")) return "no kind (did you mean 'can:" + std::string{text} + "'?)";
     if (WrittenEndpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }

@@ -181,6 +181,16 @@ std::string status_text(Gateway& gateway) {
     return text;
 }
 
+FrameCount frame_count(const Gateway& gateway) {
+    FrameCount count;
+    for (const LinkState& state : gateway.links()) {
+        const LinkFigures figures = totals(gateway, state, {}).figures;
+        count.in += figures.received.frames_in;
+        count.out += figures.sent.frames_out;
+    }
+    return count;
+}
+
 std::vector<std::string> HintLog::news(Gateway& gateway) {
     const TimePoint now = gateway.now();
     std::vector<std::string> lines;

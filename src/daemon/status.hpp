@@ -1,5 +1,6 @@
 // The state of a gateway as JSON (the shape is part of the interface: README, "Looking at it").
 #pragma once
+#include <cstdint>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,6 +13,12 @@ class Gateway;
 std::string status_json(Gateway& gateway);
 /// The same in a few lines for the log.
 std::string status_text(Gateway& gateway);
+
+/// The good frames of all links since the start.
+struct FrameCount {
+    std::uint64_t in = 0, out = 0;
+};
+FrameCount frame_count(const Gateway& gateway);
 
 /// Hints for the log, for those who look at nothing else: each once while its link is up.
 class HintLog {

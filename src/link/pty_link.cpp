@@ -1,4 +1,5 @@
 #include <link/errors.hpp>
+#include <link/own_folder.hpp>
 #include <link/pty_link.hpp>
 #include <link/termios.hpp>
 
@@ -64,8 +65,7 @@ UniqueFd PtyLink::open_user_side() const {
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
     std::error_code ec;
-    if (path.has_parent_path()) fs::create_directories(path.parent_path(), ec);
-    if (ec) return error_text(path.string(), ec.value());
+    if (std::string error = make_folder_of(path); !error.empty()) return error;
     if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
     if (std::string error = claim_path(); !error.empty()) return error;
     const fs::path fresh = path.string() + ".anogate-new";

@@ -160,7 +160,7 @@ TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
     const TempDir other;
     std::ofstream{other / "file"} << "precious";
     Daemon second{ANOGATED, other / "file", {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control)")) << second.output();
+    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control")) << second.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 
@@ -180,10 +180,10 @@ TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up)
 
 TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
     const TempDir dir;
-    const std::string socket = dir / "run/control.sock";
+    const std::string socket = dir / "control.sock";
     {
         Daemon killed{ANOGATED, socket, {"sim:fc"}};
-        ASSERT_TRUE(killed.until_answers()) << "its folder is made";
+        ASSERT_TRUE(killed.until_answers());
         killed.signal(SIGKILL);
         killed.wait();
     }
@@ -192,14 +192,51 @@ TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
     EXPECT_TRUE(next.until_answers()) << next.output();
 }
 
-TEST(ControlSocketAtStart, what_is_no_socket_is_left_alone_and_the_gateway_runs_without) {
+TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "precious";
-    Daemon daemon{ANOGATED, dir / "file", {"sim:fc"}};
-    EXPECT_TRUE(daemon.until_says("no control interface"));
+    for (const auto& [path, words] : {std::pair{"file", "exists and is no socket"}, {"rnu/control.sock", "there is no folder"}}) {
+        Daemon daemon{ANOGATED, dir / path, {"sim:fc"}};
+        EXPECT_EQ(daemon.wait(), 78);
+        EXPECT_TRUE(daemon.output().starts_with("anogated: --control: " + (dir / path) + ": " + words)) << daemon.output();
+    }
+    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // where even root can make none, which shows by trying
+    EXPECT_EQ(nowhere.wait(), 78);
+    EXPECT_NE(nowhere.output().find("--control: /proc/control.sock: "), std::string::npos) << nowhere.output();
+    EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));
+    EXPECT_FALSE(std::filesystem::exists(dir / "rnu")) << "what was mistyped is not made";
+}
+
+TEST(ControlSocketAtStart, one_that_nobody_named_and_that_cannot_be_is_done_without) {
+    if (::geteuid() == 0) GTEST_SKIP() << "root's is in /run/anogate";
+    const TempDir dir;
+    Process daemon{ANOGATED, {"sim:fc"}, {"XDG_RUNTIME_DIR=/proc/nonexistent"}};
+    EXPECT_TRUE(daemon.until_says("no control interface")) << daemon.output();
     daemon.signal(SIGTERM);
     EXPECT_EQ(daemon.wait(), 0);
-    EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));
+}
+
+TEST(ControlSocketAtStart, the_folder_of_its_own_is_made) {
+    const TempDir dir;
+    const std::string folder = "XDG_RUNTIME_DIR=" + dir.path().string();
+    Daemon daemon{ANOGATED, dir / "anogate/control.sock", {"sim:fc"}, {folder}};
+    EXPECT_TRUE(daemon.until_answers()) << daemon.output();
+}
+
+TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock";
+    Daemon first{ANOGATED, socket, {"sim:fc,name=first"}};
+    ASSERT_TRUE(first.until_answers()) << first.output();
+    Daemon second{ANOGATED, socket, {"sim:fc,name=second"}};
+    ASSERT_TRUE(second.until_says("another program is using it (give this one another by --control); waiting for it")) << second.output();
+    first.signal(SIGTERM);
+    EXPECT_EQ(first.wait(), 0);
+    EXPECT_TRUE(second.until_says(socket + ": up")) << second.output();
+    EXPECT_EQ(second.link("second").at("state"), "up");
+    second.signal(SIGTERM);
+    EXPECT_EQ(second.wait(), 0);
+    EXPECT_FALSE(std::filesystem::exists(socket));
 }
 
 TEST(ControlSocketAtStart, a_path_too_long_is_told_in_words) {

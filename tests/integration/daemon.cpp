@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 namespace {
 
@@ -182,6 +183,68 @@ TEST(Daemon, says_in_the_log_what_the_hints_say) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
+// The log lines that have these words.
+std::string line_with(const std::string& words, const std::string& output) {
+    const std::size_t at = output.find(words);
+    if (at == std::string::npos) return {};
+    const std::size_t begin = output.rfind('\n', at) + 1;
+    return output.substr(begin, output.find('\n', at) - begin);
+}
+
+TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
+    const TempDir dir;
+    std::ofstream{dir / "a.json"} << R"({"links": ["sim:fc"]})";
+    Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "a.json", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.count("fc", "frames_in") > 0; })) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+    const std::string& said = daemon.output();
+    const std::regex first{"\\d{4}-\\d\\d-\\d\\d \\d\\d:\\d\\d:\\d\\d\\.\\d{3} info anogated \\d[.0-9]*, (.*)"};
+    std::smatch match;
+    const std::string line = said.substr(0, said.find('\n'));
+    ASSERT_TRUE(std::regex_match(line, match, first)) << said;
+    EXPECT_EQ(match[1], (dir / "a.json") + " and command line, 2 links; ground, for ground stations: UDP a port that the system chooses, shown in the status");
+    ASSERT_EQ(said.back(), '\n');
+    const std::size_t last = said.rfind('\n', said.size() - 2) + 1;
+    EXPECT_TRUE(std::regex_search(said.substr(last), std::regex{" info ends: SIGTERM, after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"})) << said;
+}
+
+TEST(Daemon, gives_the_journal_priorities_and_no_times) {
+    const TempDir dir;
+    const std::string as_journal = "JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec \"$0\" \"$@\"";
+    Process daemon{"/bin/sh", {"-c", as_journal, ANOGATED, "--control", dir / "control", "sim:fc", "serial:" + (dir / "absent")}};
+    ASSERT_TRUE(daemon.until_says("waiting for it")) << daemon.output();
+    daemon.signal(SIGUSR1);
+    ASSERT_TRUE(daemon.until_says("absent: waiting")) << daemon.output();
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_TRUE(line_with("waiting for it", daemon.output()).starts_with("<4>absent: ")) << daemon.output();
+    EXPECT_EQ(line_with("fc: up", daemon.output()), "<6>fc: up");
+    EXPECT_TRUE(line_with("absent: waiting", daemon.output()).starts_with("<6>absent: ")) << "every line of several";
+
+    Process faulty{"/bin/sh", {"-c", as_journal, ANOGATED, "sim:plane"}};
+    EXPECT_EQ(faulty.wait(), config_fault);
+    EXPECT_TRUE(faulty.output().starts_with("<3>anogated: ")) << faulty.output();
+}
+
+TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"sim:fc"}, {"JOURNAL_STREAM=1:2", "INVOCATION_ID=0123"}};    // as a desktop leaves them
+    ASSERT_TRUE(daemon.until_says("fc: up")) << daemon.output();
+    EXPECT_TRUE(daemon.output().starts_with("20")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
+// Root on a machine where nothing is installed: all is well, and so no line says otherwise.
+TEST(Daemon, a_first_run_by_root_warns_of_nothing) {
+    const TempDir dir;
+    std::filesystem::permissions(dir.path(), std::filesystem::perms{0755});    // as /run/anogate is
+    Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ground")) << daemon.output();
+    EXPECT_EQ(terminate(daemon).status, 0);
+    EXPECT_EQ(line_with(" warning ", daemon.output()), "");
+    EXPECT_EQ(line_with(" error ", daemon.output()), "");
+}
+
 TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
     const TempDir dir;
     const std::string path = dir / "notify";
@@ -297,6 +360,15 @@ TEST(Daemon, a_pipe_that_nobody_reads_is_no_log_file) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
+TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
+    const TempDir dir;
+    std::ofstream{dir / "config.json"} << R"({"links": ["sim:fc"], "log": {"file": ")" << (dir / "lgo/file") << R"("}})";
+    Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "config.json"}};
+    EXPECT_TRUE(daemon.until_says("the log goes to standard error: " + (dir / "lgo/file") + ": there is no folder")) << daemon.output();
+    EXPECT_FALSE(std::filesystem::exists(dir / "lgo"));
+    EXPECT_EQ(terminate(daemon).status, 0);
+}
+
 // Takes the ten seconds that the interface promises.
 TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
     const TempDir dir;
@@ -327,6 +399,9 @@ TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
     run({"--config", dir / "bad.json"}, "/links/0/bauds");
     run({"--config", dir / "bad.json"}, "/gatway");
     run({"--check", "--config", dir / "bad.json"}, "/links/0/bauds");
+    run({"--check", "serial:ttyUSB0"}, "did you mean '/dev/ttyUSB0'?");
+    run({"--check", "can:can0,bitrate=500000"}, "ip link set can0 up type can bitrate 500000");
+    run({"--config", dir / "bad.json", "--config", dir / "other.json"}, "--config: is given 2 times");
 }
 
 TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {

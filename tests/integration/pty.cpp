@@ -121,12 +121,23 @@ TEST(PtyLink, a_user_who_does_not_read_does_not_hold_up_the_others) {
 
 TEST(PtyLink, the_path_is_made_with_its_folder_and_gone_at_the_end) {
     const TempDir dir;
+    ::setenv("XDG_RUNTIME_DIR", (dir / "run").c_str(), 1);    // whose anogate is our own
     {
         RunningGateway daemon{pty("app", dir / "run/anogate/app")};
         EXPECT_TRUE(fs::is_symlink(dir / "run/anogate/app"));
         daemon.stop();
         EXPECT_FALSE(fs::exists(fs::symlink_status(dir / "run/anogate/app")));
     }
+    ::unsetenv("XDG_RUNTIME_DIR");
+}
+
+TEST(PtyLink, a_folder_that_was_mistyped_is_not_made) {
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "rnu/anogate/app")};
+    EXPECT_EQ(daemon.link("app").at("error"), (dir / "rnu/anogate/app") + ": there is no folder " + (dir / "rnu/anogate"));
+    EXPECT_FALSE(fs::exists(dir / "rnu"));
+    fs::create_directories(dir / "rnu/anogate");
+    EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "rnu/anogate/app"); })) << "it is waited for";
 }
 
 TEST(PtyLink, a_user_who_reads_gets_what_waits_at_the_end) {

@@ -7,9 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace {
 
@@ -29,6 +31,7 @@ std::string key(const Bytes& frame) { return {frame.begin(), frame.end()}; }
 class JoinedGateways : public testing::TestWithParam<Delays> {
 protected:
     void start(const std::string& group) {
+        unfinished.clear();
         const Delays d = GetParam();
         relays[0] = std::make_unique<Relay>(d.first_there, d.first_back);
         relays[1] = std::make_unique<Relay>(d.second_there, d.second_back);
@@ -57,6 +60,8 @@ protected:
     }
 
     void turn() {
+        const auto now = anogate::Clock::now();
+        longest_turn = std::max<Duration>(longest_turn, now - std::exchange(last_turn, now));
         for (RunningGateway* gateway : {a.get(), b.get()}) {
             gateway->io().restart();
             gateway->io().run_one_for(200us);
@@ -66,6 +71,37 @@ protected:
     }
     bool until(const std::function<bool()>& holds) {
         return wait_until(holds, patience, [this] { turn(); });
+    }
+    // What a run showed.
+    struct Seen {
+        Times at_a, at_b;
+        int first = 0, end = 0;    // the commands that had to arrive
+        std::size_t carried = 0;
+        bool adds_up = false;
+        bool disturbed = false;    // it shows nothing
+    };
+    /// A copy is told by when it comes, within 2 s: a run shows nothing where the machine stood still for long. Then it is run again,
+    /// at most twice.
+    template <class Run>
+    Seen undisturbed(Run run) {
+        constexpr Duration stood_still = 1s;
+        for (int runs = 1;; ++runs) {
+            longest_turn = {};
+            last_turn = anogate::Clock::now();
+            Seen seen = run();
+            seen.disturbed = longest_turn >= stood_still;
+            if (HasFailure() || !seen.disturbed || runs == 3) return seen;
+        }
+    }
+    /// Until `device` has the frames first to end - 1 of those that `make` numbers, which are added to `got`. A pty hands on what was
+    /// written when the kernel comes to it: no number of turns is enough for that.
+    template <class Make>
+    bool until_heard(PtyDevice& device, Times& got, int first, int end, Make make) {
+        return until([&] {
+            add(got, heard(device));
+            for (; first < end && got.count(key(make(first))) > 0; ++first) {}
+            return first == end;
+        });
     }
     /// Until nothing is on its way and nothing comes for a while.
     bool until_quiet() {
@@ -79,13 +115,14 @@ protected:
             return quiet == turns;
         });
     }
-    /// How often each frame arrived at the device since the last call.
-    static Times heard(PtyDevice& device) {
+    /// How often each frame arrived at the device since the last call. A frame of which the pty has handed on a part counts when it
+    /// is whole.
+    Times heard(PtyDevice& device) {
         Times times;
-        Bytes stream;
+        Bytes& stream = unfinished[&device];
         for (Bytes more = device.read(); !more.empty(); more = device.read()) stream = std::move(stream) + more;
-        const Split got = split(stream);
-        EXPECT_TRUE(got.rest.empty()) << "bytes that are no whole frame";
+        Split got = split(stream);
+        stream = std::move(got.rest);
         for (const Bytes& one : got.frames) ++times[key(one)];
         return times;
     }
@@ -95,8 +132,15 @@ protected:
     static void add(Times& all, const Times& more) {
         for (const auto& [frame, times] : more) all[frame] += times;
     }
-    bool counters_add_up() { return a->counters_add_up() && b->counters_add_up(); }
+    bool adds_up() {
+        EXPECT_TRUE(unfinished[&at_a].empty() && unfinished[&at_b].empty()) << "bytes that are no whole frame";
+        return a->counters_add_up() && b->counters_add_up();
+    }
 
+    static constexpr char held_up[] = "this machine stands still for seconds";
+    std::map<PtyDevice*, Bytes> unfinished;
+    Duration longest_turn{};
+    anogate::TimePoint last_turn{};
     const TempDir dir;
     PtyDevice at_a{dir / "a"}, at_b{dir / "b"};
     std::unique_ptr<Relay> relays[2];
@@ -104,82 +148,107 @@ protected:
 };
 
 TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
+    constexpr int count = 40;
+    const auto from_a = [](int n) { return numbered(0xDC, 0xFF, 0x20, n); };
+    const auto from_b = [](int n) { return numbered(0xDD, 0xFF, 0x20, n); };
     for (const std::string group : {"", "vehicle"}) {
         SCOPED_TRACE(group);
-        start(group);
+        Seen seen = undisturbed([&] {
+            Seen run;
+            start(group);
+            if (HasFatalFailure()) return run;
+            const std::size_t before = relays[0]->carried() + relays[1]->carried();
+            for (int n = 0; n < count; ++n) {
+                at_a.write(from_a(n));
+                at_b.write(from_b(n));
+                for (int i = 0; i < 5; ++i) turn();
+            }
+            EXPECT_TRUE(until_heard(at_b, run.at_b, 0, count, from_a));
+            EXPECT_TRUE(until_heard(at_a, run.at_a, 0, count, from_b));
+            EXPECT_TRUE(until_quiet()) << "something goes round";
+            add(run.at_a, heard(at_a));
+            add(run.at_b, heard(at_b));
+            run.carried = relays[0]->carried() + relays[1]->carried() - before;
+            run.adds_up = adds_up();
+            return run;
+        });
         if (HasFatalFailure()) return;
-        constexpr int count = 40;
-        const std::size_t before = relays[0]->carried() + relays[1]->carried();
-        Times got_a, got_b;
+        if (seen.disturbed) GTEST_SKIP() << held_up;
         for (int n = 0; n < count; ++n) {
-            at_a.write(numbered(0xDC, 0xFF, 0x20, n));
-            at_b.write(numbered(0xDD, 0xFF, 0x20, n));
-            for (int i = 0; i < 5; ++i) turn();
+            EXPECT_EQ(seen.at_b[key(from_a(n))], 1) << n;
+            EXPECT_EQ(seen.at_a[key(from_b(n))], 1) << n;
         }
-        ASSERT_TRUE(until_quiet()) << "something goes round";
-        add(got_a, heard(at_a));
-        add(got_b, heard(at_b));
-        for (int n = 0; n < count; ++n) {
-            EXPECT_EQ(got_b[key(numbered(0xDC, 0xFF, 0x20, n))], 1) << n;
-            EXPECT_EQ(got_a[key(numbered(0xDD, 0xFF, 0x20, n))], 1) << n;
-        }
-        EXPECT_EQ(got_a.size(), std::size_t{count}) << "a device does not hear itself";
-        EXPECT_LE(relays[0]->carried() + relays[1]->carried() - before, 2u * 4 * count);
-        EXPECT_TRUE(counters_add_up());
+        EXPECT_EQ(seen.at_a.size(), std::size_t{count}) << "a device does not hear itself";
+        EXPECT_LE(seen.carried, 2u * 4 * count);
+        EXPECT_TRUE(seen.adds_up);
     }
 }
 
 TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
-    start("vehicle");
-    if (HasFatalFailure()) return;
     constexpr int count = 60;
-    Times got;
-    for (int n = 0; n < count; ++n) {
-        at_b.write(numbered(0xDD, 0xFE, 0x03, n));    // the vehicle talks all the time
-        at_a.write(numbered(0xFE, 0xDD, 0xC0, n));
-        for (int i = 0; i < 5; ++i) turn();
-    }
-    ASSERT_TRUE(until_quiet());
-    add(got, heard(at_b));
-    for (int n = 0; n < count; ++n) EXPECT_EQ(got[key(numbered(0xFE, 0xDD, 0xC0, n))], 1) << n;
-    EXPECT_TRUE(counters_add_up());
+    const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };
+    Seen seen = undisturbed([&] {
+        Seen run;
+        start("vehicle");
+        if (HasFatalFailure()) return run;
+        for (int n = 0; n < count; ++n) {
+            at_b.write(numbered(0xDD, 0xFE, 0x03, n));    // the vehicle talks all the time
+            at_a.write(command(n));
+            for (int i = 0; i < 5; ++i) turn();
+        }
+        EXPECT_TRUE(until_heard(at_b, run.at_b, 0, count, command));
+        EXPECT_TRUE(until_quiet());
+        add(run.at_b, heard(at_b));
+        run.adds_up = adds_up();
+        return run;
+    });
+    if (seen.disturbed) GTEST_SKIP() << held_up;
+    for (int n = 0; n < count; ++n) EXPECT_EQ(seen.at_b[key(command(n))], 1) << n;
+    EXPECT_TRUE(seen.adds_up);
 }
 
 // The link that carries falls silent: what was on its way is lost, and what is sent until its silence shows; never does one
 // come twice.
 TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over) {
+    const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };
     for (std::size_t failing : {0u, 1u}) {
         SCOPED_TRACE(failing);
-        start("vehicle");
+        Seen seen = undisturbed([&] {
+            Seen run;
+            start("vehicle");
+            if (HasFatalFailure()) return run;
+            int n = 0;
+            const auto say = [&] {
+                at_b.write(numbered(0xDD, 0xFE, 0x03, n));
+                at_a.write(command(n));
+                ++n;
+                for (int i = 0; i < 5; ++i) turn();
+                heard(at_a);
+            };
+            while (n < 30) say();
+            EXPECT_TRUE(until_heard(at_b, run.at_b, 0, n, command));
+            EXPECT_TRUE(until_quiet());
+            relays[failing]->fail();
+            const int failed_at = n;
+            EXPECT_TRUE(until([&] {
+                say();
+                add(run.at_b, heard(at_b));
+                for (run.first = failed_at; run.first < n && run.at_b.count(key(command(run.first))) == 0;) ++run.first;
+                return run.first < n;
+            })) << "nothing arrives any more";
+            run.end = n + 30;
+            while (n < run.end) say();
+            EXPECT_TRUE(until_heard(at_b, run.at_b, run.first, run.end, command));
+            EXPECT_TRUE(until_quiet());
+            add(run.at_b, heard(at_b));
+            run.adds_up = adds_up();
+            return run;
+        });
         if (HasFatalFailure()) return;
-        Times got;
-        int n = 0;
-        const auto say = [&] {
-            at_b.write(numbered(0xDD, 0xFE, 0x03, n));
-            at_a.write(numbered(0xFE, 0xDD, 0xC0, n));
-            ++n;
-            for (int i = 0; i < 5; ++i) turn();
-            heard(at_a);
-        };
-        while (n < 30) say();
-        ASSERT_TRUE(until_quiet());
-        relays[failing]->fail();
-        const int failed_at = n;
-        int taken_over = 0;    // the first command that arrived after the failure
-        ASSERT_TRUE(until([&] {
-            say();
-            add(got, heard(at_b));
-            for (taken_over = failed_at; taken_over < n && got.count(key(numbered(0xFE, 0xDD, 0xC0, taken_over))) == 0;)
-                ++taken_over;
-            return taken_over < n;
-        })) << "nothing arrives any more";
-        const int end = n + 30;
-        while (n < end) say();
-        ASSERT_TRUE(until_quiet());
-        add(got, heard(at_b));
-        for (const auto& [bytes, times] : got) EXPECT_EQ(times, 1);
-        for (int i = taken_over; i < n; ++i) EXPECT_EQ(got[key(numbered(0xFE, 0xDD, 0xC0, i))], 1) << i;
-        EXPECT_TRUE(counters_add_up());
+        if (seen.disturbed) GTEST_SKIP() << held_up;
+        for (const auto& [bytes, times] : seen.at_b) EXPECT_EQ(times, 1);
+        for (int i = seen.first; i < seen.end; ++i) EXPECT_EQ(seen.at_b[key(command(i))], 1) << i;
+        EXPECT_TRUE(seen.adds_up);
     }
 }
 

@@ -1,5 +1,6 @@
 # Installs BUILD into a folder of its own and uses it from there, as a stranger would.
 # cmake -DBUILD=... -DSOURCE=... -DCXX=... -DFLAGS=... -P run.cmake
+cmake_minimum_required(VERSION 3.22)
 set(prefix ${BUILD}/package/prefix)
 file(REMOVE_RECURSE ${BUILD}/package)
 
@@ -16,6 +17,42 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 foreach(file bin/anogated lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf lib/udev/rules.d/60-anogate.rules etc/anogate/anogate.json)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} was not installed")
+  endif()
+endforeach()
+
+# Under a prefix of its own the unit starts this program with this configuration, and that is the one the program looks for.
+file(STRINGS ${prefix}/lib/systemd/system/anogated.service command REGEX "^ExecStart=")
+if(NOT command STREQUAL "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/anogate.json")
+  message(FATAL_ERROR "the unit has ${command}")
+endif()
+run(${prefix}/bin/anogated --check)
+run(${prefix}/bin/anogated --help)
+if(NOT output MATCHES "${prefix}/etc/anogate/anogate.json")
+  message(FATAL_ERROR "anogated looks elsewhere for its configuration:\n${output}")
+endif()
+
+# Under the system's it is in /etc.
+run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix /usr)
+file(STRINGS ${BUILD}/package/root/usr/lib/systemd/system/anogated.service command REGEX "^ExecStart=")
+if(NOT command STREQUAL "ExecStart=/usr/bin/anogated --config /etc/anogate/anogate.json")
+  message(FATAL_ERROR "the unit has ${command}")
+endif()
+if(NOT EXISTS ${BUILD}/package/root/etc/anogate/anogate.json)
+  message(FATAL_ERROR "no configuration in /etc")
+endif()
+# What remains to be done by hand is said where the system does not look, and the manifest has all that is to be removed one day.
+run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix "/opt/my anogate")
+if(NOT output MATCHES "systemctl link /opt/my anogate/lib/systemd/system/anogated.service")
+  message(FATAL_ERROR "nobody is told of systemctl link:\n${output}")
+endif()
+file(STRINGS "${BUILD}/package/root/opt/my anogate/lib/systemd/system/anogated.service" command REGEX "^ExecStart=")
+if(NOT command STREQUAL "ExecStart=\"/opt/my anogate/bin/anogated\" --config \"/opt/my anogate/etc/anogate/anogate.json\"")
+  message(FATAL_ERROR "the unit has ${command}")
+endif()
+file(STRINGS ${BUILD}/install_manifest.txt manifest)
+foreach(file bin/anogated bin/anoctl lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf)
+  if(NOT "/opt/my anogate/${file}" IN_LIST manifest)
+    message(FATAL_ERROR "${file} is not in the manifest")
   endif()
 endforeach()
 

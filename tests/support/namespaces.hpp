@@ -1,4 +1,4 @@
-// Machines of their own for the network: namespaces joined by veth, made with iproute2 and gone with the test.
+// Machines of their own for the network: namespaces joined by veth, made with iproute2 and gone with the test, however it ends.
 #pragma once
 #include <fcntl.h>
 #include <sched.h>
@@ -14,47 +14,16 @@ namespace support {
 /// False: the command failed.
 inline bool run_ip(const std::string& arguments) { return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0; }
 
-class Namespace {
-public:
-    Namespace() {
-        static int count = 0;
-        name_ = "anogate-" + std::to_string(::getpid()) + "-" + std::to_string(count++);
-        if (!run_ip("netns add " + name_)) throw std::runtime_error{"no network namespace"};
-        fd_ = ::open(("/run/netns/" + name_).c_str(), O_RDONLY | O_CLOEXEC);
-        ip("link set lo up");
-    }
-    ~Namespace() {
-        ::close(fd_);
-        run_ip("netns del " + name_);
-    }
-    Namespace(const Namespace&) = delete;
-    Namespace& operator=(const Namespace&) = delete;
-
-    const std::string& name() const { return name_; }
-    int fd() const { return fd_; }
-    void ip(const std::string& arguments) const {
-        if (!run_ip("-n " + name_ + " " + arguments)) throw std::runtime_error{"ip " + arguments + " failed"};
-    }
-    /// Joins `name` here with `name` there; an address for each, as 10.0.0.1/24.
-    void join(const Namespace& other, const std::string& link, const std::string& here, const std::string& there) const {
-        ip("link add " + link + " type veth peer name " + link + " netns " + other.name_);
-        ip("address add " + here + " dev " + link);
-        other.ip("address add " + there + " dev " + link);
-        ip("link set " + link + " up");
-        other.ip("link set " + link + " up");
-    }
-
-private:
-    std::string name_;
-    int fd_ = -1;
-};
-
-/// This thread is in the namespace as long as this lives; the sockets it opens stay there.
+/// This thread is in the namespace of `fd` as long as this lives; the sockets and processes it makes stay there.
 class Inside {
 public:
-    explicit Inside(const Namespace& space) : home_{::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)} {
-        if (home_ < 0 || ::setns(space.fd(), CLONE_NEWNET) != 0) throw std::runtime_error{"can't enter the namespace"};
+    explicit Inside(int fd) : home_{::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)} {
+        if (home_ >= 0 && ::setns(fd, CLONE_NEWNET) == 0) return;
+        if (home_ >= 0) ::close(home_);
+        throw std::runtime_error{"can't enter the namespace"};
     }
+    template <class Space>
+    explicit Inside(const Space& space) : Inside{space.fd()} {}
     ~Inside() {
         if (::setns(home_, CLONE_NEWNET) != 0) std::abort();
         ::close(home_);
@@ -64,6 +33,51 @@ public:
 
 private:
     int home_;
+};
+
+/// A namespace without a name: it lives by our descriptor, so none outlives the test, whatever fails.
+class Namespace {
+public:
+    Namespace() : fd_{make()} { ip("link set lo up"); }
+
+    int fd() const { return fd_.number; }
+    void ip(const std::string& arguments) const {
+        const Inside inside{*this};
+        if (!run_ip(arguments)) throw std::runtime_error{"ip " + arguments + " failed"};
+    }
+    /// Joins `name` here with `name` there; an address for each, as 10.0.0.1/24.
+    void join(const Namespace& other, const std::string& link, const std::string& here, const std::string& there) const {
+        const std::string its_file = "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(other.fd());
+        ip("link add " + link + " type veth peer name " + link + " netns " + its_file);
+        ip("address add " + here + " dev " + link);
+        other.ip("address add " + there + " dev " + link);
+        ip("link set " + link + " up");
+        other.ip("link set " + link + " up");
+    }
+
+private:
+    struct Descriptor {
+        explicit Descriptor(int fd) : number{fd} {}
+        ~Descriptor() { ::close(number); }
+        Descriptor(const Descriptor&) = delete;
+        Descriptor& operator=(const Descriptor&) = delete;
+        int number;
+    };
+
+    static int make() {
+        const int home = ::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC);
+        if (home < 0 || ::unshare(CLONE_NEWNET) != 0) {
+            if (home >= 0) ::close(home);
+            throw std::runtime_error{"no network namespace"};
+        }
+        const int fd = ::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC);
+        if (::setns(home, CLONE_NEWNET) != 0) std::abort();
+        ::close(home);
+        if (fd < 0) throw std::runtime_error{"no network namespace"};
+        return fd;
+    }
+
+    Descriptor fd_;
 };
 
 /// Why there can be none here; empty: there can.

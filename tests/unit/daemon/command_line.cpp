@@ -74,6 +74,43 @@ TEST(CommandLine, the_last_of_an_option_counts) {
     EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6);
 }
 
+TEST(CommandLine, two_files_are_a_fault) {
+    EXPECT_EQ(error_of({"--config", "/proc/nonexistent", "-c", "/proc/neither"}),
+              "anogated: --config: is given 2 times, and a gateway has one file\n"
+              "anogated: /proc/nonexistent: No such file or directory\n");
+}
+
+TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
+    EXPECT_EQ(error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
+              "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (give another path by --control, or "
+              "--control none)\n");
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("a.json", R"({"control": {"socket": "/proc/nonexistent/c.sock"}})");
+    EXPECT_EQ(error_of({"--check", "--config", file.c_str()}).rfind("anogated: " + file + ": /control/socket: /proc/nonexistent/c.sock: there", 0), 0u);
+    EXPECT_EQ(settings_of({"--config", file.c_str(), "--print-config"}).control.socket, "/proc/nonexistent/c.sock") << "maybe for another machine";
+}
+
+TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) {
+    const support::TemporaryFolder folder;
+    const std::string file = folder.write("anogate.json", R"({"links": ["pty:/tmp/app"]})");
+    const auto checked = parse({"--check"}, file);
+    ASSERT_TRUE(std::holds_alternative<Exit>(checked));
+    EXPECT_NE(std::get<Exit>(checked).text.find("'path' '/tmp/app': the service may not write there"), std::string::npos);
+    EXPECT_EQ(line_of({}, file).settings.links.size(), 1u) << "the other links are not to suffer";
+    EXPECT_TRUE(line_of({"--check", "--config", file.c_str()}).check) << "not the service's: that has its own in /proc/nonexistent";
+}
+
+TEST(CommandLine, the_default_file_is_where_the_program_was_installed) {
+    const support::TemporaryFolder folder;
+    const std::filesystem::path prefix = folder.path();
+    EXPECT_EQ(config_file_of("/usr/local/bin/anogated"), "/etc/anogate/anogate.json");
+    EXPECT_EQ(config_file_of("/usr/bin/anogated"), "/etc/anogate/anogate.json");
+    EXPECT_EQ(config_file_of(prefix / "bin/anogated"), "/etc/anogate/anogate.json") << "nothing is installed there";
+    std::filesystem::create_directories(prefix / "etc/anogate");
+    EXPECT_EQ(config_file_of(prefix / "bin/anogated"), (prefix / "etc/anogate/anogate.json").string());
+    EXPECT_EQ(config_file_of(prefix / "src/anogated"), "/etc/anogate/anogate.json") << "a build tree";
+}
+
 TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) {
     const support::TemporaryFolder folder;
     const std::string file = folder.write("default.json", R"({"gateway": {"name": "default"}})");

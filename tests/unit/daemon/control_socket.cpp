@@ -1,6 +1,11 @@
 #include <daemon/control_socket.hpp>
+#include <link/own_folder.hpp>
+
+#include <support/files.hpp>
 
 #include <gtest/gtest.h>
+
+#include <unistd.h>
 
 namespace anogate {
 namespace {
@@ -24,6 +29,31 @@ TEST(ControlSocket, of_a_user_is_in_the_runtime_folder) {
 
 TEST(ControlSocket, of_a_user_without_a_runtime_folder_is_the_one_whose_error_tells_why) {
     EXPECT_EQ(control_socket({}, {false, ""}), system_wide);
+}
+
+TEST(ControlSocket, only_folders_of_its_own_are_made) {
+    for (const char* own : {"/run/anogate", "/run/anogate/more", "/var/log/anogate", "/run/user/1000", "/run/user/1000/anogate"})
+        EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;
+    for (const char* other : {"/run/user/1000/anogaet", "/run/anogaet", "/run", "/tmp/anogate", "/run/anogate/../x", "."})
+        EXPECT_FALSE(is_own_folder(other, "/run/user/1000")) << other;
+    EXPECT_FALSE(is_own_folder("/run/user/1000", ""));
+}
+
+TEST(ControlSocket, a_path_where_none_can_be_is_told) {
+    const support::TemporaryFolder folder;
+    const std::string here = folder.path().string();
+    const Runner runner{true, here + "/xdg"};
+    const std::string instead = " (give another path by --control, or --control none)";
+    EXPECT_EQ(fault_of_socket(here + "/c.sock", runner), "");
+    EXPECT_EQ(fault_of_socket(here + "/absent/c.sock", runner), here + "/absent/c.sock: there is no folder " + here + "/absent" + instead);
+    EXPECT_EQ(fault_of_socket(here + "/xdg/c.sock", runner), "") << "made when it is needed";
+    EXPECT_EQ(fault_of_socket(here + "/xdg/anogaet/c.sock", runner), here + "/xdg/anogaet/c.sock: there is no folder " + here + "/xdg/anogaet" + instead);
+    const std::string file = folder.write("file", "precious");
+    EXPECT_EQ(fault_of_socket(file, runner), file + ": exists and is no socket" + instead);
+    EXPECT_EQ(fault_of_socket(here, runner), here + ": exists and is no socket" + instead);
+    EXPECT_EQ(fault_of_socket(file + "/c.sock", runner), file + "/c.sock: Not a directory" + instead);
+    if (::geteuid() == 0) return;
+    EXPECT_EQ(fault_of_socket("/etc/c.sock", runner), "/etc/c.sock: Permission denied" + instead);
 }
 
 }  // namespace

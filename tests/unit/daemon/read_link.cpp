@@ -34,6 +34,34 @@ TEST(LinkText, of_great_length_is_told_in_short_lines) {
     EXPECT_LT(told, std::size_t{1} << 26);
 }
 
+TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
+    EXPECT_EQ(fault_of("serial:ttyUSB0"), "'device' 'ttyUSB0' is no path of a port (did you mean '/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("serial:dev/ttyS0,baud=9600"), "'device' 'dev/ttyS0' is no path of a port (did you mean '/dev/ttyS0'?)");
+    EXPECT_EQ(fault_of("serial:usb-FTDI_x-if00-port0"),
+              "'device' 'usb-FTDI_x-if00-port0' is no path of a port (did you mean '/dev/serial/by-id/usb-FTDI_x-if00-port0'?)");
+    EXPECT_EQ(fault_of("serial:COM3"), "'device' 'COM3' is no path of a port, such as /dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:/dev/x:500000"), "'device' '/dev/x:500000' ends with a number (did you mean '/dev/x' with baud=500000?)");
+    EXPECT_EQ(fault_of("serial:ttyUSB0:500000"), "'device' 'ttyUSB0:500000' is no path of a port (did you mean '/dev/ttyUSB0:500000'?)");
+    for (const std::string device : {"/dev/ttyUSB*", "/dev/ttyUSB?", "/dev/ttyUSB[01]"})
+        EXPECT_EQ(fault_of("serial:" + device), "'device' '" + device +
+                                                    "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
+    EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, and a link is one interface, such as can0");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "ttyAMA0"}]})"),
+              "/links/0/device: 'device' 'ttyAMA0' is no path of a port (did you mean '/dev/ttyAMA0'?)\n");
+    for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", "/dev/serial/by-path/platform-x-usb-0:1:1.0",
+                                     "./here", "a/b", "/dev/ttyUSB0"})
+        EXPECT_EQ(link_of("serial:" + device).serial.device, device);
+}
+
+TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
+    const std::string told = " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+    EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
+    EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"), "/links/0/dbitrate: 'dbitrate'" + told + "\n");
+    EXPECT_EQ(fault_of("can0,bitrate=500000"), "no kind (did you mean 'can:can0,bitrate=500000'?)");
+    EXPECT_EQ(fault_of("ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
+}
+
 TEST(LinkText, serial) {
     const LinkSettings link =
         link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");

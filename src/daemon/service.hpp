@@ -1,0 +1,15 @@
+// What a configuration may not ask of the service, which systemd keeps from most of the file system: systemd/anogated.service.
+#pragma once
+#include <daemon/config.hpp>
+
+#include <string>
+
+namespace anogate {
+
+/// Whether the configuration in `config_file` is the service's: it stands beside `default_file`, or we run as its user.
+bool is_for_service(const std::string& config_file, const std::string& default_file);
+
+/// Adds an error for every path that the service can't write to.
+void judge_for_service(Draft& draft);
+
+}  // namespace anogate

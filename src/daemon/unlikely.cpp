@@ -1,0 +1,37 @@
+#include <daemon/key_facts.hpp>
+#include <daemon/unlikely.hpp>
+#include <daemon/values.hpp>
+
+namespace anogate {
+namespace {
+
+bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != name.npos; }
+
+/// Where a port of this name is: names of /dev/serial/by-id begin with their bus.
+std::string path_of(const std::string& name) {
+    if (name.starts_with("dev/")) return "/" + name;
+    return (name.starts_with("usb-") ? "/dev/serial/by-id/" : "/dev/") + name;
+}
+
+}  // namespace
+
+std::string fault_of_device(const std::string& device) {
+    const std::string what = "'device' " + in_quotes(device);
+    if (is_pattern(device))
+        return what + " is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name";
+    const bool port = device.starts_with("tty") || device.starts_with("serial") || device.starts_with("usb-") ||
+                      device.starts_with("rfcomm") || device.starts_with("dev/");
+    if (port) return what + " is no path of a port (did you mean '" + path_of(device) + "'?)";
+    if (device.find('/') == device.npos) return what + " is no path of a port, such as /dev/ttyUSB0";
+    const std::size_t colon = device.rfind(':');
+    if (colon != device.npos && parse_number(device.substr(colon + 1)))
+        return what + " ends with a number (did you mean '" + device.substr(0, colon) + "' with baud=" + device.substr(colon + 1) + "?)";
+    return {};
+}
+
+std::string fault_of_interface(const std::string& interface) {
+    if (!is_pattern(interface)) return {};
+    return "'interface' " + in_quotes(interface) + " is a pattern, and a link is one interface, such as can0";
+}
+
+}  // namespace anogate

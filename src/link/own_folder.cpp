@@ -1,0 +1,38 @@
+#include <link/errors.hpp>
+#include <link/own_folder.hpp>
+
+#include <cstdlib>
+
+namespace anogate {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_at_or_below(const fs::path& path, const fs::path& folder) {
+    const fs::path step = path.lexically_normal().lexically_relative(folder);
+    return !step.empty() && *step.begin() != "..";
+}
+
+}  // namespace
+
+bool is_own_folder(const fs::path& folder, const std::string& runtime_dir) {
+    for (const char* const own : {"/run/anogate", "/var/log/anogate"})
+        if (is_at_or_below(folder, own)) return true;
+    return !runtime_dir.empty() && (folder == runtime_dir || is_at_or_below(folder, fs::path{runtime_dir} / "anogate"));
+}
+
+fs::path folder_of(const fs::path& path) {
+    const fs::path folder = path.parent_path();
+    return folder.empty() ? "." : folder;
+}
+
+std::string make_folder_of(const fs::path& path) {
+    const fs::path folder = folder_of(path);
+    const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
+    std::error_code ec;
+    if (is_own_folder(folder, runtime_dir ? runtime_dir : "")) fs::create_directories(folder, ec);
+    if (ec) return error_text(path.string(), ec.value());
+    if (!fs::exists(folder, ec) && !ec) return path.string() + ": there is no folder " + folder.string();
+    return {};
+}
+
+}  // namespace anogate

@@ -1,0 +1,17 @@
+// Folders that anogate makes when they are missing. A path elsewhere that has none was mistyped, or its disk is not there yet.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace anogate {
+
+/// /run/anogate, /var/log/anogate, `runtime_dir` ($XDG_RUNTIME_DIR; empty: none) with its anogate, and what is below those.
+bool is_own_folder(const std::filesystem::path& folder, const std::string& runtime_dir);
+
+/// The folder that `path` is to be made in; "." for a name alone.
+std::filesystem::path folder_of(const std::filesystem::path& path);
+
+/// Makes that folder when it is missing and our own. Otherwise says what is wrong with it; empty: it is there.
+std::string make_folder_of(const std::filesystem::path& path);
+
+}  // namespace anogate

@@ -1,0 +1,60 @@
+// What the tests need of the network is gone with them.
+#include <support/namespaces.hpp>
+#include <support/network_namespace.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+namespace {
+
+using namespace support;
+
+std::set<std::string> named_namespaces() {
+    std::set<std::string> names;
+    std::error_code ec;
+    for (const auto& entry : std::filesystem::directory_iterator{"/run/netns", ec}) names.insert(entry.path().filename());
+    return names;
+}
+
+/// $PATH as it was when this ends.
+class Path {
+public:
+    explicit Path(const std::string& path) : before_{std::getenv("PATH")} { ::setenv("PATH", path.c_str(), 1); }
+    ~Path() { ::setenv("PATH", before_.c_str(), 1); }
+    Path(const Path&) = delete;
+    Path& operator=(const Path&) = delete;
+   
+
+private:
+    std::string before_;
+};
+
+TEST(Namespaces, none_is_left_behind_when_ip_fails) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    const auto before = named_namespaces();
+    const TempDir dir;
+    // An ip that can do everything but bring a link up.
+    std::ofstream{dir / "ip"} << "#!/bin/sh\ncase \"$*\" in *\" up\") exit 1;; esac\nPATH=${PATH#*:} exec ip \"$@\"\n";
+    std::filesystem::permissions(dir / "ip", std::filesystem::perms::owner_all);
+    const auto home = std::filesystem::read_symlink("/proc/thread-self/ns/net");
+    const Path path{dir.path().string() + ":" + std::getenv("PATH")};
+    EXPECT_THROW(Namespace{}, std::runtime_error);
+    EXPECT_EQ(std::filesystem::read_symlink("/proc/thread-self/ns/net"), home);
+    EXPECT_FALSE(NetworkNamespace{});
+    EXPECT_EQ(std::filesystem::read_symlink("/proc/thread-self/ns/net"), home);
+    EXPECT_EQ(named_namespaces(), before);
+}
+
+TEST(Namespaces, none_has_a_name_that_could_be_left_by_a_test_that_is_killed) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    const auto before = named_namespaces();
+    const Namespace a, b;
+    a.join(b, "x0", "10.0.0.1/24", "10.0.0.2/24");
+    EXPECT_EQ(named_namespaces(), before);
+}
+
+}    // namespace

@@ -1,0 +1,59 @@
+#include <daemon/service.hpp>
+#include <support/files.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate {
+namespace {
+
+/// What the service can't do of a configuration, one a line.
+std::string faults(std::string_view json) {
+    Draft draft = parse_config(json, "a.json");
+    EXPECT_EQ(lines(draft.errors), "");
+    judge_for_service(draft);
+    std::string text;
+    for (const ConfigError& error : draft.errors) text += error.where + ": " + error.what + "\n";
+    return text;
+}
+
+constexpr char elsewhere[] = " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n";
+
+TEST(Service, writes_to_its_own_folders) {
+    EXPECT_EQ(faults(R"({"links": ["pty:/run/anogate/app", "pty:/run/anogate/more/app", "pty:/dev/shm/x", "pty:/var/log/anogate/y"],
+        "log": {"file": "/var/log/anogate/log"}, "control": {"socket": "/run/anogate/c.sock"}})"),
+              "");
+    EXPECT_EQ(faults(R"({"links": ["sim:fc"], "control": {"socket": "none"}})"), "");
+}
+
+TEST(Service, writes_nowhere_else) {
+    EXPECT_EQ(faults(R"({"links": ["sim:fc", "pty:/tmp/app"]})"),
+              std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there; /run/anogate/app works"} +
+                  elsewhere);
+    EXPECT_EQ(faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
+              std::string{"a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"} + elsewhere);
+    EXPECT_EQ(faults(R"({"log": {"file": "/var/log/anogate.log"}})"),
+              std::string{"a.json: /log/file: 'file' '/var/log/anogate.log': the service may not write there; "
+                          "/var/log/anogate/anogate.log works"} +
+                  elsewhere);
+    EXPECT_EQ(faults(R"({"control": {"socket": "/tmp/c"}})"),
+              std::string{"a.json: /control/socket: 'socket' '/tmp/c': the service may not write there; /run/anogate/c works"} + elsewhere);
+}
+
+TEST(Service, a_path_is_what_it_leads_to) {
+    EXPECT_NE(faults(R"({"links": ["pty:/run/anogate/../../tmp/app"]})"), "");
+    EXPECT_NE(faults(R"({"links": ["pty:app"]})"), "") << "it starts in /";
+    EXPECT_NE(faults(R"({"links": ["pty:/run/anogate"]})"), "");
+    EXPECT_NE(faults(R"({"links": ["pty:/run/anogate2/app"]})"), "");
+}
+
+TEST(Service, has_the_configuration_beside_the_default_one) {
+    const support::TemporaryFolder folder;
+    const std::string theirs = folder.write("anogate.json", "{}"), other = folder.write("other.json", "{}");
+    EXPECT_TRUE(is_for_service(theirs, theirs));
+    EXPECT_TRUE(is_for_service(other, theirs));
+    EXPECT_FALSE(is_for_service(other, "/etc/anogate/anogate.json"));
+    EXPECT_FALSE(is_for_service("", theirs)) << "links of a command line";
+}
+
+}  // namespace
+}  // namespace anogate
