@@ -173,8 +173,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     if (came_before(from, frame, brought, treatment)) return;
-    if (PresentAs* hosts = links_[index(from.link)].present_as) frame = hosts->inbound(frame, now_);
     compare(from, frame);
+    if (PresentAs* hosts = links_[index(from.link)].present_as) frame = hosts->inbound(frame, now_);    // not of a copy
     if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);

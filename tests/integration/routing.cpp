@@ -264,14 +264,14 @@ TEST_F(Routing, present_as_holds_for_a_group_as_a_whole) {
     start();
     ASSERT_TRUE(say(b, "b", frame(0xDC, 0xFE, 0x03, {1})));
     heard();
-    for (const std::uint8_t par : {std::uint8_t{1}, std::uint8_t{2}}) {
-        ASSERT_TRUE(say(a, "a", frame(0xD2, 0xDC, 0xE0, {2, par, 0})));
-        EXPECT_EQ(heard().b, frame(0xFE, 0xDC, 0xE0, {2, par, 0}));
+    for (const std::uint8_t from : Bytes{0xD2, 100}) {
+        ASSERT_TRUE(say(a, "a", frame(from, 0xDC, 0xE0, {2, 7, 0})));
+        EXPECT_EQ(heard().b, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
     }
-    for (const std::uint8_t par : {std::uint8_t{1}, std::uint8_t{2}}) {
-        const Bytes answer = frame(0xDC, 0xFE, 0xE1, {par, 0, 9});
+    for (const std::uint8_t asker : Bytes{0xD2, 100}) {
+        const Bytes answer = frame(0xDC, 0xFE, 0xE1, {7, 0, 9});
         ASSERT_TRUE(say(c, "c", answer) && say(b, "b", answer));
-        EXPECT_EQ(heard().a, frame(0xDC, 0xD2, 0xE1, {par, 0, 9}));
+        EXPECT_EQ(heard().a, frame(0xDC, asker, 0xE1, {7, 0, 9}));
     }
 }
 
