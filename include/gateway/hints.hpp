@@ -10,6 +10,13 @@
 
 namespace anogate {
 
+/// A source on this link that another one, of another group, brings as well.
+enum class SharedSource : std::uint8_t {
+    none,
+    one_device,     // on two cables, as far as is known
+    two_devices,    // with one id
+};
+
 /// What is known of a link at a moment.
 struct LinkFigures {
     std::string_view kind;        // "serial", …
@@ -21,6 +28,9 @@ struct LinkFigures {
     std::uint64_t v7_frames = 0;
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
+    std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have
+    SharedSource shared = SharedSource::none;
+    std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
 };
 
 /// One sentence at the most, the most telling; empty when there is nothing to say.

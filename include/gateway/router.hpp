@@ -29,7 +29,7 @@ struct Route {
     ChannelSet guarded{};
 };
 
-/// Two links heard the same source at the same time: two devices with one id.
+/// Two links heard the same source at the same time: two devices with one id, or one device on both.
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
@@ -76,6 +76,9 @@ public:
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
+    /// `links`, of no common group, have brought the same source. route() finds that out by itself, but of what it is given.
+    void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
+
     struct Learned {
         LinkSet links;
         TimePoint last{};
@@ -93,7 +96,6 @@ public:
     std::uint64_t own_frames() const { return own_frames_; }
 
 private:
-    void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
     ChannelSet heard_from(std::uint8_t address, TimePoint now);
     ChannelSet channels_of(LinkSet links) const;
     void decide(Route& route, std::uint8_t destination, TimePoint now);

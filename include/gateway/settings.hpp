@@ -88,6 +88,7 @@ struct LinkSettings {
     bool flood = true;                  // takes frames for addresses nobody has heard of
     bool broadcast = true;              // takes frames to 0xFF
     std::string group;                  // links of one group lead to the same place; empty: none
+    std::uint8_t present_as = 0;        // the address that every host has for the devices of this link; 0: its own
     std::uint32_t rate = 0;             // bytes/s that it is given at most; 0: what the line carries, or no limit
     Duration latency = std::chrono::milliseconds{20};    // how far the system may be ahead of the line, where it is paced
     bool pack = true;                                    // datagrams: several frames in one when they wait anyway,

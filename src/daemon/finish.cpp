@@ -123,7 +123,22 @@ private:
                       std::to_string(link.queue));
         if (link.id != 0 && link.id == draft_.settings.gateway.id)
             error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
+        for (std::size_t k = 0; k < links_.size(); ++k) ids_of(i, k);
         slow_line(i);
+    }
+
+    // What the addresses that `link` speaks of have to do with the port id of `other`.
+    void ids_of(std::size_t link, std::size_t other) {
+        const std::uint8_t id = links_[other].id;
+        if (id == 0) return;
+        if (links_[link].present_as == id)
+            error(draft_.links[link], "present_as", "'present_as' " + address_text(id) + " is the port id of " + who(other));
+        if (link == other) return;
+        for (const ByteRange& range : links_[link].rules.receive.allow_sources)
+            if (range.first <= id && id <= range.last && ano::address::is_port_id(range.last))
+                warning(draft_.links[link].key("receive/allow_sources"),
+                        "a device with the address " + std::to_string(id) + " can't be reached: it is the port id of " + who(other) +
+                            ", frames to it go there; give one of them another");
     }
 
     // While a frame is on its way, nothing overtakes it.
@@ -202,6 +217,9 @@ private:
 
     void groups() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
+            for (std::size_t k = 0; k < i; ++k)
+                if (!links_[i].group.empty() && links_[k].group == links_[i].group && links_[k].present_as != links_[i].present_as)
+                    error(draft_.links[i], "present_as", "'present_as' must be the same on all links of a group, and is not on " + who(k));
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
             if (!group.empty() && std::count_if(links_.begin(), links_.end(), in_group) == 1)

@@ -42,6 +42,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     add_links();
     if (settings_.tunnel) add_tunnel(*settings_.tunnel);
     add_aliases();
+    add_presentations();
     gpio_ = std::make_unique<Gpio>(io_, alarms_, settings_.gpio,
                                    [this](const std::string& name) -> Link& { return *links_[index(link_named(name))].link; });
     for (const RouteSettings& route : settings_.routes) router_.pin(route.first, route.last, link_named(route.link));
@@ -78,6 +79,22 @@ void Gateway::add_aliases() {
         if (rules.empty()) continue;
         for (const AliasRule& rule : rules) router_.pin(rule.as, rule.as, s.link->id());    // it is nowhere else
         links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, s.link->settings().max_data);
+        ruled_.insert(s.link->id());
+    }
+}
+
+// An answer may come by another link of the group than the question went.
+void Gateway::add_presentations() {
+    std::array<PresentAs*, most_links + 1> of_group{};
+    std::uint16_t largest = 0;
+    for (const LinkState& s : links_) largest = std::max(largest, s.link->settings().max_data);
+    for (LinkState& s : links_) {
+        const LinkSettings& link = s.link->settings();
+        if (link.present_as == 0) continue;
+        PresentAs*& common = of_group[s.group];
+        if (s.group == 0 || !common) common = presentations_.emplace_back(new PresentAs{link.present_as, largest}).get();
+        if (link.id != 0) common->add_port(link.id);
+        s.present_as = common;
         ruled_.insert(s.link->id());
     }
 }
@@ -156,6 +173,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     if (came_before(from, frame, brought, treatment)) return;
+    compare(from, frame);
+    if (PresentAs* hosts = links_[index(from.link)].present_as) frame = hosts->inbound(frame, now_);    // not of a copy
     if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
@@ -165,8 +184,22 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
     for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
-    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
+    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
+        ++from.routed.no_route;
+        if (ano::address::is_host(frame.destination())) links_[index(from.link)].untaken.note(now_);
+    }
     if (route.new_conflict) log_conflict();
+}
+
+// A source on two links is a conflict, whatever becomes of its copies.
+void Gateway::compare(const Channel& from, ano::FrameView frame) {
+    const std::uint8_t source = frame.source();
+    if (ano::address::is_host(source)) return;
+    const auto other = same_device_.heard(source, from.link, key_of(frame), now_);
+    const std::uint8_t group = links_[index(from.link)].group;
+    if (!other || (group != 0 && group == links_[index(*other)].group)) return;
+    router_.note_conflict(source, LinkSet{from.link} | *other, now_);
+    log_conflict();
 }
 
 // Our own, come back by another way, or a copy of one that another link of the group brought: that is told by what was
@@ -246,6 +279,7 @@ void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
     if (ruled_.contains(channel.link)) {
         const LinkState& link = links_[index(channel.link)];
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
+        if (link.present_as && !cause) frame = link.present_as->outbound(frame, frame_number_, now_);
         const auto seen = link.aliases ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
@@ -315,7 +349,8 @@ void Gateway::log_conflict() {
     while (router_.take_new_conflict(conflict)) {
         std::string names;
         for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
-        spdlog::warn("two devices use the id 0x{:02X}, on {}: give one of them another", conflict.address, names);
+        spdlog::warn("0x{:02X} is heard on {}: the same device? give the links one `group`; two devices? give one of them another id",
+                     conflict.address, names);
     }
 }
 

@@ -4,9 +4,12 @@
 #include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
+#include <gateway/present_as.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/router.hpp>
+#include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
+#include <gateway/untaken.hpp>
 #include <link/link_context.hpp>
 #include <link/tunnel_link.hpp>
 
@@ -28,9 +31,11 @@ struct LinkState {
     ChannelSet channels;
     ReceiveCounters gone_received;    // of channels that are no more
     SendCounters gone_sent;           // and of frames for a link that had no channel
+    Untaken untaken;                  // of what came for hosts
     std::uint8_t group = 0;           // 1 to 64: its number; 0: none
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
+    PresentAs* present_as = nullptr;     // nullptr: hosts appear as they are; the links of a group have one in common
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -69,6 +74,7 @@ public:
 
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
+    const SameDevice& same_device() const noexcept { return same_device_; }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -82,7 +88,9 @@ private:
     void add_links();
     void add_tunnel(const TunnelSettings& settings);
     void add_aliases();
+    void add_presentations();
     void give_rules(LinkState& link, const RuleSettings& settings);
+    void compare(const Channel& from, ano::FrameView frame);
     bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
@@ -100,14 +108,16 @@ private:
     Router router_;
     LoopGuard loop_guard_;
     DuplicateGuard duplicates_;
+    SameDevice same_device_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;
     ChannelSet to_flush_;
     std::unique_ptr<Gpio> gpio_;
+    std::vector<std::unique_ptr<PresentAs>> presentations_;
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes
-    LinkSet ruled_;                   // that have rules or aliases
+    LinkSet ruled_;                   // that have rules, aliases or another face of hosts
     std::uint64_t frame_number_ = 0;
     TimePoint now_{};
     TimePoint started_at_{};

@@ -402,6 +402,9 @@ constexpr Key<L> own_link_rows[] = {
     boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
     text<&L::group>("group", 1, longest_name, "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
         as("GROUP"),
+    address<&L::present_as>("present_as", first_id, last_id,
+                            "for devices that answer 0xFE only: hosts of another address appear there under this one, and "
+                            "answers go to who asked (default: none)"),
     integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") | of(paced),
     duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
     boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),

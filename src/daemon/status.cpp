@@ -32,6 +32,26 @@ struct Totals {
     std::size_t waiting = 0;
 };
 
+SharedSource shared_source(const Gateway& gateway, LinkId link, TimePoint now) {
+    SharedSource shared = SharedSource::none;
+    for (const Conflict& c : gateway.router().conflicts(now)) {
+        if (!c.links.contains(link)) continue;
+        if (!gateway.same_device().differ(c.address)) return SharedSource::one_device;
+        shared = SharedSource::two_devices;
+    }
+    return shared;
+}
+
+// A device on this link whose frames go to another, for it has the port id of that.
+std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
+    const Router& router = gateway.router();
+    for (std::uint8_t a = 1; a <= ano::address::last_port_id; ++a) {
+        const LinkSet port = router.port(a);
+        if (!port.empty() && !port.contains(link) && router.learned(a, now).links.contains(link)) return a;
+    }
+    return 0;
+}
+
 Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     Totals t;
     LinkFigures& f = t.figures;
@@ -40,6 +60,9 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
     f.channels = state.channels.size();
     f.up_for = now - state.since;
+    f.untaken_for = state.untaken.duration(now);
+    f.shared = shared_source(gateway, state.link->id(), now);
+    f.hidden = hidden_device(gateway, state.link->id(), now);
     f.received = state.gone_received;
     f.sent = state.gone_sent;
     const Stray stray = state.link->stray();

@@ -36,6 +36,14 @@ std::string hint_of_trouble(const LinkFigures& link) {
         return "frames longer than max_data are refused: raise max_data on this link";
     if (link.listens && link.channels == 0 && in.denied_in > 0)
         return "senders outside `allow` were refused: add their network to `allow`";
+    if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
+    if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
+    if (link.hidden != 0) {
+        const std::string device = "device " + std::to_string(link.hidden);
+        return device + " can't be reached: its address is the port id of a link, change one of them";
+    }
+    if (link.untaken_for && *link.untaken_for >= patience)
+        return "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK";
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return "many damaged frames: check cable, ground and baud rate";

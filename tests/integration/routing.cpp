@@ -165,6 +165,116 @@ TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
     EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
 }
 
+TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
+    start();
+    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    int n = 0;
+    ASSERT_TRUE(daemon->until([&] {
+        ++n;
+        a.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 0}));
+        b.write(frame(0xDE, 0xFE, 0x51, {0, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1}));
+        daemon->run_for(5ms);
+        return daemon->link("a").at("hint") == "two devices have the same id: give one of them another";
+    }));
+    EXPECT_EQ(daemon->link("b").at("hint"), "two devices have the same id: give one of them another");
+    EXPECT_EQ(daemon->link("c").at("hint"), "");
+}
+
+// What it says reaches the host once; a broadcast command reaches it by both cables, and that must be told.
+TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
+    start();
+    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    for (std::uint8_t n = 0; n < 3; ++n) {
+        ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
+    }
+    EXPECT_EQ(daemon->link("a").at("hint"), "the same device on two links? give them one `group`");
+    EXPECT_EQ(daemon->link("b").at("hint"), "the same device on two links? give them one `group`");
+    EXPECT_EQ(daemon->link("c").at("hint"), "");
+    const auto conflict = daemon->status().at("conflicts").at(0);
+    EXPECT_EQ(conflict.at("address"), "0xDC");
+    EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
+}
+
+TEST_F(Routing, a_device_on_the_two_cables_of_a_group_is_all_right) {
+    a_link.group = b_link.group = "fc";
+    start();
+    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    for (std::uint8_t n = 0; n < 3; ++n) {
+        ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
+    }
+    EXPECT_EQ(daemon->link("a").at("hint"), "");
+    EXPECT_TRUE(daemon->status().at("conflicts").empty());
+}
+
+TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
+    b_link.id = 5;
+    c_link.id = 6;
+    start();
+    ASSERT_TRUE(say(a, "a", frame(5, 0xFE, 0x01)) && say(c, "c", frame(6, 0xFE, 0x01)));
+    EXPECT_EQ(daemon->link("a").at("hint"), "device 5 can't be reached: its address is the port id of a link, change one of them");
+    EXPECT_EQ(daemon->link("b").at("hint"), "");
+    EXPECT_EQ(daemon->link("c").at("hint"), "") << "it is behind its port";
+}
+
+TEST_F(Routing, hosts_appear_as_the_one_that_a_device_answers) {
+    c_link.present_as = 0xFE;
+    start();
+    const Bytes command = frame(0xD2, 0xDC, 0xC0, {1, 2, 3}), presented = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
+    ASSERT_TRUE(say(a, "a", command) && say(b, "b", frame(0xFE, 0xDC, 0xC0, {1, 2, 3})));
+    EXPECT_EQ(heard().c, presented + presented);
+    const auto acknowledged = [](const Bytes& sent) {
+        const std::size_t n = sent.size();
+        return frame(0xDC, sent[1], 0x00, {0xC0, sent[n - 2], sent[n - 1]});
+    };
+    ASSERT_TRUE(say(c, "c", acknowledged(presented)));
+    Heard now = heard();
+    EXPECT_EQ(now.a, acknowledged(command));
+    EXPECT_TRUE(now.b.empty());
+    ASSERT_TRUE(say(c, "c", acknowledged(presented)));
+    now = heard();
+    EXPECT_EQ(now.b, acknowledged(presented));
+    EXPECT_TRUE(now.a.empty());
+
+    ASSERT_TRUE(say(a, "a", frame(0xD2, 0xDC, 0xE0, {2, 7, 0})));
+    EXPECT_EQ(heard().c, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
+    ASSERT_TRUE(say(c, "c", frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0xE1, {7, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1})));
+    now = heard();
+    EXPECT_EQ(now.a, frame(0xDC, 0xD2, 0xE1, {7, 0, 1}));
+    EXPECT_EQ(now.b, frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1}));
+}
+
+TEST_F(Routing, present_as_goes_with_an_alias) {
+    c_link.present_as = 0xFE;
+    anogate::Settings settings = settings_of({a_link, b_link, c_link});
+    settings.aliases = {{"c", 0xDE, 31}};
+    daemon.emplace(settings);
+    ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("c"));
+    const Bytes sent = frame(0xD2, 31, 0xE1, {3, 0, 42}), reached = frame(0xFE, 0xDE, 0xE1, {3, 0, 42});
+    ASSERT_TRUE(say(a, "a", sent));
+    EXPECT_EQ(heard().c, reached);
+    const std::size_t n = sent.size();
+    ASSERT_TRUE(say(c, "c", frame(0xDE, 0xFE, 0x00, {0xE1, reached[n - 2], reached[n - 1]})));
+    EXPECT_EQ(heard().a, frame(31, 0xD2, 0x00, {0xE1, sent[n - 2], sent[n - 1]}));
+}
+
+// The question may leave by one link and its answer come back by both.
+TEST_F(Routing, present_as_holds_for_a_group_as_a_whole) {
+    b_link.present_as = c_link.present_as = 0xFE;
+    b_link.group = c_link.group = "fc";
+    start();
+    ASSERT_TRUE(say(b, "b", frame(0xDC, 0xFE, 0x03, {1})));
+    heard();
+    for (const std::uint8_t from : Bytes{0xD2, 100}) {
+        ASSERT_TRUE(say(a, "a", frame(from, 0xDC, 0xE0, {2, 7, 0})));
+        EXPECT_EQ(heard().b, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
+    }
+    for (const std::uint8_t asker : Bytes{0xD2, 100}) {
+        const Bytes answer = frame(0xDC, 0xFE, 0xE1, {7, 0, 9});
+        ASSERT_TRUE(say(c, "c", answer) && say(b, "b", answer));
+        EXPECT_EQ(heard().a, frame(0xDC, asker, 0xE1, {7, 0, 9}));
+    }
+}
+
 TEST_F(Routing, frames_of_one_link_keep_their_order) {
     start();
     ASSERT_TRUE(say(b, "b", frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));
@@ -194,6 +304,24 @@ TEST_F(Routing, frames_without_data_pass_and_are_counted) {
     ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFF, 0xF1)));
     EXPECT_EQ(heard().b, frame(0xDC, 0xFF, 0xF1));
     EXPECT_EQ(daemon->count("b", "empty_out"), 1u);
+}
+
+TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
+    TempDir dir;
+    PtyDevice device{dir / "fc"};
+    RunningGateway daemon{serial("fc", device.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    const auto hint_is = [&](const std::string& words) {
+        return daemon.until([&] {
+            device.write(frame(0xDC, 0xFE, 0x03, {1}));
+            daemon.run_for(20ms);
+            return daemon.link("fc").at("hint") == words;
+        });
+    };
+    EXPECT_TRUE(hint_is("no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"));
+    UdpPeer host;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(hint_is(""));
 }
 
 TEST(Gateway, sixty_four_channels_and_no_more) {

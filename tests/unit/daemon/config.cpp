@@ -329,6 +329,28 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
               "/alias/1/as: 'as' 0x29 is the id of a device on this link that has an alias itself (/alias/0)\n");
 }
 
+TEST(Config, present_as_is_an_address_and_no_port_id) {
+    const auto fault = [](const std::string& links) { return faults_in(R"({"gateway": {"id": 199}, "links": [)" + links + "]}"); };
+    EXPECT_EQ(fault(R"("sim:fc,present_as=0xFE", "pty:/tmp/x,present_as=31")"), "");
+    EXPECT_NE(fault(R"("sim:fc,present_as=0xFF")").find("present_as"), std::string::npos);
+    EXPECT_NE(fault(R"("sim:fc,present_as=0")").find("present_as"), std::string::npos);
+    EXPECT_NE(fault(R"("sim:fc,present_as=5", "pty:/tmp/x,id=5")").find("'present_as' 0x05 is the port id of 'x'"), std::string::npos);
+    EXPECT_EQ(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a,present_as=0xFE", "pty:/tmp/y,group=b")"), "");
+    EXPECT_NE(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a")").find("must be the same on all links of a group"), std::string::npos);
+}
+
+TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {
+    const auto warnings = [](const std::string& from, const std::string& more = "") {
+        return lines(parse_config(R"({"links": [{"kind": "sim", "device": "fc", "receive": {"allow_sources": [)" + from + "]}" + more +
+                                  R"(}, "pty:/tmp/x,id=5"]})").warnings);
+    };
+    EXPECT_EQ(warnings("\"0xDC\", 4"), "");
+    EXPECT_EQ(warnings("\"1-254\""), "") << "everybody";
+    EXPECT_EQ(warnings("5"), "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is "
+                             "the port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), frames to it go there; give one of them another\n");
+    EXPECT_NE(warnings("\"1-20\""), "");
+}
+
 TEST(Config, warns_of_frames_that_block_a_slow_line) {
     const auto warnings = [](const std::string& link) { return lines(parse_config("{\"links\": [\"" + link + "\"]}").warnings); };
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=500000"), "");
@@ -431,6 +453,7 @@ RuleSettings random_rules(support::Random& random) {
 void give_traffic(LinkSettings& link, support::Random& random) {
     const auto duration = [&](unsigned most) { return std::chrono::milliseconds{1 + random.below(most)}; };
     link.group = random.of({"", "vehicle", "飞"});
+    link.present_as = link.group.empty() ? random.of<std::uint8_t>({0, 0xFE, 31}) : std::uint8_t{0};
     link.age = {duration(5000), duration(5000), duration(86'400'000)};
     link.rules = random_rules(random);
     if (link.kind == "sim") return;

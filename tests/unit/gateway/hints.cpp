@@ -32,5 +32,28 @@ TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
     EXPECT_EQ(hint(link), "");
 }
 
+TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
+    LinkFigures link = line_that_sent(1000);
+    link.received.bad_check = 500;
+    link.shared = SharedSource::one_device;
+    EXPECT_EQ(hint(link), "the same device on two links? give them one `group`") << "it matters more than damage";
+    link.shared = SharedSource::two_devices;
+    EXPECT_EQ(hint(link), "two devices have the same id: give one of them another");
+}
+
+TEST(Hint, a_device_behind_the_wrong_port_id_is_named) {
+    LinkFigures link = line_that_sent(1000);
+    link.hidden = 5;
+    EXPECT_EQ(hint(link), "device 5 can't be reached: its address is the port id of a link, change one of them");
+}
+
+TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
+    LinkFigures link = line_that_sent(1000);
+    link.untaken_for = std::chrono::milliseconds{2999};
+    EXPECT_EQ(hint(link), "");
+    link.untaken_for = std::chrono::seconds{3};
+    EXPECT_EQ(hint(link), "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK");
+}
+
 }  // namespace
 }  // namespace anogate
