@@ -4,7 +4,8 @@
 #include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
-#include <gateway/recent.hpp>
+#include <gateway/held.hpp>
+#include <gateway/loop_guard.hpp>
 #include <gateway/router.hpp>
 #include <gateway/settings.hpp>
 #include <link/link_context.hpp>
@@ -69,6 +70,7 @@ public:
 
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
+    const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -83,7 +85,13 @@ private:
     void add_tunnel(const TunnelSettings& settings);
     void add_aliases();
     void give_rules(LinkState& link, const RuleSettings& settings);
-    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
+    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
+                     std::uint32_t& copies);
+    void end_loop(Channel& from, ano::FrameView frame);
+    void ask(ChannelId channel);
+    void take_probe(Channel& from, ano::FrameView probe);
+    bool hold(Channel& from, ano::FrameView brought);
+    void release_held();
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
@@ -99,6 +107,8 @@ private:
     DatagramSender sender_;
     Router router_;
     LoopGuard loop_guard_;
+    Held held_;    // for what the guard waits
+    Alarm release_;
     DuplicateGuard duplicates_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;

@@ -32,5 +32,16 @@ TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
     EXPECT_EQ(hint(link), "");
 }
 
+TEST(Hint, a_ring_is_told_by_its_links) {
+    LinkFigures link = line_that_sent(100);
+    link.ring_out = "ground";
+    link.ring_back = "radio";
+    EXPECT_EQ(hint(link), "a ring: what goes out by ground comes back by radio");
+    link.ring_out = "radio";
+    EXPECT_EQ(hint(link), "a ring: what goes out comes back by radio");
+    link.up = false;
+    EXPECT_EQ(hint(link), "");
+}
+
 }  // namespace
 }  // namespace anogate
