@@ -27,6 +27,14 @@ public:
         std::copy(bytes.begin(), bytes.end(), held.bytes.begin());
         return true;
     }
+    /// When the last of a channel is due; nothing when none waits.
+    std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
+        std::optional<ano::TimePoint> last;
+        for (std::size_t i = 0; i < count_; ++i)
+            if (const Frame& frame = frames_[(first_ + i) % most]; frame.from == from) last = frame.due;
+        return last;
+    }
+    bool empty() const noexcept { return count_ == 0; }
     /// When the first is due; nothing when none waits.
     std::optional<ano::TimePoint> due() const noexcept {
         return count_ == 0 ? std::nullopt : std::optional{frames_[first_].due};

@@ -46,7 +46,7 @@ public:
 
     enum class Fate : std::uint8_t {
         passes,
-        waits,       // for RingWatch::patience; then it is judged again
+        waits,       // for RingWatch::patience; when it is judged again and waits still, it passes
         withheld,    // sent with the next of the same; counted when there is none: take_lost()
         ends,        // it came round
     };
@@ -131,7 +131,8 @@ private:
         const bool went = known.channels.contains(from);
         if (!went && same_place(known.from, from)) return {};    // a sender with a new port
         if (said.by_host) return said_again(known, from, sent_at, now);
-        if (went) rings_.brought_back_ones_own(from, now);
+        if (!went) return {Fate::ends};
+        rings_.brought_back_ones_own(from, now);
         return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
     }
     // By the channel that brought it first.

@@ -191,11 +191,13 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 // `brought`, before its alias. `copies`: those of it that were withheld leave with it.
 bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
                           std::uint32_t& copies) {
+    if (said.by_host && !held_.empty() && !releasing_)    // what a host says stays in its order
+        if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
     if (judgement.probe) ask(from.id);
-    if (judgement.fate == LoopGuard::Fate::waits && hold(from, brought)) return true;
+    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), true;
     if (judgement.fate == LoopGuard::Fate::withheld) return true;
     const std::uint8_t group = links_[index(from.link)].group;
@@ -225,15 +227,17 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
         if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(to, probe, probe_treatment);
 }
 
-bool Gateway::hold(Channel& from, ano::FrameView brought) {
-    if (!held_.put(from.id, brought, now_ + RingWatch::patience)) return false;
+bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
+    if (!held_.put(from.id, brought, due)) return false;
     if (!release_.is_set()) release_.set(*held_.due());
     return true;
 }
 
 void Gateway::release_held() {
     now();
+    releasing_ = true;
     while (const auto held = held_.take(now_)) receive(*channels_[index(held->from)], held->view());
+    releasing_ = false;
     if (const auto due = held_.due()) release_.set(*due);
     flush();
 }
@@ -268,6 +272,7 @@ bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
     if (judgement.probe) ask(from.id);
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
     if (judgement.fate == LoopGuard::Fate::withheld) return false;
+    from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
     loop_guard_.remember(said, from.id, links_[index(to)].channels, now_);
     return true;
 }
@@ -385,6 +390,7 @@ void Gateway::finish_stop() {
     stop_check_.cancel();
     peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
+    release_.cancel();
     gpio_->stop();
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }

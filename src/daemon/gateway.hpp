@@ -90,7 +90,7 @@ private:
     void end_loop(Channel& from, ano::FrameView frame);
     void ask(ChannelId channel);
     void take_probe(Channel& from, ano::FrameView probe);
-    bool hold(Channel& from, ano::FrameView brought);
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due);
     void release_held();
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
@@ -109,6 +109,7 @@ private:
     LoopGuard loop_guard_;
     Held held_;    // for what the guard waits
     Alarm release_;
+    bool releasing_ = false;
     DuplicateGuard duplicates_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;
