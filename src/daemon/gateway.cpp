@@ -191,7 +191,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 // `brought`, before its alias. `copies`: those of it that were withheld leave with it.
 bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
                           std::uint32_t& copies) {
-    if (said.by_host && !held_.empty() && !releasing_)    // what a host says stays in its order
+    if (!held_.empty() && !releasing_ && said.by_host && !is_probe(frame))    // what a host says stays in its order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
