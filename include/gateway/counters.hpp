@@ -17,7 +17,7 @@ struct ReceiveCounters {
     std::uint64_t expired{};          // candidates whose end never came
     std::uint64_t denied_in{};        // refused by a filter or by `allow`
     std::uint64_t inhibited{};        // kept off by a switch
-    std::uint64_t looped{};           // our own broadcast, come back
+    std::uint64_t looped{};           // what went round, come back
     std::uint64_t duplicate{};        // came by another member of the group already
     std::uint64_t no_route{};         // good frames that had no taker
 };
@@ -73,7 +73,7 @@ inline constexpr CounterRow<ReceiveCounters> receive_counters[] = {
     {"expired", &ReceiveCounters::expired, "frames whose end never came"},
     {"denied_in", &ReceiveCounters::denied_in, "received, refused by a filter or by allow"},
     {"inhibited", &ReceiveCounters::inhibited, "received, kept off by an inhibit switch"},
-    {"looped", &ReceiveCounters::looped, "own broadcasts that came back"},
+    {"looped", &ReceiveCounters::looped, "frames that went round and came back"},
     {"duplicate", &ReceiveCounters::duplicate, "copies that came by another link of the group already"},
     {"no_route", &ReceiveCounters::no_route, "good frames that had no taker"},
 };

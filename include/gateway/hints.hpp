@@ -26,6 +26,7 @@ struct LinkFigures {
     ReceiveCounters received;     // all channels, and what belongs to none
     SendCounters sent;
     std::uint64_t v7_frames = 0;
+    std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
     std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have

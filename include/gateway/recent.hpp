@@ -1,6 +1,5 @@
 // Which frames came or went lately.
 #pragma once
-#include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -25,11 +24,6 @@ inline std::uint64_t key_of(ano::FrameView frame) noexcept {
     bytes[6] = checks.sum;
     bytes[7] = checks.add;
     return std::bit_cast<std::uint64_t>(bytes);
-}
-
-/// What several stations may well say in the very same words: the question of a host to everybody who they are (0xE0).
-constexpr bool asked_by_many(ano::FrameView frame) noexcept {
-    return frame.id() == 0xE0 && frame.destination() == ano::address::broadcast && ano::address::is_host(frame.source());
 }
 
 /// Remembers a value by key for a while. Bounded: where it is full, the oldest gives way. Constant time, no allocation
@@ -79,87 +73,6 @@ private:
     ano::Duration window_;
     int shift_;
     std::unique_ptr<Set[]> sets_;
-};
-
-/// Keeps what was spread to several channels from coming back and going round: two gateways joined by two links.
-class LoopGuard {
-public:
-    explicit LoopGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
-        : window_{window}, sent_{window, capacity} {}
-
-    /// The same bytes again by the channel that brought them first are a sender that repeats itself, or a ring that they
-    /// entered elsewhere. Of so many one is kept back: a sender misses a thousandth, a ring ends, however long it is.
-    static constexpr std::uint32_t repeats = 1000;
-    /// How long a channel is taken for one that brings back what went there, after it did.
-    static constexpr ano::Duration suspicion = std::chrono::seconds{60};
-
-    /// The channel is new, one of `link`; what went to one that had its number before does not count.
-    void open(ChannelId channel, LinkId link, ano::TimePoint now) noexcept {
-        link_of_[index(channel)] = link;
-        opened_at_[index(channel)] = now;
-        suspect_until_[index(channel)] = ano::TimePoint::min();
-    }
-    /// A frame that came by `from` went, or could come back, by each of `channels`: Route::guarded.
-    void remember(std::uint64_t key, ChannelId from, ChannelSet channels, ano::TimePoint now) noexcept {
-        Sent sent{channels, {}, 0, from};
-        if (const Sent* known = sent_.find(key, now)) {
-            sent = *known;
-            sent.channels |= channels;
-            if (same_link(sent.from, from)) sent.from = from;
-        }
-        sent_.put(key, sent, now);
-        quiet_at_ = now + window_;
-    }
-    /// A frame that was spread when it came by another channel: a copy, whichever way it took. One that was sent by one
-    /// way of a ring comes back by another, and no channel that it was sent to brings it. Not by another peer of the same
-    /// link: a sender with a new port says what it said before.
-    bool copied(std::uint64_t key, ChannelId from, ano::TimePoint now) noexcept {
-        if (now >= quiet_at_) return false;
-        const Sent* known = sent_.find(key, now);
-        return known && !same_link(known->from, from) && sent_.put_at(key) > opened_at_[index(from)];
-    }
-    /// A frame that came by `from` within the window after it went there; also the one of `repeats` that is kept back. A
-    /// `common` one (asked_by_many()) is let through once, unless `from` is a channel that brings things back.
-    bool looped(std::uint64_t key, ChannelId from, ano::TimePoint now, bool common = false) noexcept {
-        if (now >= quiet_at_) return false;
-        Sent* known = sent_.find(key, now);
-        if (!known) return false;
-        if (known->from == from && ++known->times % repeats == 0) return true;
-        if (!known->channels.contains(from) || sent_.put_at(key) <= opened_at_[index(from)]) return false;
-        if (!common) {
-            suspect_until_[index(from)] = now + suspicion;
-        } else if (!suspect(from, now) && !known->repeated.contains(from)) {
-            known->repeated.insert(from);
-            return false;
-        }
-        return true;
-    }
-    /// It brought back what nobody but the one who sent it can have said.
-    bool suspect(ChannelId channel, ano::TimePoint now) const noexcept { return now < suspect_until_[index(channel)]; }
-
-private:
-    struct Sent {
-        ChannelSet channels;
-        ChannelSet repeated;        // of these, by which it came once more
-        std::uint32_t times = 0;    // by `from` again
-        ChannelId from{};           // by which it came and was let through
-    };
-    bool same_link(ChannelId a, ChannelId b) const noexcept { return link_of_[index(a)] == link_of_[index(b)]; }
-
-    ano::Duration window_;
-    Recent<Sent> sent_;
-    ano::TimePoint quiet_at_ = ano::TimePoint::min();
-    static constexpr std::array<ano::TimePoint, most_channels> never = [] {
-        std::array<ano::TimePoint, most_channels> all;
-        all.fill(ano::TimePoint::min());
-        return all;
-    }();
-    std::array<ano::TimePoint, most_channels> opened_at_ = never, suspect_until_ = never;
-    std::array<LinkId, most_channels> link_of_ = [] {    // each alone until it is opened
-        std::array<LinkId, most_channels> all;
-        for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<LinkId>(i);
-        return all;
-    }();
 };
 
 /// Of a frame that comes by several links of a group, lets one through.

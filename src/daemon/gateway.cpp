@@ -4,6 +4,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <random>
+
 namespace anogate {
 namespace {
 
@@ -11,6 +13,7 @@ constexpr Duration required_within = std::chrono::seconds{10};
 constexpr Duration stop_look = std::chrono::milliseconds{10};
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
+constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 
 // What the line carries, to know when the rest of a frame is overdue.
 std::uint32_t line_rate(const LinkSettings& s) {
@@ -22,6 +25,14 @@ ano::FrameParser::Options parser_options(const LinkSettings& s) {
     return {s.max_data, line_rate(s), datagrams ? datagram_quiet : stream_quiet};
 }
 
+// Whether a probe may leave by it: never to devices, nor to those who do not take broadcasts.
+bool takes_probes(const LinkSettings& s) { return s.broadcast && s.kind != "serial" && s.kind != "can" && s.kind != "sim"; }
+
+std::uint64_t number_of_its_own() {
+    std::random_device random;
+    return std::uint64_t{random()} << 32 | random();
+}
+
 }  // namespace
 
 Gateway::Gateway(asio::io_context& io, Settings settings)
@@ -30,6 +41,8 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
       alarms_{io},
       peer_log_{alarms_},
       router_{settings_.gateway},
+      loop_guard_{number_of_its_own()},
+      release_{alarms_, [this] { release_held(); }},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
                               if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
@@ -147,13 +160,15 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     used_.insert(id);
     state(link).channels.insert(id);
     router_.open(id, link.id());
-    loop_guard_.open(id, link.id(), now_);
+    loop_guard_.open(id, link.id(), state(link).group, takes_probes(s), now_);
     if (!channels_[i]->peer.empty() && state(link).up) peer_log_.came(link.name(), channels_[i]->peer, now_);
     return channels_[i].get();
 }
 
 void Gateway::close_channel(Channel& channel) {
     LinkState& s = links_[index(channel.link)];
+    channel.routed.looped += held_.forget(channel.id) + loop_guard_.take_lost(channel.id, TimePoint::max());
+    loop_guard_.close(channel.id);
     if (s.up) peer_log_.went(s.link->name(), channel.peer, now_);
     channel.outbox.close();
     add(s.gone_received, channel.received());
@@ -172,17 +187,21 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const Treatment treatment = treatment_of(frame.id());
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
-    if (came_before(from, frame, brought, treatment)) return;
-    compare(from, frame);
-    if (PresentAs* hosts = links_[index(from.link)].present_as) frame = hosts->inbound(frame, now_);    // not of a copy
-    if (!asked_by_many(frame) && loop_guard_.copied(key_of(frame), from.id, now_)) return void(++from.routed.looped);
+    const Said said = said_by(frame);
+    std::uint32_t copies = 1;
+    if (came_before(from, frame, brought, treatment, said, copies)) return;
+    compare(from, frame, said.key);
+    PresentAs* const hosts = links_[index(from.link)].present_as;
+    if (hosts) frame = hosts->inbound(frame, now_);    // not of a copy
     if (!admit(from, frame)) return;
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
+    if (is_probe(frame)) return take_probe(from, frame);
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
-    for (const ChannelId to : route.channels) offer(to, frame, treatment);
+    if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_);
+    for (; copies > 0; --copies)
+        for (const ChannelId to : route.channels) offer(to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
         ++from.routed.no_route;
@@ -192,10 +211,10 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 }
 
 // A source on two links is a conflict, whatever becomes of its copies.
-void Gateway::compare(const Channel& from, ano::FrameView frame) {
+void Gateway::compare(const Channel& from, ano::FrameView frame, std::uint64_t key) {
     const std::uint8_t source = frame.source();
     if (ano::address::is_host(source)) return;
-    const auto other = same_device_.heard(source, from.link, key_of(frame), now_);
+    const auto other = same_device_.heard(source, from.link, key, now_);
     const std::uint8_t group = links_[index(from.link)].group;
     if (!other || (group != 0 && group == links_[index(*other)].group)) return;
     router_.note_conflict(source, LinkSet{from.link} | *other, now_);
@@ -203,19 +222,61 @@ void Gateway::compare(const Channel& from, ano::FrameView frame) {
 }
 
 // Our own, come back by another way, or a copy of one that another link of the group brought: that is told by what was
-// `brought`, before its alias.
-bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment) {
-    const std::uint64_t key = key_of(frame);
-    const std::uint8_t group = links_[index(from.link)].group;
-    const bool common = asked_by_many(frame);
-    if (loop_guard_.looped(key, from.id, now_, common)) {
-        ++from.routed.looped;
-        if (common && !loop_guard_.suspect(from.id, now_)) learn(from, frame);    // the answer is for this one as well
-        return true;
+// `brought`, before its alias. `copies`: those of it that were withheld leave with it.
+bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
+                          std::uint32_t& copies) {
+    if (!held_.empty() && !releasing_ && said.by_host && !is_probe(frame))    // what a host says stays in its order
+        if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
+    from.routed.looped += loop_guard_.take_lost(from.id, now_);
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
+    copies = judgement.copies;
+    if (judgement.probe) ask(from.id);
+    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
+    if (judgement.fate == LoopGuard::Fate::ends) {
+        if (judgement.elsewhere) compare(from, frame, said.key);
+        return end_loop(from, frame), true;
     }
+    if (judgement.fate == LoopGuard::Fate::withheld) return true;
+    const std::uint8_t group = links_[index(from.link)].group;
     if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, treatment.replaces, now_)) return false;
     ++from.routed.duplicate;
     return true;
+}
+
+// The answer is for its host as well, unless nothing but a ring says that there is one.
+void Gateway::end_loop(Channel& from, ano::FrameView frame) {
+    ++from.routed.looped;
+    if (ano::address::is_host(frame.source()) && !loop_guard_.rings().is_ring(from.id, now_)) learn(from, frame);
+}
+
+// Ahead of the frame that it is about: in a ring it is back before that.
+void Gateway::ask(ChannelId channel) {
+    ++frame_number_;
+    offer(channel, loop_guard_.rings().ask(channel, now_), probe_treatment);
+    ++frame_number_;
+}
+
+// Nobody's word, whoever may have passed it on: it teaches no address.
+void Gateway::take_probe(Channel& from, ano::FrameView probe) {
+    if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news) return void(++from.routed.looped);
+    const std::uint8_t group = links_[index(from.link)].group;
+    for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
+        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(to, probe, probe_treatment);
+}
+
+bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
+    if (!held_.put(from.id, brought, due)) return false;
+    if (!release_.is_set()) release_.set(*held_.due());
+    return true;
+}
+
+void Gateway::release_held() {
+    now();
+    releasing_ = true;
+    while (const auto held = held_.take(now_)) receive(*channels_[index(held->from)], held->view());
+    releasing_ = false;
+    if (const auto due = held_.due()) release_.set(*due);
+    flush();
 }
 
 // A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
@@ -243,11 +304,13 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
 }
 
 bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
-    const std::uint64_t key = key_of(frame);
-    const bool common = asked_by_many(frame);
-    if (loop_guard_.looped(key, from.id, now_, common) || (!common && loop_guard_.copied(key, from.id, now_)))
-        return ++from.routed.looped, false;
-    loop_guard_.remember(key, from.id, links_[index(to)].channels, now_);
+    const Said said = said_by(frame);
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
+    if (judgement.probe) ask(from.id);
+    if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
+    if (judgement.fate == LoopGuard::Fate::withheld) return false;
+    from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
+    loop_guard_.remember(said, from.id, links_[index(to)].channels, now_);
     return true;
 }
 
@@ -366,6 +429,7 @@ void Gateway::finish_stop() {
     stop_check_.cancel();
     peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
+    release_.cancel();
     gpio_->stop();
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }

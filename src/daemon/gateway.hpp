@@ -4,8 +4,9 @@
 #include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
+#include <gateway/held.hpp>
+#include <gateway/loop_guard.hpp>
 #include <gateway/present_as.hpp>
-#include <gateway/recent.hpp>
 #include <gateway/router.hpp>
 #include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
@@ -75,6 +76,7 @@ public:
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
     const SameDevice& same_device() const noexcept { return same_device_; }
+    const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -90,8 +92,14 @@ private:
     void add_aliases();
     void add_presentations();
     void give_rules(LinkState& link, const RuleSettings& settings);
-    void compare(const Channel& from, ano::FrameView frame);
-    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
+    void compare(const Channel& from, ano::FrameView frame, std::uint64_t key);
+    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
+                     std::uint32_t& copies);
+    void end_loop(Channel& from, ano::FrameView frame);
+    void ask(ChannelId channel);
+    void take_probe(Channel& from, ano::FrameView probe);
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due);
+    void release_held();
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
@@ -107,6 +115,9 @@ private:
     DatagramSender sender_;
     Router router_;
     LoopGuard loop_guard_;
+    Held held_;    // for what the guard waits
+    Alarm release_;
+    bool releasing_ = false;
     DuplicateGuard duplicates_;
     SameDevice same_device_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;

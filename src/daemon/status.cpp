@@ -70,6 +70,10 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.v7_frames = stray.v7_frames;
     for (const ChannelId id : state.channels) {
         const Channel& channel = gateway.channel(id);
+        if (const auto ring = gateway.rings().ring(id, now)) {
+            f.ring_out = gateway.links()[index(ring->out)].link->name();
+            f.ring_back = gateway.links()[index(ring->back)].link->name();
+        }
         add(f.received, channel.received());
         add(f.sent, channel.outbox.counters());
         f.v7_frames += channel.parser.counters().v7_frames;

@@ -23,6 +23,12 @@ std::string nothing_at_all(const LinkFigures& link) {
     return {};
 }
 
+std::string ring(const LinkFigures& link) {
+    const std::string back{link.ring_back};
+    if (link.ring_out == link.ring_back) return "a ring: what goes out comes back by " + back;
+    return "a ring: what goes out by " + std::string{link.ring_out} + " comes back by " + back;
+}
+
 }  // namespace
 
 std::string hint_of_trouble(const LinkFigures& link) {
@@ -47,6 +53,7 @@ std::string hint_of_trouble(const LinkFigures& link) {
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return "many damaged frames: check cable, ground and baud rate";
+    if (!link.ring_back.empty()) return ring(link);
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";

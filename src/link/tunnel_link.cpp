@@ -1,3 +1,4 @@
+#include <gateway/ring_watch.hpp>
 #include <link/tunnel_link.hpp>
 
 #include <algorithm>
@@ -72,10 +73,10 @@ void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameVie
     tunnel_.in(frame, sender.address, [&](ano::FrameView inner) { pass_on(channel, sender, inner); });
 }
 
-// A tunnel frame that was inside another one is data here, like everything else.
+// A tunnel frame that was inside another one is data here, like everything else. A probe is for no device.
 void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     took_ = true;
-    if (const auto rule = tunnel_.wrap_rule(sender.address)) wrap(*rule, channel, sender, frame);
+    if (const auto rule = tunnel_.wrap_rule(sender.address); rule && !is_probe(frame)) wrap(*rule, channel, sender, frame);
     else context().host.receive(channel, frame);
 }
 

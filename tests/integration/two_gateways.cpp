@@ -184,6 +184,27 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
     }
 }
 
+// The ring is known from what the devices said; the links are named.
+TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
+    start("");
+    if (HasFatalFailure()) return;
+    constexpr int count = 20;
+    for (int n = 0; n < count; ++n) {
+        at_a.write(numbered(0xFE, 0xFF, 0xC0, n));
+        for (int i = 0; i < 5; ++i) turn();
+    }
+    ASSERT_TRUE(until_quiet()) << "something goes round";
+    const Times got = heard(at_b);
+    for (int n = 0; n < count; ++n) EXPECT_EQ(got.count(key(numbered(0xFE, 0xFF, 0xC0, n))) ? got.at(key(numbered(0xFE, 0xFF, 0xC0, n))) : 0, 1) << n;
+    for (auto& gateway : {a.get(), b.get()})
+        for (const char* way : {"way1", "way2"}) {
+            const std::string hint = gateway->link(way).at("hint");
+            EXPECT_TRUE(hint == "a ring: what goes out by way1 comes back by way2" ||
+                        hint == "a ring: what goes out by way2 comes back by way1") << hint;
+        }
+    EXPECT_TRUE(counters_add_up());
+}
+
 TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
     constexpr int count = 60;
     const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };

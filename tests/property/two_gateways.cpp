@@ -1,6 +1,6 @@
 // Two gateways joined by two links, each direction with its own delay: every broadcast arrives everywhere, nothing goes
 // round, and with the links in one group a command arrives exactly once, while a link fails as well.
-#include <gateway/recent.hpp>
+#include <gateway/loop_guard.hpp>
 #include <gateway/router.hpp>
 
 #include <support/bytes.hpp>
@@ -8,9 +8,12 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <queue>
+#include <utility>
+#include <vector>
 
 using namespace anogate;
 using namespace std::chrono_literals;
@@ -24,42 +27,76 @@ constexpr Replaces replace_of(const Bytes& frame) {
     return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing;
 }
 
-// The order of the steps is that of Gateway::receive().
+// The order of the steps is that of Gateway::receive(), Gateway::ask() and Gateway::take_probe().
 struct Node {
-    explicit Node(std::uint8_t group) : group_of_links{group}, router{std::make_unique<Router>(GatewaySettings{})} {
-        router->open(ChannelId{0}, router->add_link({}));
-        router->open(ChannelId{1}, router->add_link({.group = group}));
-        router->open(ChannelId{2}, router->add_link({.group = group}));
+    struct Leaves {
+        ChannelId to;
+        Bytes bytes;
+    };
+    Node(std::uint64_t number, std::uint8_t group, unsigned joints, bool probed)
+        : group_of_links{group}, router{std::make_unique<Router>(GatewaySettings{})}, loops{number} {
+        for (unsigned n = 0; n <= joints; ++n) {
+            const auto channel = static_cast<ChannelId>(n);
+            const std::uint8_t its = n == device ? 0 : group;
+            const LinkId link = router->add_link({.group = its});
+            router->open(channel, link);
+            loops.open(channel, link, its, n != device && probed, TimePoint::min());
+            channels.insert(channel);
+        }
     }
-    ChannelSet receive(unsigned channel, const Bytes& bytes, TimePoint now) {
+    std::vector<Leaves> receive(unsigned channel, const Bytes& bytes, TimePoint now, bool waited) {
+        std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
-        const auto key = key_of(frame);
-        if (loops.looped(key, from, now, asked_by_many(frame))) {
-            ++looped;
-            if (asked_by_many(frame) && !loops.suspect(from, now)) router->learn(from, frame.source(), now);
-            return {};
+        const Said said = said_by(frame);
+        const auto judgement = loops.judge(said, from, now);
+        if (judgement.probe) {
+            const auto probe = loops.rings().ask(from, now).bytes();
+            leave.push_back({from, {probe.begin(), probe.end()}});
+            ++probes;
         }
+        if (judgement.fate == LoopGuard::Fate::waits && !waited) {
+            waiting.push_back({now + RingWatch::patience, channel, bytes});
+            return leave;
+        }
+        if (judgement.fate == LoopGuard::Fate::ends) {
+            ++looped;
+            if (ano::address::is_host(frame.source()) && !loops.rings().is_ring(from, now))
+                router->learn(from, frame.source(), now);
+            return leave;
+        }
+        if (judgement.fate == LoopGuard::Fate::withheld) return leave;
         const std::uint8_t group = channel == device ? 0 : group_of_links;
-        if (group != 0 && copies.duplicate(key, group, static_cast<LinkId>(channel), replace_of(bytes), now)) {
+        if (group != 0 && copies.duplicate(said.key, group, static_cast<LinkId>(channel), replace_of(bytes), now)) {
             ++duplicates;
-            return {};
+            return leave;
         }
-        if (!asked_by_many(frame) && loops.copied(key, from, now)) {
-            ++looped;
-            return {};
+        if (is_probe(frame)) {
+            if (loops.rings().take(frame, from, now) == RingWatch::Probe::news && group == 0)
+                for (const ChannelId to : loops.rings().probed() - from) leave.push_back({to, bytes});
+            return leave;
         }
         const Route route = router->route(from, frame.source(), frame.destination(), now);
-        if (!route.guarded.empty()) loops.remember(key, from, route.guarded, now);
-        return route.channels;
+        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now);
+        for (std::uint32_t n = 0; n < judgement.copies; ++n)
+            for (const ChannelId to : route.channels) leave.push_back({to, bytes});
+        return leave;
     }
 
+    struct Waiting {
+        TimePoint due;
+        unsigned channel;
+        Bytes bytes;
+    };
     std::uint8_t group_of_links;
     std::unique_ptr<Router> router;
     LoopGuard loops;
     DuplicateGuard copies;
+    ChannelSet channels;
+    std::vector<Waiting> waiting;
     int looped = 0;
     int duplicates = 0;
+    int probes = 0;
 };
 
 struct World {
@@ -68,39 +105,71 @@ struct World {
         std::uint64_t number;
         unsigned node, channel;
         Bytes bytes;
+        bool waited;
         bool operator>(const Event& other) const { return std::tie(at, number) > std::tie(other.at, other.number); }
     };
+    /// Where a way leads from a channel of a node.
+    struct End {
+        unsigned node, channel;
+    };
+    using Carries = std::function<bool(const Bytes&)>;
 
-    explicit World(std::uint8_t group) : nodes{Node{group}, Node{group}} {}
+    /// Two, joined by two ways, each channel to that of the same number.
+    explicit World(std::uint8_t group) : World{2, 2, group} {
+        join({0, 1}, {1, 1});
+        join({0, 2}, {1, 2});
+    }
+    World(unsigned count, unsigned joints, std::uint8_t group = 0, bool probed = true) : most{100000} {
+        for (unsigned n = 0; n < count; ++n) nodes.emplace_back(n + 1, group, joints, probed);
+        arrived.resize(count);
+    }
+    void join(End a, End b, Duration there = {}, Duration back = {}) {
+        ways[{a.node, a.channel}] = {b, there};
+        ways[{b.node, b.channel}] = {a, back};
+    }
 
-    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at) {
-        events.push({at, ++numbers, node, channel, bytes});
+    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at, bool waited = false) {
+        events.push({at, ++numbers, node, channel, bytes, waited});
     }
     void run() {
         while (!events.empty()) {
             const Event event = events.top();
             events.pop();
-            ASSERT_LT(++handled, 100000u) << "a storm";
+            ASSERT_LT(++handled, most) << "a storm";
             now = event.at;
-            for (const ChannelId to : nodes[event.node].receive(event.channel, event.bytes, now)) {
-                const unsigned channel = static_cast<unsigned>(index(to));
-                if (channel == device)
-                    ++arrived[event.node][key_of(ano::FrameView{event.bytes})];
-                else if (now < failing_from[channel - 1])
-                    send(1 - event.node, channel, event.bytes, now + delay[event.node][channel - 1]);
+            Node& node = nodes[event.node];
+            for (const Node::Leaves& out : node.receive(event.channel, event.bytes, now, event.waited)) {
+                const unsigned channel = static_cast<unsigned>(index(out.to));
+                const auto way = ways.find({event.node, channel});
+                if (way == ways.end())
+                    ++arrived[event.node][key_of(ano::FrameView{out.bytes})];
+                else if (carries(out.bytes) && (channel > 2 || channel == 0 || now < failing_from[channel - 1]))
+                    send(way->second.first.node, way->second.first.channel, out.bytes,
+                         now + way->second.second + delay_of(event.node, channel));
             }
+            for (const Node::Waiting& held : std::exchange(node.waiting, {})) send(event.node, held.channel, held.bytes, held.due, true);
         }
     }
+    Duration delay_of(unsigned node, unsigned channel) const {
+        return node < 2 && (channel == 1 || channel == 2) ? delay[node][channel - 1] : Duration{};
+    }
+    int looped() const {
+        int all = 0;
+        for (const Node& node : nodes) all += node.looped;
+        return all;
+    }
 
-    std::array<Node, 2> nodes;
+    std::vector<Node> nodes;
+    std::map<std::pair<unsigned, unsigned>, std::pair<End, Duration>> ways;
+    Carries carries = [](const Bytes&) { return true; };
     Duration delay[2][2]{};
     TimePoint failing_from[2] = {TimePoint::max(), TimePoint::max()};
     std::priority_queue<Event, std::vector<Event>, std::greater<>> events;
-    std::map<std::uint64_t, int> arrived[2];    // how often, by key_of()
+    std::vector<std::map<std::uint64_t, int>> arrived;    // how often, by key_of()
     int times(unsigned node, const Bytes& bytes) { return arrived[node][key_of(ano::FrameView{bytes})]; }
     TimePoint now{};
     std::uint64_t numbers = 0;
-    std::size_t handled = 0;
+    std::size_t handled = 0, most;
 };
 
 Bytes command(int n) {
@@ -215,4 +284,138 @@ TEST(TwoGateways, a_command_over_a_group_arrives_exactly_once) {
             EXPECT_EQ(world.times(1, command(249)), 1) << "the other link has taken over";
         }
     });
+}
+
+namespace {
+
+// What one host says to everybody; many may say it.
+Bytes order(int n) {
+    return support::frame(0xFE, 0xFF, 0xC0, {0x10, 0, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
+}
+bool vendors_bridge(const Bytes& frame) { return frame[1] == 0xFE && frame[2] == 0xFF; }
+bool lets_no_probe_through(const Bytes& frame) { return frame[3] != probe_id; }
+
+// `count` gateways, each joined to the next and the last to the first; one alone is joined to itself, as by a bridge.
+World ring_of(unsigned count, support::Random& random, Duration slowest, bool probed = true) {
+    World world{count, 2, 0, probed};
+    for (unsigned n = 0; n < count; ++n)
+        world.join({n, 1}, {(n + 1) % count, 2}, random.below(slowest / 1us + 1) * 1us, random.below(slowest / 1us + 1) * 1us);
+    return world;
+}
+
+}    // namespace
+
+// Cold: nothing was ever said before. The probe is answered before the frame has gone round a second time.
+TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
+    support::Random random{1};
+    for (int i = 0; i < 100; ++i) {
+        const unsigned count = 1 + random.below(3u);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
+        World world = ring_of(count, random, RingWatch::patience / (2 * count + 1));
+        if (random.one_in(2)) world.carries = vendors_bridge;
+        const unsigned from = random.below(count);
+        for (int n = 0; n < 20; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 1s);
+        world.run();
+        for (unsigned node = 0; node < count; ++node)
+            for (int n = 0; n < 20; ++n) {
+                const int own = node == from;    // it does not hear itself
+                EXPECT_GE(world.times(node, order(n)) + own, 1) << node << ' ' << n;
+                EXPECT_LE(world.times(node, order(n)) + own, n == 0 ? 2 : 1) << node << ' ' << n;
+            }
+        EXPECT_LT(world.handled, 1000u);
+    }
+}
+
+// However slow, and whatever the ring lets through: every command arrives, and it ends.
+TEST(Ring, ends_whatever_it_is_made_of) {
+    support::Random random{2};
+    for (int i = 0; i < 40; ++i) {
+        const unsigned count = 1 + random.below(3u);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
+        const bool probed = random.one_in(2);
+        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 400ms}), probed);
+        world.carries = random.one_in(2) ? vendors_bridge : lets_no_probe_through;
+        world.most = 2'000'000;
+        const unsigned from = random.below(count);
+        const int orders = 1 + random.below(10);
+        for (int n = 0; n < orders; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 300ms);
+        world.run();
+        for (unsigned node = 0; node < count; ++node)
+            for (int n = 0; n < orders; ++n) EXPECT_GE(world.times(node, order(n)) + (node == from), 1) << node << ' ' << n;
+    }
+}
+
+// Where no probe may go. The third is one that a host on the way may have said: on a ring whose ways take differently long.
+TEST(Ring, of_cables_lets_a_command_pass_a_few_times_until_a_device_speaks) {
+    support::Random random{3};
+    for (int i = 0; i < 100; ++i) {
+        const unsigned count = 1 + random.below(2u);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
+        World world = ring_of(count, random, random.of({0ms, 20ms, 200ms}), false);
+        const unsigned from = random.below(count);
+        const TimePoint telemetry = TimePoint{1h} + 10s;
+        for (int n = 0; n < 10; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 300ms);
+        world.send(from, device, support::frame(0xDC, 0xFF, 0x01, {1}), telemetry);
+        for (int n = 10; n < 20; ++n) world.send(from, device, order(n), telemetry + 2s + n * 300ms);
+        world.run();
+        for (unsigned node = 0; node < count; ++node)
+            for (int n = 0; n < 20; ++n) {
+                const int times = world.times(node, order(n)) + (node == from);
+                EXPECT_GE(times, 1) << node << ' ' << n;
+                EXPECT_LE(times, n < 10 ? 3 : 1) << node << ' ' << n << ": a device's word told of the ring";
+            }
+    }
+}
+
+// Entered by the ring itself, in one direction alone: it looks like a sender that repeats itself.
+TEST(Ring, that_a_frame_entered_elsewhere_ends) {
+    for (const int tokens : {1, 2, 5}) {
+        World world{1, 2};
+        world.ways[{0, 2}] = {{0, 1}, 1ms};    // what leaves by 2 comes in by 1, and nothing the other way
+        for (int i = 0; i < tokens; ++i) world.send(0, 1, order(0), TimePoint{1h} + i * 100us);
+        world.run();
+        EXPECT_LE(world.handled, 16u * LoopGuard::repeats) << tokens;
+    }
+}
+
+// Several hosts that say the same at any pace, and no ring: three gateways in a row, with hosts at all of them.
+TEST(Hosts, that_repeat_one_another_lose_nothing) {
+    support::Random random{4};
+    for (int i = 0; i < 50; ++i) {
+        SCOPED_TRACE(i);
+        World world{3, 3};
+        world.join({0, 1}, {1, 1}, random.below(50) * 1ms, random.below(50) * 1ms);
+        world.join({1, 2}, {2, 1}, random.below(50) * 1ms, random.below(50) * 1ms);
+        const auto leaves = [](unsigned node) { return node == 1 ? std::vector{0u, 3u} : std::vector{0u, 2u, 3u}; };
+        const Duration pace = random.of({1ms, 20ms, 200ms, 1000ms});
+        std::map<int, std::array<int, 3>> expected;
+        TimePoint at{1h};
+        for (int n = 0; n < 300; ++n, at += random.below(2 * pace / 1us + 1) * 1us) {
+            const unsigned node = random.below(3u);
+            const auto all = leaves(node);
+            unsigned leaf = all[random.below(all.size())];
+            if (leaf == 0) leaf = 3;    // a host is no cable here
+            const int what = random.below(3);
+            world.send(node, leaf, order(what), at);
+            for (unsigned other = 0; other < 3; ++other)
+                expected[what][other] += static_cast<int>(leaves(other).size()) - (other == node);
+        }
+        world.run();
+        EXPECT_EQ(world.looped(), 0);
+        for (const auto& [what, times] : expected)
+            for (unsigned node = 0; node < 3; ++node) EXPECT_EQ(world.times(node, order(what)), times[node]) << what;
+    }
+}
+
+TEST(Hosts, one_that_repeats_itself_loses_nothing) {
+    World world{1, 2};
+    constexpr int times = 5000;
+    for (int n = 0; n < times; ++n) {
+        world.send(0, 1, order(0), TimePoint{1h} + n * 1900ms);    // just within the window
+        world.send(0, 2, support::frame(0xDC, 0xFF, 0x01, {1}), TimePoint{1h} + n * 20ms);
+    }
+    world.run();
+    EXPECT_EQ(world.times(0, order(0)), 2 * times);
+    EXPECT_EQ(world.times(0, support::frame(0xDC, 0xFF, 0x01, {1})), 2 * times);
+    EXPECT_EQ(world.looped(), 0);
 }

@@ -55,5 +55,16 @@ TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
     EXPECT_EQ(hint(link), "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK");
 }
 
+TEST(Hint, a_ring_is_told_by_its_links) {
+    LinkFigures link = line_that_sent(100);
+    link.ring_out = "ground";
+    link.ring_back = "radio";
+    EXPECT_EQ(hint(link), "a ring: what goes out by ground comes back by radio");
+    link.ring_out = "radio";
+    EXPECT_EQ(hint(link), "a ring: what goes out comes back by radio");
+    link.up = false;
+    EXPECT_EQ(hint(link), "");
+}
+
 }  // namespace
 }  // namespace anogate

@@ -14,16 +14,6 @@ constexpr TimePoint start{1h};
 constexpr LinkId link(unsigned n) {
     return static_cast<LinkId>(n);
 }
-constexpr ChannelId channel(unsigned n) {
-    return static_cast<ChannelId>(n);
-}
-
-ChannelSet channels(std::initializer_list<unsigned> all) {
-    ChannelSet set;
-    for (const unsigned n : all) set.insert(channel(n));
-    return set;
-}
-
 std::uint64_t key(const support::Bytes& frame) {
     return key_of(ano::FrameView{frame});
 }
@@ -57,120 +47,6 @@ TEST(Recent, forgets_the_oldest_when_full) {
     for (int n = 0; n < 1000; ++n) known += recent.find(static_cast<std::uint64_t>(n), start + 1s) != nullptr;
     EXPECT_EQ(known, 8);
     EXPECT_NE(recent.find(999, start + 1s), nullptr);
-}
-
-TEST(LoopGuard, knows_what_comes_back) {
-    LoopGuard guard;
-    guard.remember(1, channel(60), ChannelSet{channel(3)} | channel(4), start);
-    EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
-    EXPECT_TRUE(guard.looped(1, channel(3), start + 1s)) << "every time";
-    EXPECT_TRUE(guard.looped(1, channel(4), start + 1999ms));
-    EXPECT_FALSE(guard.looped(1, channel(5), start + 1s)) << "it did not go there";
-    EXPECT_FALSE(guard.looped(2, channel(3), start + 1s));
-    EXPECT_FALSE(guard.looped(1, channel(3), start + 2s));
-}
-
-TEST(LoopGuard, a_channel_that_takes_over_a_number_starts_fresh) {
-    LoopGuard guard;
-    guard.remember(1, channel(60), channel(3), start);
-    guard.open(channel(3), link(3), start + 1ms);
-    EXPECT_FALSE(guard.looped(1, channel(3), start + 1s));
-    guard.remember(1, channel(60), channel(3), start + 1s);
-    EXPECT_TRUE(guard.looped(1, channel(3), start + 1s));
-}
-
-TEST(LoopGuard, knows_a_copy_by_whatever_way_it_comes) {
-    LoopGuard guard;
-    guard.remember(1, channel(0), channel(3), start);
-    EXPECT_FALSE(guard.copied(1, channel(0), start + 1s)) << "its sender may repeat it";
-    EXPECT_TRUE(guard.copied(1, channel(5), start + 1s));
-    guard.remember(1, channel(5), channel(4), start + 1s);
-    EXPECT_FALSE(guard.copied(1, channel(0), start + 1s)) << "it came first by this one";
-    EXPECT_FALSE(guard.copied(2, channel(5), start + 1s));
-    EXPECT_FALSE(guard.copied(1, channel(5), start + 3s));
-    guard.open(channel(6), link(6), start + 1001ms);
-    EXPECT_FALSE(guard.copied(1, channel(6), start + 2s)) << "a sender with a new port";
-}
-
-TEST(LoopGuard, takes_what_comes_as_a_channel_opens_for_that_channels_own) {
-    LoopGuard guard;
-    guard.open(channel(5), link(5), start);    // two hosts with new ports, in one batch
-    guard.remember(1, channel(0), channel(5), start);
-    EXPECT_FALSE(guard.copied(1, channel(5), start));
-    EXPECT_FALSE(guard.looped(1, channel(5), start));
-    EXPECT_TRUE(guard.copied(1, channel(6), start));
-}
-
-TEST(LoopGuard, a_sender_with_a_new_port_goes_on_saying_the_same) {
-    LoopGuard guard;
-    guard.open(channel(0), link(0), start);
-    guard.open(channel(1), link(7), start);
-    guard.remember(1, channel(0), channel(1), start + 1s);
-    guard.open(channel(5), link(0), start + 2s);
-    for (auto now = start + 2s; now < start + 4s; now += 10ms) {
-        EXPECT_FALSE(guard.looped(1, channel(5), now) || guard.copied(1, channel(5), now));
-        guard.remember(1, channel(5), channel(1), now);
-        EXPECT_TRUE(guard.looped(1, channel(1), now)) << "it went there";
-    }
-}
-
-TEST(LoopGuard, a_sender_that_repeats_itself_misses_one_in_a_thousand) {
-    LoopGuard guard;
-    int passed = 0;
-    auto now = start;
-    for (int i = 0; i < 10'000; ++i, now += 10ms) {
-        if (guard.looped(1, channel(0), now)) continue;
-        ++passed;
-        guard.remember(1, channel(0), channel(3), now);
-    }
-    EXPECT_EQ(passed, 9991);
-    now += 2s;
-    for (int i = 0; i < 10'000; ++i, now += 2s) {
-        EXPECT_FALSE(guard.looped(1, channel(0), now)) << "nobody goes round so slowly";
-        guard.remember(1, channel(0), channel(3), now);
-    }
-}
-
-// It comes back by the channel that it first came by: whatever brought it in did so elsewhere.
-TEST(LoopGuard, a_ring_that_began_elsewhere_ends) {
-    LoopGuard guard;
-    auto now = start;
-    int turns = 0;
-    for (; turns < 100'000 && !guard.looped(1, channel(0), now); now += 500ms, ++turns)
-        guard.remember(1, channel(0), channel(3), now);
-    EXPECT_EQ(turns, 1000);
-}
-
-TEST(LoopGuard, lets_another_host_ask_the_same_once) {
-    LoopGuard guard;
-    guard.remember(1, channel(60), channels({0, 1}), start);
-    EXPECT_FALSE(guard.looped(1, channel(1), start + 100ms, true));
-    guard.remember(1, channel(60), channels({0}), start + 100ms);
-    EXPECT_TRUE(guard.looped(1, channel(1), start + 1s, true)) << "and then it goes round";
-    EXPECT_FALSE(guard.looped(1, channel(0), start + 1s, true)) << "one channel says nothing of another";
-    EXPECT_FALSE(guard.suspect(channel(1), start + 1s)) << "two who ask all the time are no loop";
-}
-
-TEST(LoopGuard, a_device_that_comes_back_tells_of_questions_that_will) {
-    LoopGuard guard;
-    guard.remember(1, channel(60), channels({1}), start);
-    EXPECT_TRUE(guard.looped(1, channel(1), start + 100ms));
-    guard.remember(2, channel(60), channels({1}), start + 200ms);
-    EXPECT_TRUE(guard.looped(2, channel(1), start + 300ms, true));
-    guard.remember(3, channel(60), channels({1}), start + 61s);
-    EXPECT_FALSE(guard.looped(3, channel(1), start + 61s, true)) << "not for ever";
-    EXPECT_TRUE(guard.looped(3, channel(1), start + 62s));
-    guard.open(channel(1), link(1), start + 62s);
-    guard.remember(4, channel(60), channels({1}), start + 63s);
-    EXPECT_FALSE(guard.looped(4, channel(1), start + 63s, true)) << "another channel by now";
-}
-
-TEST(LoopGuard, only_hosts_that_ask_everybody_say_what_others_say) {
-    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xE0, {0, 0, 0})}));
-    EXPECT_TRUE(asked_by_many(ano::FrameView{support::frame(0xD2, 0xFF, 0xE0, {0, 0, 0})}));
-    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xDC, 0xFF, 0xE0, {0, 0, 0})}));
-    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})}));
-    EXPECT_FALSE(asked_by_many(ano::FrameView{support::frame(0xFE, 0xFF, 0xC0, {0, 0, 0})}));
 }
 
 TEST(DuplicateGuard, lets_one_copy_through) {

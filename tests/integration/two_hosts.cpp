@@ -1,0 +1,167 @@
+// Two hosts that say the same: what a peer says itself arrives, however often somebody else said it before.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+const Bytes lock = frame(0xFE, 0xFF, 0xC0, {0x10, 0, 2});
+const Bytes unlock = frame(0xFE, 0xFF, 0xC0, {0x10, 0, 1});
+const Bytes addressed = frame(0xFE, 0xDC, 0xC0, {0x10, 0, 2});    // to a device that nobody has heard
+const Bytes question = frame(0xFE, 0xFF, 0xE0, {0, 0, 0});
+
+// Both as peers of one link, or each with a link of its own; the device is on a cable.
+class TwoHosts : public testing::TestWithParam<bool> {
+protected:
+    TwoHosts() {
+        anogate::LinkSettings cable = serial("device", dir / "device");
+        cable.serial.pace = anogate::Pace::off;
+        std::vector<anogate::LinkSettings> links{cable, udp_listen("ground")};
+        if (GetParam()) links.push_back(udp_listen("tower"));
+        gateway = std::make_unique<RunningGateway>(settings_of(std::move(links)));
+        EXPECT_TRUE(gateway->until_up("device") && gateway->until_up("ground"));
+        say(first, question);
+        say(second, question);
+    }
+    const char* link_of(const UdpPeer& host) const { return GetParam() && &host == &second ? "tower" : "ground"; }
+    void say(UdpPeer& host, const Bytes& what) {
+        const std::size_t before = arrived();
+        host.send(gateway->port(link_of(host)), what);
+        EXPECT_TRUE(gateway->until([&] { return arrived() > before; }, 2s)) << "a frame of a host is lost";
+        EXPECT_EQ(arrived(), before + 1);
+    }
+    std::size_t arrived() { return split(device.heard()).frames.size(); }
+    std::uint64_t looped() {
+        return gateway->count("ground", "looped") + (GetParam() ? gateway->count("tower", "looped") : 0);
+    }
+
+    const TempDir dir;
+    PtyDevice device{dir / "device"};
+    UdpPeer first, second;
+    std::unique_ptr<RunningGateway> gateway;
+};
+
+TEST_P(TwoHosts, both_lock) {
+    for (int i = 0; i < 8; ++i) {
+        say(first, lock);
+        say(first, unlock);
+        say(second, lock);
+    }
+    EXPECT_EQ(arrived(), 2u + 8 * 3);
+    EXPECT_EQ(looped(), 0u);
+    EXPECT_TRUE(gateway->counters_add_up());
+}
+
+TEST_P(TwoHosts, both_command_a_device_that_nobody_has_heard) {
+    for (int i = 0; i < 8; ++i) {
+        say(first, addressed);
+        say(second, addressed);
+        say(second, addressed);
+    }
+    EXPECT_EQ(looped(), 0u);
+}
+
+TEST_P(TwoHosts, see_of_the_gateways_own_at_most_a_question_a_second) {
+    const auto begin = anogate::Clock::now();
+    for (int i = 0; i < 30; ++i) {
+        say(first, lock);
+        say(second, lock);
+    }
+    const auto seconds = static_cast<std::size_t>((anogate::Clock::now() - begin) / 1s);
+    for (UdpPeer* host : {&first, &second}) {
+        std::size_t probes = 0;
+        for (const Bytes& heard : split(host->heard()).frames) probes += heard[3] == 0xFB;
+        EXPECT_LE(probes, seconds + 2);    // of the questions at the start as well
+    }
+    for (const Bytes& heard : split(device.heard()).frames) EXPECT_NE(heard[3], 0xFB) << "never on a cable";
+}
+
+// The vendor's bridges forward only what 0xFE sends to 0xFF: one of them joins two links of ours.
+class Bridged : public testing::Test {
+protected:
+    Bridged() {
+        anogate::LinkSettings cable = serial("device", dir / "device");
+        cable.serial.pace = anogate::Pace::off;
+        gateway = std::make_unique<RunningGateway>(
+            settings_of({cable, udp_listen("ground"), udp("radio", left.local().text()), udp("wifi", right.local().text())}));
+        EXPECT_TRUE(gateway->until_up("device") && gateway->until_up("radio") && gateway->until_up("wifi"));
+    }
+    void forward() {
+        pass(left, right, from_left);
+        pass(right, left, from_right);
+    }
+    void pass(UdpPeer& in, UdpPeer& out, std::size_t& frames) {
+        for (const Bytes& datagram : in.datagrams())
+            for (const Bytes& one : split(datagram).frames) {
+                ++frames;
+                if (one[1] != 0xFE || one[2] != 0xFF) continue;
+                waiting.emplace_back(&out, one);
+            }
+        ours[&in] = in.last_sender();
+        for (auto it = waiting.begin(); it != waiting.end();)
+            if (ours[it->first].port != 0) {
+                it->first->send(ours[it->first], it->second);
+                it = waiting.erase(it);
+            } else {
+                ++it;
+            }
+    }
+    bool until(const std::function<bool()>& holds, anogate::Duration limit = patience) {
+        return gateway->until(
+            [&] {
+                forward();
+                return holds();
+            },
+            limit);
+    }
+    std::size_t times(const Bytes& what) {
+        std::size_t n = 0;
+        for (const Bytes& one : split(device.heard()).frames) n += one == what;
+        return n;
+    }
+
+    const TempDir dir;
+    PtyDevice device{dir / "device"};
+    UdpPeer left, right, host;
+    std::map<UdpPeer*, anogate::Endpoint> ours;
+    std::vector<std::pair<UdpPeer*, Bytes>> waiting;
+    std::size_t from_left = 0, from_right = 0;
+    std::unique_ptr<RunningGateway> gateway;
+};
+
+TEST_F(Bridged, a_command_passes_twice_at_most_and_then_once) {
+    for (std::uint8_t n = 0; n < 4; ++n) {
+        const Bytes what = frame(0xFE, 0xFF, 0xC0, {0x10, 0, n});
+        host.send(gateway->port("ground"), what);
+        ASSERT_TRUE(until([&] { return times(what) > 0; }));
+        std::size_t before = 0;
+        ASSERT_TRUE(until([&, quiet = 0]() mutable {
+            const std::size_t now = from_left + from_right;
+            quiet = now == before ? quiet + 1 : 0;
+            before = now;
+            return quiet == 300 && waiting.empty();    // longer than a frame waits for the verdict
+        }));
+        EXPECT_LE(times(what), n == 0 ? 2u : 1u);
+    }
+    EXPECT_TRUE(std::string{gateway->link("wifi").at("hint")}.starts_with("a ring: what goes out by "));
+    EXPECT_LE(from_left + from_right, 50u);
+    EXPECT_TRUE(gateway->counters_add_up());
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, TwoHosts, testing::Bool(),
+                         [](const auto& two) { return std::string{two.param ? "on_two_links" : "on_one_link"}; });
+
+}    // namespace

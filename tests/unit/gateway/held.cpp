@@ -1,0 +1,51 @@
+#include <gateway/held.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using ano::TimePoint;
+
+namespace {
+
+constexpr TimePoint start{1h};
+constexpr ChannelId a{1}, b{2};
+
+support::Bytes numbered(std::uint8_t n) { return support::frame(0xFE, 0xFF, 0xC0, {n}); }
+support::Bytes taken(const std::optional<Held::Frame>& frame) {
+    if (!frame) return {};
+    return {frame->view().bytes().begin(), frame->view().bytes().end()};
+}
+
+}    // namespace
+
+TEST(Held, gives_back_in_order_what_is_due) {
+    Held held;
+    EXPECT_FALSE(held.due());
+    EXPECT_TRUE(held.put(a, ano::FrameView{numbered(1)}, start));
+    EXPECT_TRUE(held.put(b, ano::FrameView{numbered(2)}, start + 1s));
+    EXPECT_EQ(held.due(), start);
+    EXPECT_EQ(held.due(b), start + 1s);
+    EXPECT_FALSE(held.due(ChannelId{3}));
+    EXPECT_FALSE(held.take(start - 1ns));
+    EXPECT_EQ(taken(held.take(start)), numbered(1));
+    EXPECT_FALSE(held.take(start));
+    EXPECT_EQ(taken(held.take(start + 1s)), numbered(2));
+    EXPECT_TRUE(held.empty());
+}
+
+TEST(Held, has_room_for_a_few_short_ones) {
+    Held held;
+    EXPECT_FALSE(held.put(a, ano::FrameView{support::frame(1, 2, 3, support::Bytes(Held::largest, 0))}, start));
+    for (std::size_t i = 0; i < Held::most; ++i) EXPECT_TRUE(held.put(i % 2 ? a : b, ano::FrameView{numbered(1)}, start));
+    EXPECT_FALSE(held.put(a, ano::FrameView{numbered(1)}, start));
+    EXPECT_EQ(held.forget(a), Held::most / 2);
+    std::size_t left = 0;
+    while (const auto frame = held.take(start)) {
+        EXPECT_EQ(frame->from, b);
+        ++left;
+    }
+    EXPECT_EQ(left, Held::most / 2);
+}

@@ -1,0 +1,199 @@
+#include <gateway/loop_guard.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using ano::TimePoint;
+using Fate = LoopGuard::Fate;
+
+namespace {
+
+constexpr TimePoint start{1h};
+constexpr LinkId link(unsigned n) {
+    return static_cast<LinkId>(n);
+}
+constexpr ChannelId channel(unsigned n) {
+    return static_cast<ChannelId>(n);
+}
+ChannelSet channels(std::initializer_list<unsigned> all) {
+    ChannelSet set;
+    for (const unsigned n : all) set.insert(channel(n));
+    return set;
+}
+
+constexpr Said device(std::uint64_t key) {
+    return {key, false};
+}
+constexpr Said host(std::uint64_t key) {
+    return {key, true};
+}
+
+class Guarded : public testing::Test {
+protected:
+    Guarded() {
+        for (unsigned n = 0; n < 8; ++n) guard.open(channel(n), link(n), 0, true, TimePoint::min());    // may be probed
+        for (unsigned n = 8; n < 16; ++n) guard.open(channel(n), link(n), 0, false, TimePoint::min());  // may not
+    }
+    Fate fate(const Said& said, unsigned from, TimePoint now) { return guard.judge(said, channel(from), now).fate; }
+    /// As the gateway does: what passes goes to `to`.
+    Fate pass(const Said& said, unsigned from, ChannelSet to, TimePoint now) {
+        const auto judgement = guard.judge(said, channel(from), now);
+        if (judgement.probe) probe = bytes_of(guard.rings().ask(channel(from), now));
+        if (judgement.fate == Fate::passes) guard.remember(said, channel(from), to, now);
+        return judgement.fate;
+    }
+    static support::Bytes bytes_of(ano::FrameView frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
+    void come_back(unsigned from, TimePoint now) {
+        EXPECT_EQ(guard.rings().take(ano::FrameView{probe}, channel(from), now), RingWatch::Probe::ours);
+    }
+
+    LoopGuard guard{7};
+    support::Bytes probe;    // the last that left
+};
+
+}    // namespace
+
+TEST(Said, hosts_may_say_what_others_say) {
+    const auto said = [](std::uint8_t source, std::uint8_t id) {
+        return said_by(ano::FrameView{support::frame(source, 0xFF, id, {0, 0, 0})});
+    };
+    EXPECT_TRUE(said(0xFE, 0xE0).by_host && said(0xD2, 0xC0).by_host);
+    EXPECT_FALSE(said(0xDC, 0xE0).by_host);
+}
+
+TEST_F(Guarded, knows_what_a_device_said_when_it_comes_back) {
+    guard.remember(device(1), channel(5), channels({3, 4}), start);
+    EXPECT_EQ(fate(device(1), 3, start + 1s), Fate::ends);
+    EXPECT_EQ(fate(device(1), 3, start + 1s), Fate::ends) << "every time";
+    EXPECT_EQ(fate(device(1), 4, start + 1999ms), Fate::ends);
+    EXPECT_EQ(fate(device(1), 6, start + 1s), Fate::ends) << "a copy, whichever way it took";
+    EXPECT_EQ(fate(device(1), 5, start + 1s), Fate::passes) << "its sender may repeat it";
+    EXPECT_EQ(fate(device(2), 3, start + 1s), Fate::passes);
+    EXPECT_EQ(fate(device(1), 3, start + 2s), Fate::passes);
+}
+
+TEST_F(Guarded, a_channel_that_takes_over_a_number_starts_fresh) {
+    guard.remember(device(1), channel(5), channel(3), start);
+    guard.open(channel(3), link(3), 0, true, start);    // in one batch with the frame
+    EXPECT_EQ(fate(device(1), 3, start), Fate::passes);
+    guard.remember(device(1), channel(5), channel(3), start + 1s);
+    EXPECT_EQ(fate(device(1), 3, start + 1s), Fate::ends);
+}
+
+TEST_F(Guarded, a_sender_with_a_new_port_goes_on_saying_the_same) {
+    guard.remember(device(1), channel(0), channel(1), start + 1s);
+    guard.open(channel(20), link(0), 0, true, start + 2s);
+    for (auto now = start + 2s; now < start + 4s; now += 10ms) {
+        EXPECT_EQ(pass(device(1), 20, channel(1), now), Fate::passes);
+        EXPECT_EQ(fate(device(1), 1, now), Fate::ends) << "it went there";
+    }
+}
+
+TEST_F(Guarded, links_of_one_group_are_no_ways_round) {
+    guard.open(channel(20), link(20), 3, true, start);
+    guard.open(channel(21), link(21), 3, true, start);
+    guard.remember(device(1), channel(20), channel(1), start + 1s);
+    EXPECT_EQ(fate(device(1), 21, start + 1s), Fate::passes) << "DuplicateGuard's";
+}
+
+TEST_F(Guarded, another_host_says_the_same_as_often_as_it_likes) {
+    EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start), Fate::passes);
+    for (auto now = start + 300ms; now < start + 5s; now += 300ms) EXPECT_EQ(pass(host(1), 1, channels({0, 2}), now), Fate::passes);
+}
+
+TEST_F(Guarded, two_pass_until_the_verdict) {
+    EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start), Fate::passes);
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 10ms), Fate::passes);
+    ASSERT_FALSE(probe.empty()) << "the question leaves ahead of it";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 20ms), Fate::waits);
+    EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start + 20ms), Fate::waits);
+    EXPECT_EQ(pass(host(2), 0, channels({1, 2}), start + 20ms), Fate::passes) << "another";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 10ms + RingWatch::patience), Fate::passes) << "no answer: no ring";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 11ms + RingWatch::patience), Fate::waits) << "not by hand";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 120ms + RingWatch::patience), Fate::passes);
+    EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start + 2s), Fate::passes);
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 2100ms), Fate::passes) << "by now any ring has answered";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 2101ms), Fate::passes);
+}
+
+TEST_F(Guarded, a_ring_is_known_by_its_answer) {
+    pass(host(1), 0, channels({1, 2}), start);
+    pass(host(1), 1, channels({0, 2}), start + 10ms);
+    come_back(2, start + 20ms);
+    for (const unsigned from : {1u, 2u}) EXPECT_EQ(pass(host(1), from, channels({0, 1, 2}), start + 20ms), Fate::ends);
+    EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start + 20ms + RingWatch::patience), Fate::passes) << "it is not there";
+    EXPECT_EQ(pass(host(2), 0, channels({1, 2}), start + 30s), Fate::passes);
+    EXPECT_EQ(pass(host(2), 1, channels({0, 2}), start + 30s), Fate::ends) << "at once";
+    come_back(2, start + 30s);    // it was asked again
+    EXPECT_TRUE(guard.rings().is_ring(channel(1), start + 89s));
+    EXPECT_FALSE(guard.rings().is_ring(channel(1), start + 91s));
+}
+
+// It comes by the channel that brought it first, and goes round in one direction.
+TEST_F(Guarded, what_entered_a_known_ring_elsewhere_passes_once) {
+    pass(host(9), 0, channels({1, 2}), start);
+    pass(host(9), 1, channels({0, 2}), start);
+    come_back(2, start);
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 1s), Fate::passes);
+    EXPECT_EQ(pass(host(1), 2, channels({0, 1}), start + 1s), Fate::ends);
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 1s), Fate::ends) << "went out by 2";
+    EXPECT_EQ(pass(host(1), 1, channels({0, 2}), start + 2s), Fate::passes) << "said again";
+}
+
+TEST_F(Guarded, where_no_probe_may_go_one_return_passes) {
+    pass(host(1), 0, channels({8, 9}), start);
+    EXPECT_EQ(pass(host(1), 8, channels({0, 9}), start + 10ms), Fate::passes);
+    EXPECT_EQ(pass(host(1), 9, channels({0, 8}), start + 10ms), Fate::ends);
+    EXPECT_EQ(pass(host(1), 8, channels({0, 9}), start + 20ms), Fate::ends);
+    EXPECT_TRUE(probe.empty());
+}
+
+TEST_F(Guarded, where_no_probe_may_go_an_end_that_keeps_what_it_gets_is_no_ring) {
+    pass(host(1), 0, channels({8}), start);    // and it never came back
+    pass(host(2), 0, channels({8}), start + 5s);
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(pass(host(2), 8, channels({0}), start + 5s + i * 100ms), Fate::passes);
+}
+
+TEST_F(Guarded, where_no_probe_may_go_what_a_device_said_tells_of_a_ring) {
+    guard.remember(device(1), channel(0), channels({8}), start);
+    EXPECT_EQ(fate(device(1), 8, start + 100ms), Fate::ends);
+    pass(host(2), 0, channels({8}), start + 1s);
+    EXPECT_EQ(fate(host(2), 8, start + 1s), Fate::ends);
+    pass(host(2), 0, channels({8}), start + 70s);
+    EXPECT_EQ(fate(host(2), 8, start + 70s), Fate::passes) << "not for ever";
+}
+
+TEST_F(Guarded, a_sender_that_repeats_itself_loses_nothing) {
+    std::uint32_t passed = 0;
+    auto now = start;
+    for (int i = 0; i < 10'000; ++i, now += 10ms) {
+        const auto judgement = guard.judge(device(1), channel(0), now);
+        if (judgement.fate != Fate::passes) continue;
+        passed += judgement.copies;
+        guard.remember(device(1), channel(0), channel(3), now);
+    }
+    EXPECT_EQ(passed, 10'000u);
+    EXPECT_EQ(guard.take_lost(channel(0), now + 10s), 0u);
+}
+
+TEST_F(Guarded, a_ring_that_began_elsewhere_ends_and_its_last_is_counted) {
+    auto now = start;
+    int turns = 0;
+    for (; turns < 100'000 && pass(device(1), 0, channel(3), now) == Fate::passes; now += 500ms) ++turns;
+    EXPECT_EQ(turns, 1000);
+    EXPECT_EQ(guard.take_lost(channel(0), now), 0u) << "the next may still come";
+    EXPECT_EQ(guard.take_lost(channel(0), now + 2s), 1u);
+    EXPECT_EQ(guard.take_lost(channel(0), now + 2s), 0u);
+}
+
+TEST_F(Guarded, a_thousand_in_a_second_are_a_ring_whatever_the_probe_said) {
+    pass(host(1), 0, channels({1}), start);
+    pass(host(1), 1, channels({0}), start);
+    std::uint32_t passed = 0;
+    for (auto now = start + 500ms; now < start + 1500ms; now += 100us) passed += pass(host(1), 1, channels({0}), now) == Fate::passes;
+    EXPECT_LE(passed, RingWatch::storm);
+    EXPECT_TRUE(guard.rings().is_ring(channel(1), start + 2s));
+}
