@@ -4,6 +4,7 @@
 #include <daemon/peer_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
+#include <gateway/hello.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/router.hpp>
 #include <gateway/settings.hpp>
@@ -13,6 +14,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,7 @@ struct LinkState {
     std::uint8_t group = 0;           // 1 to 64: its number; 0: none
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
+    std::optional<Hello> hello;          // nothing: it never speaks first
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -82,10 +85,17 @@ private:
     void add_links();
     void add_tunnel(const TunnelSettings& settings);
     void add_aliases();
-    void give_rules(LinkState& link, const RuleSettings& settings);
+    void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
+    void give_hello(LinkState& link, const LinkSettings& settings);
     bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
+    void ask(Channel& channel, ano::FrameView frame, Treatment treatment);
+    void look_at_questions();
+    void look_at_hellos();
+    void await_hellos();
+    void say_hello(ChannelId to);
+    TimePoint heard_at(const LinkState& link) const;
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
     void log_conflict();
     bool nothing_waits() const;
@@ -107,15 +117,18 @@ private:
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes
-    LinkSet ruled_;                   // that have rules or aliases
+    LinkSet ruled_;                   // that have rules, aliases, a hello, or devices that take few questions
     std::uint64_t frame_number_ = 0;
     TimePoint now_{};
     TimePoint started_at_{};
+    Alarm hello_due_;
+    Alarm questions_due_;
     Alarm required_check_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;
     std::function<void()> on_stopped_;
     TimePoint stop_by_{};
+    TimePoint questions_due_at_{};
 };
 
 }  // namespace anogate

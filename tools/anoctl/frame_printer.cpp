@@ -73,6 +73,7 @@ void FrameOptions::add(CLI::App& options, FrameOptions& self) {
         if (name != "utf8" && name != "gbk")
             throw CLI::ValidationError{"--encoding", in_quotes(word) + " is neither utf8 nor gbk"};
         self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
+        self.encoding_given = true;
     };
     options.add_option_function<std::string>("--encoding", read_encoding,
                                              "What text on the wire is written in: utf8 (default) or gbk")

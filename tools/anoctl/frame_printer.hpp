@@ -14,6 +14,7 @@ namespace anoctl {
 struct FrameOptions {
     bool json = false;
     ano::Encoding encoding = ano::Encoding::utf8;
+    bool encoding_given = false;
     std::string config;    // where the layouts of flexible messages come from
 
     /// `self` lives as long as the run.
