@@ -369,7 +369,8 @@ void Gateway::link_up(Link& link) {
     s.since = now_;
     s.error.clear();
     gpio_->link_state(link.id(), true);
-    if (s.hello) s.hello->came_up(now_), await_hellos();
+    if (s.hello) s.hello->came_up(now_);
+    await_hellos();
     spdlog::info("{}: up", link.name());
 }
 

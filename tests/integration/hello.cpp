@@ -96,7 +96,10 @@ TEST_F(Hello, does_not_go_round_where_two_links_are_joined_behind_us) {
     std::size_t rounds = 0;
     const TimePoint end = Clock::now() + 1800ms;
     gateway.until([&] {
-        for (const Bytes& frame : split(fc.read()).frames) rounds += frame == hello, back.write(frame);
+        for (const Bytes& frame : split(fc.read()).frames) {
+            rounds += frame == hello ? 1 : 0;
+            back.write(frame);
+        }
         for (const Bytes& frame : split(back.read()).frames) fc.write(frame);
         return Clock::now() >= end;
     });

@@ -205,9 +205,9 @@ struct MonitorOptions {
 
 private:
     // What an option says, else the link.
-    FrameOptions as_said_of(const LinkSettings& link) const {
+    FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
-        if (!frames.encoding_given && link.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
+        if (!frames.encoding_given && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
         return options;
     }
     LinkSettings link_settings() const {
