@@ -12,8 +12,8 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
 
 void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
     if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, now);
-    release(now);
-    if (frames_ == 0 && in_flight_.has_room(now)) return outbox_.push(frame, treatment, now);
+    release(now);    // what waits goes first
+    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, now);
     store(frame, now);
 }
 
