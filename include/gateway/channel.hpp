@@ -4,7 +4,9 @@
 #include <gateway/counters.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/outbox.hpp>
+#include <gateway/question_queue.hpp>
 
+#include <memory>
 #include <string>
 
 namespace anogate {
@@ -21,8 +23,13 @@ struct Channel {
     ano::TimePoint bytes_at{};    // the last byte
     ReceiveCounters beside{};     // of parsers beside `parser`: a CAN link has one for every CAN id
 
+    std::unique_ptr<QuestionQueue> questions{};    // before the outbox, where the device takes few; nullptr: none
+
     /// Of all parsers, and ours.
     ReceiveCounters received() const noexcept;
+    /// Of the outbox and what stands before it.
+    SendCounters sent() const noexcept;
+    std::size_t waiting() const noexcept;
 };
 
 }  // namespace anogate

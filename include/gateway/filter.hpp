@@ -102,7 +102,8 @@ private:
 /// The rules of one link. A link without any has none of these, rather than one that passes all.
 class Rules {
 public:
-    explicit Rules(const RuleSettings& settings) {
+    /// `sends_empty`: whether frames without DATA leave.
+    explicit Rules(const RuleSettings& settings, bool sends_empty = true) : sends_empty_{sends_empty} {
         if (settings.receive != FilterSettings{}) receive_.emplace(settings.receive);
         if (settings.send != FilterSettings{}) send_.emplace(settings.send);
         if (settings.limit.empty()) return;
@@ -116,7 +117,7 @@ public:
     std::uint64_t SendCounters::*refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;
-        if (send_ && !passes(*send_, frame)) return verdict_ = &SendCounters::denied_out;
+        if ((!sends_empty_ && frame.data().empty()) || (send_ && !passes(*send_, frame))) return verdict_ = &SendCounters::denied_out;
         if (limit_ && !limit_->passes(frame.id(), now)) return verdict_ = &SendCounters::limited;
         return verdict_ = nullptr;
     }
@@ -128,6 +129,7 @@ private:
 
     std::optional<Filter> receive_, send_;
     std::unique_ptr<Limit> limit_;
+    bool sends_empty_;
     std::uint64_t judged_ = 0;
     std::uint64_t SendCounters::*verdict_ = nullptr;
 };

@@ -22,6 +22,7 @@ struct LinkFigures {
     std::string_view kind;        // "serial", …
     bool up = false;
     bool listens = false;         // has a channel a peer, and waits for them
+    bool waits_to_hear = false;   // never speaks first, and could be told to
     std::size_t channels = 0;
     ReceiveCounters received;     // all channels, and what belongs to none
     SendCounters sent;

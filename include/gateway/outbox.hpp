@@ -18,6 +18,8 @@
 
 namespace anogate {
 
+class InFlight;
+
 /// Urgent frames leave first, then telemetry, then bulk, but whenever a class sends, those below it that wait keep a
 /// tenth of the bytes. Within a class, first in, first out. A frame of which a part has left is never dropped but by
 /// close(). Neither throws nor allocates after construction; constant time a frame, amortised.
@@ -65,6 +67,9 @@ public:
     void open() noexcept { open_ = true; }
     /// The wire is gone: what waits is counted link_down.
     void close() noexcept;
+
+    /// `in_flight` is told of every frame that waits, leaves or is dropped, but of none by close(). It lives as long.
+    void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
 
     void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
     bool is_open() const noexcept { return open_; }
@@ -127,6 +132,9 @@ private:
     std::size_t choose(const Schedule& schedule) const noexcept;
     void advance(Schedule& schedule, std::size_t traffic) const noexcept;
     Index take_first() noexcept;
+    ano::FrameView view(Index i) const noexcept {
+        return ano::FrameView{{arena_.get() + entries_[i].at, entries_[i].size}};
+    }
     List& bucket(std::uint32_t key) noexcept { return buckets_[key * 0x9E3779B1u >> 24]; }
 
     Options options_;
@@ -150,6 +158,8 @@ private:
     std::uint64_t pushed_ = 0;
     bool open_ = false;
     bool congested_ = false;
+    InFlight* in_flight_ = nullptr;    // nobody needs to know
+    ano::TimePoint gathered_at_{};     // what leaves, leaves then
     SendCounters counters_;
 };
 

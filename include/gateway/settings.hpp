@@ -2,10 +2,13 @@
 // (src/daemon/keys.cpp); what each one does stands where it is used.
 #pragma once
 #include <ano/time.hpp>
+#include <ano/values.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/ip.hpp>
 #include <gateway/treatment.hpp>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -79,12 +82,28 @@ struct SimSettings {
     bool operator==(const SimSettings&) const = default;
 };
 
+/// What the devices of a link are known for.
+enum class Profile : std::uint8_t {
+    none,
+    vendor,    // the vendor's newest library: 198 bytes of DATA, no LEN 0, few questions at a time, spoken to first
+};
+using ano::ValueType7;
+enum class TextEncoding : std::uint8_t { utf8, gbk };
+
+/// Most DATA that a device of Profile::vendor takes.
+inline constexpr std::uint16_t vendor_max_data = 198;
+
 struct LinkSettings {
     std::string kind;    // a row of link kinds
     std::string name;
     std::uint8_t id = 0;    // port id 1 to 20; 0: none
-    std::uint16_t max_data = 4096;
-    std::uint32_t queue = 32 * 1024;    // bytes; at least one frame of max_data
+    Profile profile = Profile::none;    // gives the defaults of what is not said below
+    std::uint16_t max_data = 4096;      // of what is accepted
+    std::optional<std::uint16_t> max_data_out;    // of what is sent
+    std::optional<Duration> hello;                // how often to speak first; zero: never
+    std::optional<ValueType7> value_type_7;       // for tools that show what the link brings
+    std::optional<TextEncoding> encoding;         // and of the text in it
+    std::uint32_t queue = 32 * 1024;    // bytes; at least one frame of most_data_out()
     bool flood = true;                  // takes frames for addresses nobody has heard of
     bool broadcast = true;              // takes frames to 0xFF
     std::string group;                  // links of one group lead to the same place; empty: none
@@ -105,6 +124,23 @@ struct LinkSettings {
     CanSettings can;
     SimSettings sim;
     bool operator==(const LinkSettings&) const = default;
+
+    /// What holds where nothing was said.
+    std::uint16_t most_data_out() const noexcept {
+        return max_data_out.value_or(profile == Profile::vendor ? std::min(max_data, vendor_max_data) : max_data);
+    }
+    /// Zero: it never speaks first. A socket that listens has nobody to speak to.
+    Duration hello_interval() const noexcept {
+        const bool on = profile == Profile::vendor && kind != "udp-listen" && broadcast;
+        return hello.value_or(on ? usual_hello : Duration{});
+    }
+    ValueType7 meaning_of_type_7() const noexcept {
+        return value_type_7.value_or(profile == Profile::vendor ? ValueType7::u64 : ValueType7::f32);
+    }
+    TextEncoding text_encoding() const noexcept {
+        return encoding.value_or(profile == Profile::vendor ? TextEncoding::gbk : TextEncoding::utf8);
+    }
+    static constexpr Duration usual_hello = std::chrono::seconds{2};
 };
 
 enum class Unknown : std::uint8_t { flood, drop, link };

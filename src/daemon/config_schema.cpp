@@ -28,6 +28,8 @@ Json type_of(const KeyFacts& key) {
         case Form::addresses:
             return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
         case Form::duration: return text("^[0-9]+(ms|s|m|h)$");
+        case Form::interval:
+            return {{"anyOf", {Json{{"type", "boolean"}}, text("^(on|off|[0-9]+(ms|s|m|h))$")}}};
         case Form::size: return {{"anyOf", {number, text("^[0-9]+([kKMG]B|[KMG]iB)?$")}}};
         case Form::choice: return {{"enum", choices_of(key)}};
         case Form::choice_or_link:

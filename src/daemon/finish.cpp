@@ -58,9 +58,9 @@ void name_links(std::vector<LinkSettings>& links) {
 }
 
 /// 32 KiB, or two frames where one would hardly fit.
-std::uint32_t default_queue(std::uint16_t max_data) {
+std::uint32_t default_queue(std::size_t max_data) {
     const std::uint32_t usual = LinkSettings{}.queue;
-    return std::max(usual, 2 * (static_cast<std::uint32_t>(ano::overhead) + max_data));
+    return std::max(usual, static_cast<std::uint32_t>(2 * (ano::overhead + max_data)));
 }
 
 /// The local endpoint that a link binds; port 0 when it binds none of its own choice.
@@ -114,16 +114,17 @@ private:
 
     void link(std::size_t i) {
         const LinkSettings& link = links_[i];
-        const std::size_t least = ano::overhead + link.max_data;
+        const std::size_t least = ano::overhead + link.most_data_out();
         if (is_reserved(link.name))
             error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
         if (link.queue < least)
             error(draft_.links[i], "queue",
-                  "'queue' must be at least max_data + 8, here " + std::to_string(least) + ", to hold one frame, not " +
+                  "'queue' must be at least " + bound_out(link) + " + 8, here " + std::to_string(least) + ", to hold one frame, not " +
                       std::to_string(link.queue));
         if (link.id != 0 && link.id == draft_.settings.gateway.id)
             error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
         for (std::size_t k = 0; k < links_.size(); ++k) ids_of(i, k);
+        hello(i);
         slow_line(i);
     }
 
@@ -141,6 +142,23 @@ private:
                             ", frames to it go there; give one of them another");
     }
 
+    // The key that bounds what leaves.
+    static std::string bound_out(const LinkSettings& link) {
+        return link.most_data_out() != link.max_data ? "max_data_out" : "max_data";
+    }
+
+    void hello(std::size_t i) {
+        const LinkSettings& link = links_[i];
+        if (!link.hello || *link.hello == Duration{}) return;
+        if (link.kind == "udp-listen")
+            error(draft_.links[i], "hello",
+                  "'hello' is not possible on udp-listen: it knows nobody to speak to before they have spoken; "
+                  "for a device at a known address use udp:IP:PORT,hello=on");
+        else if (!link.broadcast)
+            warning(draft_.links[i].key("hello"),
+                    "'hello' is a frame to everybody (0xFF), which broadcast=no keeps off this link: it is never said");
+    }
+
     // While a frame is on its way, nothing overtakes it.
     void slow_line(std::size_t i) {
         const LinkSettings& link = links_[i];
@@ -148,15 +166,16 @@ private:
         if (rate == 0 && link.kind == "serial" && link.serial.pace != Pace::off)
             rate = uart_rate(link.serial.baud, link.serial.parity != Parity::none, link.serial.stop_bits);
         if (rate == 0) return;
-        const std::uint64_t milliseconds = (ano::overhead + link.max_data) * std::uint64_t{1000} / rate;
+        const std::uint64_t milliseconds = (ano::overhead + link.most_data_out()) * std::uint64_t{1000} / rate;
         if (milliseconds <= slow_frame) return;
         const std::uint64_t fits = rate * slow_frame / 1000;
         const std::string limit = std::to_string(slow_frame) + " ms";
-        warning(draft_.links[i].key("max_data"),
-                "a frame of max_data " + std::to_string(link.max_data) + " takes " + std::to_string(milliseconds) + " ms at " +
+        const std::string bound = bound_out(link);
+        warning(draft_.links[i].key(bound),
+                "a frame of " + bound + " " + std::to_string(link.most_data_out()) + " takes " + std::to_string(milliseconds) + " ms at " +
                     std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +
                     (fits < ano::overhead ? "even one without DATA takes more than " + limit
-                                          : "max_data " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
+                                          : bound + " " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
 
     void serial(std::size_t i) {
@@ -388,7 +407,7 @@ void finish(Draft& draft) {
     }
     name_links(links);
     for (LinkSettings& link : links)
-        if (link.queue == 0) link.queue = default_queue(link.max_data);
+        if (link.queue == 0) link.queue = default_queue(link.most_data_out());
     Judge{draft}.all();
 }
 

@@ -14,6 +14,8 @@ constexpr Duration stop_look = std::chrono::milliseconds{10};
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr Duration hello_slack = std::chrono::milliseconds{100};
+constexpr std::uint8_t firmware_id = 0xF0;
 
 // What the line carries, to know when the rest of a frame is overdue.
 std::uint32_t line_rate(const LinkSettings& s) {
@@ -43,6 +45,8 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
       router_{settings_.gateway},
       loop_guard_{number_of_its_own()},
       release_{alarms_, [this] { release_held(); }},
+      hello_due_{alarms_, [this] { look_at_hellos(); }, hello_slack},
+      questions_due_{alarms_, [this] { look_at_questions(); }},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
                               if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
@@ -74,13 +78,20 @@ void Gateway::add_links() {
         LinkState& added = links_.emplace_back();
         added.link = make_link(id, link, {io_, alarms_, *this, batch_, sender_});
         added.group = number;
-        give_rules(added, link.rules);
+        give_rules(added, link.rules, link.profile != Profile::vendor);
+        give_hello(added, link);
     }
 }
 
-void Gateway::give_rules(LinkState& link, const RuleSettings& settings) {
-    if (settings == RuleSettings{}) return;
-    link.rules = std::make_unique<Rules>(settings);
+void Gateway::give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty) {
+    if (settings == RuleSettings{} && sends_empty) return;
+    link.rules = std::make_unique<Rules>(settings, sends_empty);
+    ruled_.insert(link.link->id());
+}
+
+void Gateway::give_hello(LinkState& link, const LinkSettings& settings) {
+    if (settings.hello_interval() == Duration{} || !settings.broadcast) return;
+    link.hello.emplace(settings.hello_interval());
     ruled_.insert(link.link->id());
 }
 
@@ -90,8 +101,9 @@ void Gateway::add_aliases() {
         for (const AliasSettings& alias : settings_.aliases)
             if (alias.link == s.link->name()) rules.push_back({alias.device, alias.as});
         if (rules.empty()) continue;
+        const std::size_t largest = std::max(s.link->settings().max_data, s.link->settings().most_data_out());
         for (const AliasRule& rule : rules) router_.pin(rule.as, rule.as, s.link->id());    // it is nowhere else
-        links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, s.link->settings().max_data);
+        links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, largest);
         ruled_.insert(s.link->id());
     }
 }
@@ -116,14 +128,14 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
     std::vector<TunnelLink::Target> wrap_to;
     for (const WrapSettings& rule : settings.wrap) {
         const LinkId to = link_named(rule.link);
-        wrap_to.push_back({to, links_[index(to)].link->settings().max_data});
+        wrap_to.push_back({to, links_[index(to)].link->settings().most_data_out()});
     }
     for (const std::string& name : settings.links) tunnelled_.insert(link_named(name));
     const LinkId id = router_.add_link({});
     auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to), LinkContext{io_, alarms_, *this, batch_, sender_}, *this);
     tunnel_ = tunnel.get();
     links_.emplace_back().link = std::move(tunnel);
-    give_rules(links_.back(), settings.rules);
+    give_rules(links_.back(), settings.rules, true);
 }
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
@@ -143,7 +155,11 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     }
     on_stopped_ = std::move(on_stopped);
     required_check_.cancel();
+    hello_due_.cancel();
+    questions_due_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
+    for (const ChannelId id : used_)    // nobody reads an answer any more
+        if (auto& questions = channels_[index(id)]->questions) questions->close();
     flush();
     stop_by_ = now() + patience;
     stop_check_.set(now_ + stop_look);    // what was written just now shows in the kernel's counts a moment later
@@ -156,7 +172,9 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     const auto id = static_cast<ChannelId>(i);
     const LinkSettings& s = link.settings();
     channels_[i].reset(new Channel{id, link.id(), std::move(peer), ano::FrameParser{parser_options(s)},
-                                   Outbox{{s.queue, s.max_data, s.age}}, {}, now_, {}, {}});
+                                   Outbox{{s.queue, s.most_data_out(), s.age}}, {}, now_, {}, {}});
+    if (s.profile == Profile::vendor)
+        channels_[i]->questions = std::make_unique<QuestionQueue>(channels_[i]->outbox, QuestionQueue::Options{s.queue, s.age.rest});
     used_.insert(id);
     state(link).channels.insert(id);
     router_.open(id, link.id());
@@ -171,8 +189,9 @@ void Gateway::close_channel(Channel& channel) {
     loop_guard_.close(channel.id);
     if (s.up) peer_log_.went(s.link->name(), channel.peer, now_);
     channel.outbox.close();
+    if (channel.questions) channel.questions->close();
     add(s.gone_received, channel.received());
-    add(s.gone_sent, channel.outbox.counters());
+    add(s.gone_sent, channel.sent());
     s.channels.erase(channel.id);
     used_.erase(channel.id);
     to_flush_.erase(channel.id);
@@ -184,6 +203,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     ++frame_number_;
     from.heard_at = now_;
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
+    if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
     const Treatment treatment = treatment_of(frame.id());
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
@@ -230,7 +250,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
-    if (judgement.probe) ask(from.id);
+    if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
     if (judgement.fate == LoopGuard::Fate::ends) {
         if (judgement.elsewhere) compare(from, frame, said.key);
@@ -250,7 +270,7 @@ void Gateway::end_loop(Channel& from, ano::FrameView frame) {
 }
 
 // Ahead of the frame that it is about: in a ring it is back before that.
-void Gateway::ask(ChannelId channel) {
+void Gateway::send_probe(ChannelId channel) {
     ++frame_number_;
     offer(channel, loop_guard_.rings().ask(channel, now_), probe_treatment);
     ++frame_number_;
@@ -290,7 +310,9 @@ void Gateway::keep_from_tunnel(Route& route) {
 
 bool Gateway::admit(Channel& from, ano::FrameView frame) {
     from.heard_at = now_;
-    const Rules* rules = links_[index(from.link)].rules.get();
+    LinkState& link = links_[index(from.link)];
+    if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
+    const Rules* rules = link.rules.get();
     if (rules && !rules->takes(frame)) return ++from.routed.denied_in, false;
     if (gpio_->inhibited().contains(from.link) && is_control(frame)) return ++from.routed.inhibited, false;
     return true;
@@ -306,7 +328,7 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
 bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
     const Said said = said_by(frame);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
-    if (judgement.probe) ask(from.id);
+    if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
     if (judgement.fate == LoopGuard::Fate::withheld) return false;
     from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
@@ -318,6 +340,7 @@ bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
     Rules* rules = links_[index(to)].rules.get();
     const auto cause = rules ? rules->refusal(frame, ++frame_number_, now_) : nullptr;
     if (cause) refuse(to, cause);
+    if (auto& hello = links_[index(to)].hello; hello && frame.id() == firmware_id) hello->saw_firmware(now_);
     return !cause;
 }
 
@@ -340,15 +363,73 @@ void Gateway::say(ChannelId to, ano::FrameView frame) {
 void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
     Channel& channel = *channels_[index(to)];
     if (ruled_.contains(channel.link)) {
-        const LinkState& link = links_[index(channel.link)];
+        LinkState& link = links_[index(channel.link)];
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
         if (link.present_as && !cause) frame = link.present_as->outbound(frame, frame_number_, now_);
         const auto seen = link.aliases ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
+        if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
+        if (channel.questions) return ask(channel, frame, treatment);
     }
     channel.outbox.push(frame, treatment, now_);
     to_flush_.insert(to);
+}
+
+void Gateway::ask(Channel& channel, ano::FrameView frame, Treatment treatment) {
+    channel.questions->push(frame, treatment, now_);
+    to_flush_.insert(channel.id);
+    const auto due = channel.questions->next_look(now_);
+    if (due && !on_stopped_ && (!questions_due_.is_set() || *due < questions_due_at_)) questions_due_.set(questions_due_at_ = *due);
+}
+
+// What was not answered in time makes room for what waits.
+void Gateway::look_at_questions() {
+    std::optional<TimePoint> next;
+    now();
+    for (const ChannelId id : used_) {
+        const auto& questions = channels_[index(id)]->questions;
+        if (!questions) continue;
+        if (questions->release(now_)) to_flush_.insert(id);
+        if (const auto due = questions->next_look(now_)) next = std::min(next.value_or(TimePoint::max()), *due);
+    }
+    if (next && !on_stopped_) questions_due_.set(questions_due_at_ = *next);
+    flush();
+}
+
+TimePoint Gateway::heard_at(const LinkState& link) const {
+    TimePoint latest{};
+    for (const ChannelId id : link.channels) latest = std::max(latest, channels_[index(id)]->heard_at);
+    return latest;
+}
+
+// Speaks first where nothing is heard.
+void Gateway::look_at_hellos() {
+    now();
+    for (LinkState& link : links_) {
+        const auto due = link.hello ? link.hello->due(heard_at(link)) : std::nullopt;
+        if (!due || *due > now_) continue;
+        for (const ChannelId id : link.channels) say_hello(id);
+        link.hello->said(now_);
+    }
+    await_hellos();
+    flush();
+}
+
+// It may come back by any link.
+void Gateway::say_hello(ChannelId to) {
+    const ano::FrameView hello{hello_frame};
+    say(to, hello);
+    loop_guard_.remember(said_by(hello), to, to, now_);
+}
+
+// Until the first moment at which one can be due: frames that come meanwhile set no alarm.
+void Gateway::await_hellos() {
+    std::optional<TimePoint> next;
+    for (const LinkState& link : links_)
+        if (const auto due = link.hello ? link.hello->due(heard_at(link)) : std::nullopt)
+            next = std::min(next.value_or(TimePoint::max()), *due);
+    if (next && !on_stopped_) hello_due_.set(*next);
 }
 
 // A frame that was for the link and for none of its channels.
@@ -385,6 +466,8 @@ void Gateway::link_up(Link& link) {
     s.since = now_;
     s.error.clear();
     gpio_->link_state(link.id(), true);
+    if (s.hello) s.hello->came_up(now_);
+    await_hellos();
     spdlog::info("{}: up", link.name());
 }
 
@@ -392,11 +475,13 @@ void Gateway::link_down(Link& link, std::string why) {
     LinkState& s = state(link);
     for (const ChannelId id : s.channels) {
         channels_[index(id)]->outbox.close();
+        if (auto& questions = channels_[index(id)]->questions) questions->close();
         router_.went_down(id, now_);
     }
     if (s.up || s.error != why) spdlog::warn("{}: {}; waiting for it", link.name(), why);
     if (s.up) s.since = now_;
     s.up = false;
+    if (s.hello) s.hello->went_down();
     s.error = std::move(why);
     gpio_->link_state(link.id(), false);
 }

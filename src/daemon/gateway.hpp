@@ -7,6 +7,7 @@
 #include <gateway/held.hpp>
 #include <gateway/loop_guard.hpp>
 #include <gateway/present_as.hpp>
+#include <gateway/hello.hpp>
 #include <gateway/router.hpp>
 #include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
@@ -17,6 +18,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,7 @@ struct LinkState {
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
     PresentAs* present_as = nullptr;     // nullptr: hosts appear as they are; the links of a group have one in common
+    std::optional<Hello> hello;          // nothing: it never speaks first
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -91,17 +94,24 @@ private:
     void add_tunnel(const TunnelSettings& settings);
     void add_aliases();
     void add_presentations();
-    void give_rules(LinkState& link, const RuleSettings& settings);
     void compare(const Channel& from, ano::FrameView frame, std::uint64_t key);
     bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
                      std::uint32_t& copies);
     void end_loop(Channel& from, ano::FrameView frame);
-    void ask(ChannelId channel);
+    void send_probe(ChannelId channel);
     void take_probe(Channel& from, ano::FrameView probe);
     bool hold(Channel& from, ano::FrameView brought, TimePoint due);
     void release_held();
+    void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
+    void give_hello(LinkState& link, const LinkSettings& settings);
     void keep_from_tunnel(Route& route);
     void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
+    void ask(Channel& channel, ano::FrameView frame, Treatment treatment);
+    void look_at_questions();
+    void look_at_hellos();
+    void await_hellos();
+    void say_hello(ChannelId to);
+    TimePoint heard_at(const LinkState& link) const;
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
     void log_conflict();
     bool nothing_waits() const;
@@ -128,15 +138,18 @@ private:
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes
-    LinkSet ruled_;                   // that have rules, aliases or another face of hosts
+    LinkSet ruled_;                   // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
     std::uint64_t frame_number_ = 0;
     TimePoint now_{};
     TimePoint started_at_{};
+    Alarm hello_due_;
+    Alarm questions_due_;
     Alarm required_check_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;
     std::function<void()> on_stopped_;
     TimePoint stop_by_{};
+    TimePoint questions_due_at_{};
 };
 
 }  // namespace anogate

@@ -41,6 +41,8 @@ std::string expected(const KeyFacts& key) {
         case Form::addresses: return "an address such as 0xDC or a range such as 30-40," + between(least, most);
         case Form::duration:
             return "a duration such as 500ms, 30s or 2m," + between(milliseconds(key.least), milliseconds(key.most));
+        case Form::interval:
+            return "off, on, or a duration such as 5s," + between(milliseconds(key.least), milliseconds(key.most));
         case Form::size: return "a size such as 500kB, 10MB or 1GB";
         case Form::choice:
             return key.choices.find('|') != key.choices.npos ? "one of " + listed(key.choices)
@@ -74,6 +76,7 @@ std::string placeholder(const KeyFacts& key) {
         case Form::can_id: return "CAN_ID";
         case Form::addresses: return "ADDR";
         case Form::duration: return "DURATION";
+        case Form::interval: return "off|on|DURATION";
         case Form::size: return "SIZE";
         case Form::choice: return std::string{key.choices};
         case Form::choice_or_link: return std::string{key.choices} + "|LINK";

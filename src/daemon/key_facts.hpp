@@ -18,6 +18,7 @@ enum class Form : std::uint8_t {
     can_id,
     addresses,    // one, or a range of them
     duration,
+    interval,     // a duration, or whether at all; in JSON a boolean or text
     size,
     choice,
     choice_or_link,    // one of the choices, or the name of a link

@@ -114,6 +114,20 @@ std::string read_allow(const KeyFacts& key, std::string_view text, LinkSettings&
     return {};
 }
 
+std::optional<std::string> write_hello(const KeyFacts&, const LinkSettings& link) {
+    if (!link.hello) return std::nullopt;
+    if (*link.hello == LinkSettings::usual_hello) return "on";
+    return *link.hello == Duration{} ? "off" : duration_text(*link.hello);
+}
+
+std::string read_hello(const KeyFacts& key, std::string_view text, LinkSettings& link) {
+    Duration interval = LinkSettings::usual_hello;
+    if (const auto on = parse_boolean(text)) interval = *on ? interval : Duration{};
+    else if (!read_duration(key, text, interval).empty()) return must_be(key, in_quotes(text));
+    link.hello = interval;
+    return {};
+}
+
 std::optional<std::string> write_unknown(const KeyFacts&, const GatewaySettings& gateway) {
     if (gateway.unknown == Unknown::link) return gateway.unknown_link;
     return gateway.unknown == Unknown::flood ? "flood" : "drop";
@@ -396,8 +410,25 @@ constexpr Key<L> own_link_rows[] = {
         as("NAME"),
     address<&L::id>("id", 1, ano::address::last_port_id,
                     "port id: frames to this address leave by this link (default: none)"),
-    integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame; longer ones are refused"),
-    integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data + 8"),
+    choice<&L::profile>("profile", "none|vendor",
+                        "what the devices there stand; vendor, the maker's newest library: max_data_out=198, hello=on, "
+                        "value_type_7=u64, encoding=gbk, no frame without DATA, at most 8 questions not answered yet"),
+    integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame that comes in; longer ones are refused"),
+    integer<&L::max_data_out>("max_data_out", 0, 65535,
+                              "most bytes of DATA in a frame that leaves (default: max_data, with profile=vendor 198 at most)"),
+    Key<L>{{.name = "hello",
+            .form = Form::interval,
+            .help = "while nothing comes in, asks who is there (0xE0 0 from 0xFE): first after 1 s, then so often, on is 2s "
+                    "(default: off, with profile=vendor on); not on udp-listen",
+            .least = second,
+            .most = day},
+           write_hello,
+           read_hello},
+    choice<&L::value_type_7>("value_type_7", "f32|u64",
+                             "for tools: what type 7 of a command's value means (default: f32, with profile=vendor u64)"),
+    choice<&L::encoding>("encoding", "utf8|gbk",
+                         "for tools: what text on this link is written in (default: utf8, with profile=vendor gbk)"),
+    integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
     boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
     boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
     text<&L::group>("group", 1, longest_name, "links of one group lead to the same place: one carries, copies are dropped (default: none)") |

@@ -55,6 +55,7 @@ Json json_of(const std::string& text, Form form) {
         case Form::can_id:
         case Form::addresses:
         case Form::duration:
+        case Form::interval:
         case Form::size:
         case Form::choice:
         case Form::choice_or_link:

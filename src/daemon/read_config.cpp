@@ -66,6 +66,7 @@ std::optional<std::string> text_of(const json& value, Form form) {
     const auto text = [&] { return value.is_string() ? std::optional{value.get<std::string>()} : std::nullopt; };
     switch (form) {
         case Form::boolean: return value.is_boolean() ? std::optional{value.dump()} : std::nullopt;
+        case Form::interval: return value.is_boolean() ? std::optional{value.dump()} : text();
         case Form::integer: return digits();
         case Form::address:
         case Form::can_id:

@@ -67,7 +67,7 @@ private:
             error("a comma with no key behind it");
         else if (link_.kind == "serial" && parse_number(name))
             error("unknown key " + in_quotes(name) + " (did you mean 'baud=" + std::string{name} + "'?)");
-        else if (key != nullptr && key->form != Form::boolean)
+        else if (key != nullptr && key->form != Form::boolean && key->form != Form::interval)
             error(in_quotes(name) + " needs a value: " + std::string{name} + "=" + placeholder(*key));
         else
             set(name, "true");

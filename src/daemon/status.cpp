@@ -59,6 +59,7 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.up = state.up;
     f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
     f.channels = state.channels.size();
+    f.waits_to_hear = !f.listens && state.link->settings().hello_interval() == Duration{};
     f.up_for = now - state.since;
     f.untaken_for = state.untaken.duration(now);
     f.shared = shared_source(gateway, state.link->id(), now);
@@ -75,9 +76,9 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
             f.ring_back = gateway.links()[index(ring->back)].link->name();
         }
         add(f.received, channel.received());
-        add(f.sent, channel.outbox.counters());
+        add(f.sent, channel.sent());
         f.v7_frames += channel.parser.counters().v7_frames;
-        t.waiting += channel.outbox.waiting();
+        t.waiting += channel.waiting();
         if (channel.heard_at == TimePoint{}) continue;
         f.silent_for = std::min(f.silent_for.value_or(Duration::max()), now - channel.heard_at);
     }
@@ -89,7 +90,7 @@ Json channel_json(const Channel& channel, TimePoint now) {
     json["peer"] = channel.peer;
     json["since_s"] = seconds(now - channel.opened_at);
     if (channel.heard_at != TimePoint{}) json["heard_s"] = seconds(now - channel.heard_at);
-    put(json, channel.received(), channel.outbox.counters(), channel.outbox.waiting());
+    put(json, channel.received(), channel.sent(), channel.waiting());
     return json;
 }
 

@@ -15,6 +15,12 @@ std::string seconds(ano::Duration d) {
     return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
 }
 
+// For a link to a device that may be waiting for the same.
+std::string or_hello(const LinkFigures& link) {
+    const bool device = link.kind == "serial" || link.kind == "udp" || link.kind == "can";
+    return link.waits_to_hear && device ? " (some speak only when spoken to: try hello=on)" : "";
+}
+
 std::string nothing_at_all(const LinkFigures& link) {
     if (link.kind == "serial") return "nothing received yet: is the device powered, are RX and TX crossed?";
     if (link.listens && link.channels == 0) return "no peer yet: a peer is known after its first whole frame";
@@ -57,14 +63,17 @@ std::string hint_of_trouble(const LinkFigures& link) {
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
-    if (in.bytes_in == 0 && link.up_for >= patience) return nothing_at_all(link);
+    if (in.bytes_in == 0 && link.up_for >= patience) {
+        std::string nothing = nothing_at_all(link);
+        return nothing.empty() ? nothing : nothing + or_hello(link);
+    }
     return {};
 }
 
 std::string hint(const LinkFigures& link) {
     std::string trouble = hint_of_trouble(link);
     if (!trouble.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return trouble;
-    return "silent for " + seconds(*link.silent_for);
+    return "silent for " + seconds(*link.silent_for) + or_hello(link);
 }
 
 }  // namespace anogate

@@ -1,3 +1,4 @@
+#include <gateway/in_flight.hpp>
 #include <gateway/outbox.hpp>
 
 #include <algorithm>
@@ -83,6 +84,7 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     append<&Entry::in_class>(queues_[traffic], i);
     append<&Entry::in_arena>(in_arena_, i);
     if (replaceable) append<&Entry::in_bucket>(bucket(key), i);
+    if (in_flight_) in_flight_->queued(frame);
 }
 
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
@@ -97,6 +99,7 @@ Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
 
 std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now,
                            std::size_t budget) noexcept {
+    gathered_at_ = now;
     std::size_t count = 0;
     std::size_t total = 0;
     const auto give = [&](const Entry& entry, std::size_t from) {
@@ -137,6 +140,7 @@ void Outbox::sent_frame() noexcept {
     ++counters_.frames_out;
     counters_.bytes_out += entries_[i].size;
     if (entries_[i].size == ano::overhead) ++counters_.empty_out;
+    if (in_flight_) in_flight_->left(view(i), gathered_at_);
     begun_ = none;
     partly_sent_ = 0;
     release(i);
@@ -145,7 +149,9 @@ void Outbox::sent_frame() noexcept {
 void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
     assert(frames_ > 0 && begun_ == none);    // the receiver would take what follows for the rest of it
     ++(counters_.*cause);
-    release(take_first());
+    const Index i = take_first();
+    if (in_flight_) in_flight_->dropped(view(i));
+    release(i);
 }
 
 void Outbox::close() noexcept {
@@ -250,6 +256,7 @@ void Outbox::release(Index i) noexcept {
 
 void Outbox::drop(Index i, std::uint64_t SendCounters::*cause) noexcept {
     ++(counters_.*cause);
+    if (in_flight_) in_flight_->dropped(view(i));
     unqueue(i);
     release(i);
 }

@@ -104,6 +104,22 @@ TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
     EXPECT_NE(monitor.err().find("2 frames shown of 2, 0 bytes of no frame"), std::string::npos) << monitor.err();
 }
 
+TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
+    const support::TemporaryFolder folder;
+    support::PtyDevice device{(folder.path() / "tty").string()};
+    const auto log = support::frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3});    // in GBK one character, in UTF-8 another
+    Monitor vendor{{"serial:" + device.path() + ",profile=vendor", "--count", "1"}};
+    ASSERT_TRUE(vendor.says("is up")) << vendor.err();
+    device.write(log);
+    EXPECT_EQ(vendor.exit_code(), 0);
+    EXPECT_NE(vendor.out().find("模"), std::string::npos) << vendor.out();
+    Monitor told{{"serial:" + device.path() + ",profile=vendor", "--count", "1", "--encoding", "utf8"}};
+    ASSERT_TRUE(told.says("is up")) << told.err();
+    device.write(log);
+    EXPECT_EQ(told.exit_code(), 0);
+    EXPECT_NE(told.out().find("ģ"), std::string::npos) << told.out();
+}
+
 TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
     const support::TemporaryFolder folder;
     const std::string path = (folder.path() / "port").string();

@@ -158,7 +158,7 @@ TEST_F(Hints, silence_is_told_with_its_length) {
 
 TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
-    EXPECT_TRUE(hint_says("fc", "nothing received yet"));
+    EXPECT_TRUE(hint_says("fc", "nothing received yet: is the device powered, are RX and TX crossed? (some speak only when spoken to: try hello=on)"));
     EXPECT_TRUE(hint_says("ground", "no peer yet"));
 }
 

@@ -109,8 +109,8 @@ public:
         for (const anogate::LinkState& state : gateway_.links()) {
             if (anogate::unaccounted(state.gone_sent) != 0) return false;
             for (const anogate::ChannelId id : state.channels) {
-                const anogate::Outbox& outbox = gateway_.channel(id).outbox;
-                if (anogate::unaccounted(outbox.counters()) != outbox.waiting()) return false;
+                const anogate::Channel& channel = gateway_.channel(id);
+                if (anogate::unaccounted(channel.sent()) != channel.waiting()) return false;
             }
         }
         return true;
@@ -125,8 +125,8 @@ private:
         for (const anogate::ChannelId id : state.channels) {
             const anogate::Channel& channel = gateway_.channel(id);
             add(received, channel.received());
-            add(sent, channel.outbox.counters());
-            waiting += channel.outbox.waiting();
+            add(sent, channel.sent());
+            waiting += channel.waiting();
         }
         if (counter == "waiting") return waiting;
         for (const auto& row : anogate::receive_counters)

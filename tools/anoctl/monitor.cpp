@@ -72,7 +72,7 @@ private:
                                        link.id(),
                                        std::move(peer),
                                        ano::FrameParser{{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet}},
-                                       Outbox{{s.queue, s.max_data}},
+                                       Outbox{{s.queue, s.most_data_out()}},
                                        {},
                                        now_,
                                        {},
@@ -199,10 +199,18 @@ struct MonitorOptions {
 
     int run(Streams& streams) const {
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
-        return Monitor{link_settings(), filter, count, streams, frames}.run();
+        const LinkSettings settings = link_settings();
+        return Monitor{settings, filter, count, streams, as_said_of(settings)}.run();
     }
 
 private:
+    // What an option says, else the link.
+    FrameOptions as_said_of(const LinkSettings& settings) const {
+        FrameOptions options = frames;
+        if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
+        if (!options.value_type_7) options.value_type_7 = settings.meaning_of_type_7();
+        return options;
+    }
     LinkSettings link_settings() const {
         anogate::Draft draft;
         read_link(link, "", draft);

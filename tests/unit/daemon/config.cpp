@@ -360,7 +360,25 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data 1144 keeps it under 100 ms"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data 492"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data 0 keeps it under 100 ms"), std::string::npos);
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,profile=vendor"), "") << "what leaves is meant, not what comes in";
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=1140"), "");
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("a frame of max_data_out 198 takes 214 ms"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("max_data_out 88 keeps it under 100 ms"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even one without DATA takes more than 100 ms"), std::string::npos);
+}
+
+TEST(Config, speaks_first_only_where_that_can_be_done) {
+    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:12333,hello=on"}).find("'hello' is not possible on udp-listen: it knows nobody to speak to"),
+              std::string::npos);
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,hello=off"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,profile=vendor"}), "");
+    const Draft draft = parse_config(R"({"links": ["serial:/dev/x,broadcast=no,hello=on", "serial:/dev/y,broadcast=no,profile=vendor"]})");
+    EXPECT_EQ(draft.errors.size(), 0u);
+    ASSERT_EQ(draft.warnings.size(), 1u);
+    EXPECT_NE(draft.warnings[0].what.find("broadcast=no keeps off this link"), std::string::npos);
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": true}]})"), "");
+    EXPECT_NE(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": 2}]})").find("'hello' must be off, on, or a duration"),
+              std::string::npos);
 }
 
 TEST(Config, warns_of_what_is_as_good_as_not_said) {
@@ -450,6 +468,15 @@ RuleSettings random_rules(support::Random& random) {
     return rules;
 }
 
+void give_devices(LinkSettings& link, support::Random& random) {
+    link.profile = random.of({Profile::none, Profile::vendor});
+    if (random.one_in(2)) link.max_data_out = static_cast<std::uint16_t>(random.below(link.max_data + 1u));
+    if (random.one_in(2)) link.value_type_7 = random.of({ValueType7::f32, ValueType7::u64});
+    if (random.one_in(2)) link.encoding = random.of({TextEncoding::utf8, TextEncoding::gbk});
+    if (link.kind != "udp-listen" && random.one_in(2))
+        link.hello = random.of<Duration>({Duration{}, LinkSettings::usual_hello, std::chrono::milliseconds{1500}});
+}
+
 void give_traffic(LinkSettings& link, support::Random& random) {
     const auto duration = [&](unsigned most) { return std::chrono::milliseconds{1 + random.below(most)}; };
     link.group = random.of({"", "vehicle", "飞"});
@@ -500,6 +527,7 @@ Settings random_settings(support::Random& random) {
         if (random.one_in(2)) link.id = static_cast<std::uint8_t>(i + 1 == s.gateway.id || i >= 20 ? 0 : i + 1);
         link.max_data = static_cast<std::uint16_t>(random.below(65536));
         link.queue = link.max_data + 8u + random.below(100'000u);
+        give_devices(link, random);
         link.flood = random.one_in(2);
         link.broadcast = random.one_in(2);
         link.required = random.one_in(2);

@@ -119,6 +119,45 @@ TEST(LinkText, keys_of_every_link) {
     EXPECT_EQ(link, expected);
 }
 
+TEST(LinkText, hello_is_a_switch_or_an_interval) {
+    using namespace std::chrono_literals;
+    EXPECT_EQ(link_of("serial:/dev/x").hello_interval(), 0s);
+    EXPECT_EQ(link_of("serial:/dev/x,hello").hello_interval(), 2s);
+    EXPECT_EQ(link_of("serial:/dev/x,hello=on").hello_interval(), 2s);
+    EXPECT_EQ(link_of("udp:127.0.0.1:5,hello=10s").hello_interval(), 10s);
+    EXPECT_EQ(link_of("serial:/dev/x,profile=vendor,hello=off").hello_interval(), 0s);
+    EXPECT_EQ(fault_of("serial:/dev/x,hello=900ms"), "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
+}
+
+TEST(LinkText, a_profile_gives_defaults_and_no_more) {
+    using namespace std::chrono_literals;
+    const LinkSettings vendor = link_of("serial:/dev/x,profile=vendor");
+    EXPECT_EQ(vendor.max_data, 4096) << "of what comes in";
+    EXPECT_EQ(vendor.most_data_out(), 198);
+    EXPECT_EQ(vendor.hello_interval(), 2s);
+    EXPECT_EQ(vendor.meaning_of_type_7(), ValueType7::u64);
+    EXPECT_EQ(vendor.text_encoding(), TextEncoding::gbk);
+    const LinkSettings said = link_of("serial:/dev/x,profile=vendor,max_data_out=298,hello=5s,value_type_7=f32,encoding=utf8");
+    EXPECT_EQ(said.most_data_out(), 298);
+    EXPECT_EQ(said.hello_interval(), 5s);
+    EXPECT_EQ(said.meaning_of_type_7(), ValueType7::f32);
+    EXPECT_EQ(said.text_encoding(), TextEncoding::utf8);
+    const LinkSettings none = link_of("serial:/dev/x,max_data=1000");
+    EXPECT_EQ(none.most_data_out(), 1000);
+    EXPECT_EQ(none.meaning_of_type_7(), ValueType7::f32);
+    EXPECT_EQ(none.text_encoding(), TextEncoding::utf8);
+    EXPECT_EQ(link_of("udp-listen:0.0.0.0:5,profile=vendor").hello_interval(), 0s) << "it has nobody to speak to";
+    EXPECT_EQ(link_of("serial:/dev/x,profile=vendor,broadcast=no").hello_interval(), 0s);
+}
+
+TEST(LinkText, the_queue_holds_what_may_leave) {
+    EXPECT_EQ(link_of("sim:fc,max_data=65535,max_data_out=100").queue, 32768u);
+    EXPECT_EQ(link_of("sim:fc,max_data_out=65535").queue, 2u * 65543);
+    EXPECT_EQ(link_of("sim:fc,profile=vendor,queue=206").queue, 206u);
+    EXPECT_EQ(fault_of("sim:fc,profile=vendor,queue=205"),
+              "'queue' must be at least max_data_out + 8, here 206, to hold one frame, not 205");
+}
+
 TEST(LinkText, udp_listen) {
     const LinkSettings link = link_of("udp-listen:[::]:12333,peer_timeout=90s,max_peers=3,allow=192.168.0.0/16+::1");
     EXPECT_EQ(link.udp_listen.local.text(), "[::]:12333");

@@ -1,5 +1,7 @@
 #include <gateway/filter.hpp>
 
+#include <support/bytes.hpp>
+
 #include <gtest/gtest.h>
 
 using namespace anogate;
@@ -47,6 +49,17 @@ TEST(Filter, denied_do_not_pass_whatever_allows_them) {
     const Filter destinations = filter([](auto& s) { s.deny_destinations = {{0xFF, 0xFF}}; });
     EXPECT_TRUE(destinations.passes(0xFF, 0xFE, 0xFF));
     EXPECT_FALSE(destinations.passes(1, 0xFF, 1));
+}
+
+TEST(Rules, of_a_link_whose_devices_choke_on_it_keep_back_what_has_no_data) {
+    const auto empty = support::frame(0xFE, 0xDC, 0xFB);
+    const auto full = support::frame(0xFE, 0xDC, 0xFB, {0});
+    Rules rules{{}, false};
+    EXPECT_EQ(rules.refusal(ano::FrameView{empty}, 1, {}), &SendCounters::denied_out);
+    EXPECT_EQ(rules.refusal(ano::FrameView{full}, 2, {}), nullptr);
+    EXPECT_TRUE(rules.takes(ano::FrameView{empty})) << "what comes in is another matter";
+    Rules others{{}};
+    EXPECT_EQ(others.refusal(ano::FrameView{empty}, 1, {}), nullptr);
 }
 
 TEST(Limit, is_spaced_and_saves_nothing_up) {

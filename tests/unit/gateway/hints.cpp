@@ -66,5 +66,30 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     EXPECT_EQ(hint(link), "");
 }
 
+TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
+    using namespace std::chrono_literals;
+    const std::string advice = " (some speak only when spoken to: try hello=on)";
+    const auto ends_with_it = [&](const LinkFigures& link) { return hint(link).ends_with(advice); };
+    for (const char* kind : {"serial", "udp", "can"}) {
+        LinkFigures link{};
+        link.kind = kind;
+        link.up = true;
+        link.up_for = 3s;
+        EXPECT_FALSE(ends_with_it(link)) << "it says hello";
+        link.waits_to_hear = true;
+        EXPECT_TRUE(ends_with_it(link)) << hint(link);
+        EXPECT_EQ(hint(link), hint_of_trouble(link));
+        link.received.frames_in = link.received.bytes_in = 1000;
+        EXPECT_EQ(hint(link), "");
+        link.silent_for = 12s;
+        EXPECT_EQ(hint(link), "silent for 12 s" + advice);
+    }
+    LinkFigures program{};
+    program.kind = "pty";
+    program.up = program.waits_to_hear = true;
+    program.silent_for = 12s;
+    EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
+}
+
 }  // namespace
 }  // namespace anogate

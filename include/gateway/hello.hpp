@@ -1,0 +1,60 @@
+// When to speak first on a link whose other end says nothing until it was spoken to.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace anogate {
+
+/// One link's. A question for the device info, as a host asks it, while nothing comes in: not in the first second after
+/// the link came up or after the last frame, for a boot loader listens then, and not while a firmware update may be
+/// under way.
+class Hello {
+public:
+    static constexpr ano::Duration first_silence = std::chrono::seconds{1};
+    static constexpr ano::Duration least_interval = std::chrono::seconds{1};
+    static constexpr ano::Duration update_pause = std::chrono::seconds{60};
+
+    /// `interval` between two of them, at least least_interval.
+    explicit Hello(ano::Duration interval) : interval_{std::max(interval, least_interval)} {}
+
+    void came_up(ano::TimePoint now) noexcept {
+        up_at_ = now;
+        said_at_.reset();
+    }
+    void went_down() noexcept { up_at_.reset(); }
+    /// A firmware frame (0xF0) passed, to the link or from it.
+    void saw_firmware(ano::TimePoint now) noexcept { firmware_at_ = now; }
+    void said(ano::TimePoint now) noexcept { said_at_ = now; }
+
+    /// When the next is due if nothing is heard until then; nothing while the link is down. `heard_at` is the time of
+    /// the last good frame that the link brought, zero for none.
+    std::optional<ano::TimePoint> due(ano::TimePoint heard_at) const noexcept {
+        if (!up_at_) return std::nullopt;
+        ano::TimePoint at = std::max(*up_at_, heard_at) + first_silence;
+        if (said_at_) at = std::max(at, *said_at_ + interval_);
+        if (firmware_at_) at = std::max(at, *firmware_at_ + update_pause);
+        return at;
+    }
+
+private:
+    ano::Duration interval_;
+    std::optional<ano::TimePoint> up_at_;
+    std::optional<ano::TimePoint> said_at_;    // since it came up
+    std::optional<ano::TimePoint> firmware_at_;
+};
+
+/// 0xE0 0 as 0xFE to 0xFF: who is there?
+inline constexpr auto hello_frame = [] {
+    constexpr std::array<std::uint8_t, 3> device_info{};    // command 0, value 0
+    std::array<std::uint8_t, ano::overhead + device_info.size()> frame{};
+    ano::encode(frame, 0xFE, 0xFF, 0xE0, device_info);
+    return frame;
+}();
+
+}    // namespace anogate

@@ -1,0 +1,67 @@
+// Stands before the outbox of a device that takes few questions at a time: the one too many waits here, and all other
+// traffic passes it.
+//
+// Flow:    questions.push(frame, treatment, now)    // every frame for the channel; then flush it
+//          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
+//          if (questions.release(now)) ...          // at next_look(); true: flush it
+#pragma once
+#include <gateway/in_flight.hpp>
+#include <gateway/outbox.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace anogate {
+
+/// Questions leave in the order in which they came. One that waits is as bounded and ages as in the outbox; what is
+/// dropped here is counted here. Neither throws nor allocates after construction.
+class QuestionQueue {
+public:
+    struct Options {
+        std::size_t bytes = 32 * 1024;                   // bound of what waits here
+        ano::Duration age = std::chrono::seconds{5};    // what waited longer is dropped
+    };
+    /// `outbox` stays where it is as long as this is used, and tells this what becomes of its frames.
+    QuestionQueue(Outbox& outbox, const Options& options);
+    QuestionQueue(const QuestionQueue&) = delete;
+    QuestionQueue& operator=(const QuestionQueue&) = delete;
+
+    /// Into the outbox, but a question that finds InFlight::most before it waits.
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+    /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
+    bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
+    /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.
+    bool release(ano::TimePoint now) noexcept;
+    /// When release() may do something by itself; nothing while nothing waits.
+    std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
+    /// What waits is counted link_down. The outbox is closed by others.
+    void close() noexcept;
+
+    std::size_t waiting() const noexcept { return frames_; }
+    std::size_t in_flight() const noexcept { return in_flight_.size(); }
+    /// Of what waits here or was dropped here; what went into the outbox is counted there.
+    const SendCounters& counters() const noexcept { return counters_; }
+
+private:
+    struct Head {
+        ano::TimePoint arrived;
+        std::size_t size;    // of the frame behind it
+    };
+    Head first() const noexcept;
+    void store(ano::FrameView frame, ano::TimePoint now) noexcept;
+    void pop() noexcept;
+    void drop(std::uint64_t SendCounters::*cause) noexcept;
+
+    Outbox& outbox_;
+    InFlight in_flight_;
+    Options options_;
+    std::unique_ptr<std::uint8_t[]> room_;    // twice the bound; a head and its frame, one behind the other
+    std::size_t begin_ = 0;
+    std::size_t end_ = 0;
+    std::size_t frames_ = 0;
+    SendCounters counters_;
+};
+
+}    // namespace anogate

@@ -1,0 +1,219 @@
+// A queue of questions before an outbox, whatever comes, leaves, is answered, fails or ages: at most eight questions are
+// unanswered, commands and all else never wait for them, questions keep their order, and every frame is accounted for.
+#include <gateway/question_queue.hpp>
+
+#include <support/allocations.hpp>
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <deque>
+#include <map>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::Random;
+
+namespace {
+
+constexpr std::uint8_t host = 0xFE, fc = 0xDC;
+
+Bytes question(std::uint16_t n) {
+    return support::frame(host, fc, 0xE0, {2, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
+}
+Bytes answer(std::uint16_t n) {
+    return support::frame(fc, host, 0xE1, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8), 1});
+}
+std::uint16_t number(const Bytes& question) { return static_cast<std::uint16_t>(question[7] | question[8] << 8); }
+
+Bytes other_frame(Random& random) {
+    const auto id = random.of<std::uint8_t>({0xC0, 0x40, 0x41, 0xE1, 0x61, 0x03, 0xA0, 0xB0});
+    Bytes data(random.below(30u));
+    for (auto& byte : data) byte = random.byte();
+    return support::frame(host, fc, id, data);
+}
+
+// The device at the other end, and what it knows.
+struct Device {
+    std::map<std::uint16_t, ano::TimePoint> unanswered;
+    std::deque<Bytes> others;
+    int last = -1;
+
+    void hear(const Bytes& frame, ano::TimePoint now) {
+        if (!question_in(ano::FrameView{frame})) return others.push_back(frame);
+        ASSERT_GT(number(frame), last) << "in the order in which they were asked";
+        last = number(frame);
+        for (auto it = unanswered.begin(); it != unanswered.end();)
+            it = now >= it->second + InFlight::patience ? unanswered.erase(it) : std::next(it);
+        unanswered[number(frame)] = now;
+        ASSERT_LE(unanswered.size(), InFlight::most);
+    }
+};
+
+class Line {
+public:
+    explicit Line(const QuestionQueue::Options& options) : queue{outbox, options} { outbox.open(); }
+
+    void push(const Bytes& frame) {
+        ++offered;
+        const std::size_t before = outbox.waiting();
+        const bool waits = question_in(ano::FrameView{frame}).has_value();
+        const auto allocated = support::allocations;
+        queue.push(ano::FrameView{frame}, treatment_of(frame[3]), now);
+        ASSERT_EQ(support::allocations, allocated);
+        if (!waits && !tight) {
+            ASSERT_EQ(outbox.waiting(), before + 1) << "only questions wait";
+        }
+    }
+    void send(std::size_t most) {
+        std::array<std::span<const std::uint8_t>, 16> pieces;
+        const std::size_t count = outbox.gather(std::span{pieces}.first(std::min(most, pieces.size())), now);
+        std::vector<Bytes> frames;
+        for (std::size_t i = 0; i < count; ++i) frames.emplace_back(pieces[i].begin(), pieces[i].end());
+        for (const Bytes& frame : frames) {
+            outbox.sent_frame();
+            device.hear(frame, now);
+        }
+    }
+    void reply(Random& random) {
+        if (device.unanswered.empty()) return;
+        auto one = device.unanswered.begin();
+        std::advance(one, random.below(device.unanswered.size()));
+        const Bytes frame = answer(one->first);
+        device.unanswered.erase(one);
+        queue.hear(ano::FrameView{frame}, now);
+    }
+    void close() {
+        outbox.close();
+        queue.close();
+        device.unanswered.clear();    // it restarts
+    }
+    void expect_accounted() {
+        SendCounters all = outbox.counters();
+        add(all, queue.counters());
+        ASSERT_EQ(all.offered, offered);
+        ASSERT_EQ(unaccounted(all), outbox.waiting() + queue.waiting());
+        ASSERT_EQ(unaccounted(queue.counters()), queue.waiting());
+        ASSERT_LE(queue.in_flight(), InFlight::most);
+        ASSERT_EQ(queue.next_look(now).has_value(), queue.waiting() > 0) << "or it would wait for ever";
+    }
+
+    ano::TimePoint now{1h};
+    Outbox outbox{{.bytes = 4096, .max_data = 198}};
+    QuestionQueue queue;
+    Device device;
+    std::uint64_t offered = 0;
+    bool tight = false;    // the outbox may be full
+};
+
+TEST(Questions, whatever_happens) {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random{seed};
+        Line line{{.bytes = 400, .age = 5s}};
+        line.tight = true;
+        std::uint16_t asked = 0;
+        for (int step = 0; step < 600; ++step) {
+            switch (random.below(8)) {
+                case 0:
+                case 1: line.push(question(asked++)); break;
+                case 2: line.push(other_frame(random)); break;
+                case 3: line.send(random.below(16u)); break;
+                case 4: line.reply(random); break;
+                case 5: line.now += std::chrono::milliseconds{random.below(random.one_in(10) ? 3000 : 60)}; break;
+                case 6: line.queue.release(line.now); break;
+                case 7:
+                    if (random.one_in(20)) line.outbox.is_open() ? line.close() : line.outbox.open();
+                    else if (random.one_in(10)) line.outbox.set_congested();
+                    else if (!line.outbox.empty() && random.one_in(10)) line.outbox.drop_frame(&SendCounters::send_failed);
+                    break;
+            }
+            line.expect_accounted();
+            if (HasFatalFailure()) FAIL() << "seed " << seed << ", step " << step;
+        }
+    }
+}
+
+TEST(Questions, all_are_asked_when_the_device_answers) {
+    Line line{{}};
+    Random random{1};
+    for (std::uint16_t n = 0; n < 300; ++n) line.push(question(n));
+    while (line.device.last < 299) {
+        line.send(16);
+        ASSERT_FALSE(line.device.unanswered.empty());
+        line.reply(random);
+        line.now += 5ms;
+    }
+    EXPECT_EQ(line.queue.waiting() + line.outbox.waiting(), 0u);
+    EXPECT_EQ(line.outbox.counters().frames_out, 300u) << "nothing lost";
+}
+
+TEST(Questions, the_ninth_leaves_half_a_second_later_when_nobody_answers) {
+    Line line{{}};
+    for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));
+    line.send(16);
+    EXPECT_EQ(line.device.last, 7);
+    EXPECT_EQ(line.queue.next_look(line.now), line.now + 500ms);
+    line.now += 499ms;
+    EXPECT_FALSE(line.queue.release(line.now));
+    line.now += 1ms;
+    EXPECT_TRUE(line.queue.release(line.now));
+    line.send(16);
+    EXPECT_EQ(line.device.last, 8);
+}
+
+TEST(Questions, commands_and_sticks_pass_those_that_wait) {
+    Line line{{}};
+    for (std::uint16_t n = 0; n < 20; ++n) line.push(question(n));
+    line.send(16);
+    for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xC0, 0x40, 0x41, 0xE1}) line.push(support::frame(host, fc, id, Bytes(11)));
+    line.push(support::frame(host, fc, 0xE0, {0x10, 0xAB, 0}));
+    line.send(16);
+    EXPECT_EQ(line.device.others.size(), 5u);
+    EXPECT_EQ(line.queue.waiting(), 12u);
+}
+
+TEST(Questions, age_counts_from_when_they_came) {
+    Line line{{.age = 5s}};
+    for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));    // and nothing leaves
+    line.now += 4999ms;
+    EXPECT_EQ(line.queue.next_look(line.now), line.now + 1ms);
+    EXPECT_FALSE(line.queue.release(line.now));
+    EXPECT_EQ(line.queue.waiting(), 1u);
+    line.now += 1ms;
+    EXPECT_FALSE(line.queue.release(line.now));
+    EXPECT_EQ(line.queue.counters().stale, 1u);
+    EXPECT_EQ(line.queue.next_look(line.now), std::nullopt);
+}
+
+TEST(Questions, one_that_waited_is_no_younger_in_the_outbox) {
+    Line line{{.age = 5s}};
+    for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));
+    line.send(16);
+    line.now += 4s;
+    EXPECT_TRUE(line.queue.release(line.now));
+    line.now += 1s;
+    line.send(16);
+    EXPECT_EQ(line.device.last, 7);
+    EXPECT_EQ(line.outbox.counters().stale, 1u);
+    EXPECT_EQ(line.queue.in_flight(), 0u);
+}
+
+TEST(Questions, are_gone_with_the_link_and_begin_afresh) {
+    Line line{{}};
+    for (std::uint16_t n = 0; n < 12; ++n) line.push(question(n));
+    line.send(3);
+    line.close();
+    EXPECT_EQ(line.queue.counters().link_down, 4u);
+    EXPECT_EQ(line.outbox.counters().link_down, 5u);
+    line.push(question(12));
+    EXPECT_EQ(line.outbox.counters().link_down, 6u);
+    line.outbox.open();
+    for (std::uint16_t n = 13; n < 21; ++n) line.push(question(n));
+    EXPECT_EQ(line.outbox.waiting(), 8u);
+    line.expect_accounted();
+}
+
+}    // namespace

@@ -1,0 +1,76 @@
+#include <gateway/hello.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr ano::TimePoint start{1h};
+constexpr ano::TimePoint never{};    // heard
+
+using Due = std::optional<ano::TimePoint>;
+
+TEST(Hello, is_a_hosts_question_for_the_device_info) {
+    EXPECT_EQ(support::Bytes(hello_frame.begin(), hello_frame.end()), support::hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
+}
+
+TEST(Hello, is_not_said_while_the_link_is_down) {
+    Hello hello{2s};
+    EXPECT_EQ(hello.due(never), Due{});
+    hello.came_up(start);
+    hello.went_down();
+    EXPECT_EQ(hello.due(never), Due{});
+}
+
+TEST(Hello, leaves_the_first_second_to_boot_loaders_and_comes_again_while_it_is_silent) {
+    Hello hello{2s};
+    hello.came_up(start);
+    EXPECT_EQ(hello.due(never), start + 1s);
+    hello.said(start + 1s);
+    EXPECT_EQ(hello.due(never), start + 3s);
+    hello.said(start + 3s);
+    EXPECT_EQ(hello.due(never), start + 5s);
+}
+
+TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
+    Hello hello{2s};
+    hello.came_up(start);
+    EXPECT_EQ(hello.due(start + 900ms), start + 1900ms);
+    EXPECT_EQ(hello.due(start + 1800ms), start + 2800ms);
+    hello.said(start + 2800ms);
+    EXPECT_EQ(hello.due(start + 2850ms), start + 4800ms) << "an answer does not make it sooner than the interval";
+    EXPECT_EQ(hello.due(start + 4500ms), start + 5500ms);
+}
+
+TEST(Hello, begins_afresh_with_a_link_that_comes_back) {
+    Hello hello{10s};
+    hello.came_up(start);
+    hello.said(start + 1s);
+    hello.went_down();
+    hello.came_up(start + 2s);
+    EXPECT_EQ(hello.due(start + 100ms), start + 3s) << "what was heard before counts for nothing, and neither does what was said";
+}
+
+TEST(Hello, keeps_quiet_for_a_minute_after_a_firmware_frame) {
+    Hello hello{2s};
+    hello.came_up(start);
+    hello.saw_firmware(start + 500ms);
+    EXPECT_EQ(hello.due(never), start + 60500ms);
+    hello.went_down();    // the device restarts
+    hello.came_up(start + 5s);
+    EXPECT_EQ(hello.due(never), start + 60500ms);
+    EXPECT_EQ(hello.due(start + 60s), start + 61s);
+}
+
+TEST(Hello, comes_at_most_once_a_second) {
+    Hello hello{10ms};
+    hello.came_up(start);
+    hello.said(start + 1s);
+    EXPECT_EQ(hello.due(never), start + 2s);
+}
+
+}    // namespace

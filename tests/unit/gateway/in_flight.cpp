@@ -1,0 +1,140 @@
+#include <gateway/in_flight.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using support::Bytes;
+
+namespace {
+
+constexpr ano::TimePoint start{1h};
+constexpr std::uint8_t host = 0xFE, fc = 0xDC, everybody = 0xFF;
+
+Bytes ask(std::uint8_t id, const Bytes& data, std::uint8_t to = fc) { return support::frame(host, to, id, data); }
+Bytes say(std::uint8_t id, const Bytes& data, std::uint8_t from = fc) { return support::frame(from, host, id, data); }
+
+struct Exchange {
+    Bytes question;
+    Bytes answer;
+    Bytes of_another;    // of the same id where there is one: it answers another question
+};
+const Exchange exchanges[] = {
+    {ask(0xE0, {0, 0, 0}), say(0xE3, {fc, 100, 0, 100, 0, 0, 0, 32, 3}), say(0xE0, {1, 40, 0})},
+    {ask(0xE0, {1, 0, 0}), say(0xE0, {1, 40, 0}), say(0xE0, {0x10, 0xAB, 0})},
+    {ask(0xE0, {2, 7, 1}), say(0xE1, {7, 1, 42}), say(0xE1, {7, 0, 42})},
+    {ask(0xE0, {3, 7, 1}), say(0xE2, {7, 1, 8, 'P'}), say(0xE2, {8, 1, 8, 'P'})},
+    {ask(0xC1, {0, 0, 0}), say(0xC1, {0, 12, 0}), say(0xC1, {1, 12, 0})},
+    {ask(0xC1, {1, 5, 0}), say(0xC2, {5, 0, 1, 2, 3}), say(0xC2, {6, 0, 1, 2, 3})},
+    {ask(0x60, {0xFF}), say(0x60, {9}), say(0x61, Bytes(22))},
+    {ask(0x60, {3}), say(0x61, {3, 0, 0}), say(0x61, {4, 0, 0})},
+};
+
+ano::FrameView view(const Bytes& bytes) { return ano::FrameView{bytes}; }
+
+TEST(Question, is_known_with_its_answer) {
+    for (const Exchange& e : exchanges) {
+        const auto question = question_in(view(e.question));
+        ASSERT_TRUE(question) << testing::PrintToString(e.question);
+        EXPECT_TRUE(answers(view(e.answer), *question)) << testing::PrintToString(e.answer);
+        EXPECT_FALSE(answers(view(e.of_another), *question)) << testing::PrintToString(e.of_another);
+        for (const Exchange& other : exchanges)
+            EXPECT_TRUE(&other == &e || !answers(view(other.answer), *question)) << testing::PrintToString(other.answer);
+    }
+}
+
+TEST(Question, is_not_what_writes_commands_or_streams) {
+    for (const Bytes& frame : {ask(0xC0, {1, 1, 1}), ask(0x40, Bytes(20)), ask(0x41, Bytes(14)), ask(0xE0, {0x10, 0xAB, 0}),
+                               ask(0xE1, {7, 0, 42}), ask(0x61, Bytes(22)), ask(0xF0, {1}), ask(0x03, Bytes(7)), ask(0x00, {0xC0, 1, 2})})
+        EXPECT_FALSE(question_in(view(frame))) << testing::PrintToString(frame);
+}
+
+TEST(Question, is_not_what_is_too_short_to_be_one) {
+    for (const Bytes& frame : {ask(0xE0, {0, 0}), ask(0xC1, {}), ask(0x60, {}), ask(0xC1, {2, 0, 0})})
+        EXPECT_FALSE(question_in(view(frame))) << testing::PrintToString(frame);
+    EXPECT_TRUE(question_in(view(ask(0xE0, {0, 0, 0, 0, 0})))) << "longer is legal";
+}
+
+TEST(Question, is_not_an_answer_on_its_way_to_a_host) {
+    for (const Exchange& e : exchanges) EXPECT_FALSE(question_in(view(e.answer))) << testing::PrintToString(e.answer);
+}
+
+TEST(Question, to_everybody_may_be_answered_by_anybody_and_one_to_a_device_by_that_one) {
+    const auto all = question_in(view(ask(0xE0, {0, 0, 0}, everybody)));
+    const auto port = question_in(view(ask(0xE0, {0, 0, 0}, 5)));
+    const auto one = question_in(view(ask(0xE0, {0, 0, 0})));
+    ASSERT_TRUE(all && port && one);
+    const Bytes flow = say(0xE3, Bytes(9), 0xDE);
+    EXPECT_TRUE(answers(view(flow), *all));
+    EXPECT_TRUE(answers(view(flow), *port)) << "whatever is behind it";
+    EXPECT_FALSE(answers(view(flow), *one));
+}
+
+Bytes value_of(std::uint8_t n) { return ask(0xE0, {2, n, 0}); }
+Bytes value(std::uint8_t n) { return say(0xE1, {n, 0, 1}); }
+
+struct Flight : testing::Test {
+    void send(const Bytes& frame, ano::TimePoint now) {
+        flight.queued(view(frame));
+        flight.left(view(frame), now);
+    }
+    InFlight flight;
+};
+
+TEST_F(Flight, eight_and_no_more_until_one_is_answered) {
+    for (std::uint8_t n = 0; n < 8; ++n) {
+        EXPECT_TRUE(flight.has_room(start));
+        send(value_of(n), start);
+    }
+    EXPECT_FALSE(flight.has_room(start));
+    EXPECT_FALSE(flight.hear(view(value(8)))) << "nobody asked";
+    EXPECT_FALSE(flight.has_room(start));
+    EXPECT_TRUE(flight.hear(view(value(3))));
+    EXPECT_TRUE(flight.has_room(start));
+    EXPECT_FALSE(flight.hear(view(value(3)))) << "once";
+    EXPECT_EQ(flight.size(), 7u);
+}
+
+TEST_F(Flight, is_given_up_half_a_second_after_it_left) {
+    flight.queued(view(value_of(1)));
+    EXPECT_EQ(flight.next_given_up(), std::nullopt) << "it waits in the outbox, maybe for long";
+    for (std::uint8_t n = 2; n < 9; ++n) send(value_of(n), start + 10ms * n);
+    EXPECT_EQ(flight.next_given_up(), start + 520ms);
+    EXPECT_FALSE(flight.has_room(start + 519ms));
+    EXPECT_TRUE(flight.has_room(start + 520ms));
+    EXPECT_EQ(flight.size(), 7u);
+    EXPECT_TRUE(flight.has_room(start + 1h));
+    EXPECT_EQ(flight.size(), 1u) << "what waits to leave is not forgotten";
+}
+
+TEST_F(Flight, an_answer_ends_the_older_of_two_equal_questions) {
+    send(value_of(1), start);
+    send(value_of(1), start + 100ms);
+    EXPECT_TRUE(flight.hear(view(value(1))));
+    EXPECT_EQ(flight.next_given_up(), start + 600ms);
+}
+
+TEST_F(Flight, what_is_dropped_before_it_left_needs_no_answer) {
+    flight.queued(view(value_of(1)));
+    EXPECT_FALSE(flight.hear(view(value(1)))) << "it was not asked yet";
+    flight.dropped(view(value_of(1)));
+    EXPECT_EQ(flight.size(), 0u);
+    flight.left(view(value_of(1)), start);
+    EXPECT_EQ(flight.size(), 0u);
+}
+
+TEST_F(Flight, other_frames_are_passed_over) {
+    const Bytes command = ask(0xC0, {1, 1, 1});
+    send(command, start);
+    EXPECT_EQ(flight.size(), 0u);
+}
+
+TEST_F(Flight, a_time_before_all_time_is_long_ago) {
+    send(value_of(1), ano::TimePoint::min());
+    EXPECT_TRUE(flight.has_room(start));
+    EXPECT_EQ(flight.size(), 0u);
+}
+
+}    // namespace
