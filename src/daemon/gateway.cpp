@@ -163,7 +163,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(key_of(frame), from.id, route.guarded, now_);
-    for (const ChannelId to : route.channels) offer(to, frame, treatment);
+    for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) ++from.routed.no_route;
     if (route.new_conflict) log_conflict();
@@ -233,15 +233,15 @@ void Gateway::learn(Channel& from, ano::FrameView frame) {
 void Gateway::send(LinkId to, ano::FrameView frame) {
     ++frame_number_;
     if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
-    for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame, treatment_of(frame.id()));
+    for (const ChannelId channel : links_[index(to)].channels) offer(ourselves, channel, frame, treatment_of(frame.id()));
 }
 
 void Gateway::say(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
-    offer(to, frame, treatment_of(frame.id()));
+    offer(ourselves, to, frame, treatment_of(frame.id()));
 }
 
-void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
+void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment) {
     Channel& channel = *channels_[index(to)];
     if (ruled_.contains(channel.link)) {
         const LinkState& link = links_[index(channel.link)];
@@ -250,7 +250,7 @@ void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
     }
-    channel.outbox.push(frame, treatment, now_);
+    channel.outbox.push(frame, treatment, now_, from);
     to_flush_.insert(to);
 }
 

@@ -85,7 +85,7 @@ private:
     void give_rules(LinkState& link, const RuleSettings& settings);
     bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment);
     void keep_from_tunnel(Route& route);
-    void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
+    void offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment);
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
     void log_conflict();
     bool nothing_waits() const;
