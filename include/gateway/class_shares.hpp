@@ -30,7 +30,11 @@ public:
     constexpr void leaves(std::size_t chosen, const Sizes& next) noexcept {
         for (std::size_t t = 0; t < traffic_classes; ++t)
             if (next[t] > 0 && t != chosen) due_[t] += next[chosen];
-        due_[chosen] -= std::min(due_[chosen], others_before_one * next[chosen]);
+        leaves_alone(chosen, next[chosen]);
+    }
+    /// The same, where no other class waits.
+    constexpr void leaves_alone(std::size_t chosen, std::size_t bytes) noexcept {
+        due_[chosen] -= std::min(due_[chosen], others_before_one * bytes);
     }
     constexpr void clear() noexcept { due_ = {}; }
 

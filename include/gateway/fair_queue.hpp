@@ -58,6 +58,20 @@ public:
         remove(i);
     }
 
+    /// Whether they leave in the order in which they came: one sender, of whom nothing overtakes. Then take_front() takes
+    /// what take() would, and others follow front() as their `in_flow` says.
+    bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
+    FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
+    void take_front() noexcept {
+        State& flow = nodes_[sole].now;
+        const FrameIndex i = flow.rest.first;
+        flow.overtook = false;
+        --count_;
+        bytes_ -= frames_[i].size;
+        flow.rest.first = frames_[i].in_flow.behind;
+        (flow.rest.first != no_frame ? frames_[flow.rest.first].in_flow.before : flow.rest.last) = no_frame;
+    }
+
     /// The plan begins with all that waits. It holds until the next push(), take() or remove() of a planned frame.
     void start_plan() noexcept { ++plan_; }
     FrameIndex next_planned() noexcept { return shared_ ? next_of_many<true>() : first(state<true>(sole)); }
@@ -173,7 +187,7 @@ private:
     bool shared_ = false;         // more than one sender has waited since it was last empty
     std::size_t count_ = 0;
     std::size_t bytes_ = 0;
-    std::uint64_t plan_ = 0;
+    std::uint64_t plan_ = 1;    // no node has this one before it is looked at
     std::bitset<channels> enrolled_;    // channels that have a turn
     std::array<Number, bucket_count> buckets_;
 };

@@ -14,6 +14,7 @@
 #include <gateway/waiting_frame.hpp>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -102,6 +103,16 @@ private:
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
     void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
+    // The queue of everything that waits, when it leaves in the order in which it came: then nothing has to be chosen, which
+    // is so wherever a line keeps up. nullptr: not so.
+    FairQueue* in_order() noexcept {
+        const bool one_class = waiting_classes_ != 0 && (waiting_classes_ & (waiting_classes_ - 1)) == 0;
+        FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
+        return queue && queue->in_order() ? queue : nullptr;
+    }
+    void note_taken(std::size_t traffic) noexcept {
+        if (queues_[traffic].empty()) waiting_classes_ &= ~(1u << traffic);
+    }
     Schedule plan(ano::TimePoint now) noexcept;
     void look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept;
     Index take_first() noexcept;
@@ -118,6 +129,7 @@ private:
     std::size_t end_ = 0;    // where the next frame's bytes go
 
     std::array<FairQueue, traffic_classes> queues_;
+    std::uint32_t waiting_classes_ = 0;    // a bit for each
     ClassShares shares_;
     FrameList in_arena_ = no_frames;                   // every frame, in the order of its bytes
     std::array<FrameList, bucket_count> buckets_;      // what may be replaced, by hash, oldest first

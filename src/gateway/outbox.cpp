@@ -82,6 +82,7 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     congested_ = congested;
 
     queues_[static_cast<std::size_t>(treatment.traffic)].push(i, from, frame.source());
+    waiting_classes_ |= 1u << static_cast<std::size_t>(treatment.traffic);
     append<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     if (replaceable) append<&WaitingFrame::in_bucket>(entries_.get(), bucket(key, from), i);
 }
@@ -104,7 +105,22 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         total += entry.size - from;
     };
     if (begun_ != none && !pieces.empty()) give(entries_[begun_], partly_sent_);
-    for (Schedule schedule = plan(now); count < pieces.size();) {
+    if (count == pieces.size()) return count;
+    if (const FairQueue* queue = in_order()) {
+        for (Index i = queue->front(); i != none && count < pieces.size();) {
+            const WaitingFrame& entry = entries_[i];
+            const Index behind = entry.in_flow.behind;
+            if (entry.stale_at <= now.time_since_epoch())
+                drop(i, &SendCounters::stale);
+            else if (total + entry.size <= budget)
+                give(entry, 0);
+            else
+                break;
+            i = behind;
+        }
+        return count;
+    }
+    for (Schedule schedule = plan(now);;) {
         const std::size_t traffic = schedule.shares.choose(schedule.sizes);
         if (traffic == traffic_classes) break;
         const WaitingFrame& entry = entries_[schedule.next[traffic]];
@@ -112,6 +128,7 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         give(entry, 0);
         schedule.shares.leaves(traffic, schedule.sizes);
         queues_[traffic].take_planned();
+        if (count == pieces.size()) break;
         look_at(schedule, traffic, now);
     }
     return count;
@@ -140,12 +157,14 @@ void Outbox::sent_frame() noexcept {
     begun_ = none;
     partly_sent_ = 0;
     release(i);
+    if (empty()) shares_.clear();
 }
 
 void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
     assert(frames_ > 0 && begun_ == none);    // the receiver would take what follows for the rest of it
     ++(counters_.*cause);
     release(take_first());
+    if (empty()) shares_.clear();
 }
 
 void Outbox::close() noexcept {
@@ -157,6 +176,7 @@ void Outbox::close() noexcept {
     begun_ = free_ = none;
     partly_sent_ = frames_ = bytes_ = end_ = used_ = 0;
     shares_.clear();
+    waiting_classes_ = 0;
     congested_ = false;
 }
 
@@ -247,7 +267,6 @@ void Outbox::release(Index i) noexcept {
     free_ = none;
     used_ = 0;
     end_ = 0;
-    shares_.clear();
     congested_ = false;
 }
 
@@ -255,12 +274,15 @@ void Outbox::drop(Index i, std::uint64_t SendCounters::*cause) noexcept {
     ++(counters_.*cause);
     leave_bucket(i);
     queues_[entries_[i].traffic].remove(i);
+    note_taken(entries_[i].traffic);
     release(i);
 }
 
 Outbox::Schedule Outbox::plan(ano::TimePoint now) noexcept {
     Schedule plan{{}, {}, shares_};
+    plan.next.fill(none);
     for (std::size_t t = 0; t < traffic_classes; ++t) {
+        if (queues_[t].empty()) continue;
         queues_[t].start_plan();
         look_at(plan, t, now);
     }
@@ -277,17 +299,27 @@ void Outbox::look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) no
 }
 
 Outbox::Index Outbox::take_first() noexcept {
+    if (FairQueue* queue = in_order()) {
+        const Index i = queue->front();
+        shares_.leaves_alone(entries_[i].traffic, entries_[i].size);
+        leave_bucket(i);
+        queue->take_front();
+        note_taken(entries_[i].traffic);
+        return i;
+    }
     ClassShares::Sizes sizes{};
     std::array<Index, traffic_classes> next{};
     for (std::size_t t = 0; t < traffic_classes; ++t) {
+        if (queues_[t].empty()) continue;
         next[t] = queues_[t].next();
-        if (next[t] != none) sizes[t] = entries_[next[t]].size;
+        sizes[t] = entries_[next[t]].size;
     }
     const std::size_t traffic = shares_.choose(sizes);
     const Index i = next[traffic];
     shares_.leaves(traffic, sizes);
     leave_bucket(i);
     queues_[traffic].take();
+    note_taken(traffic);
     return i;
 }
 
