@@ -39,7 +39,7 @@ public:
         ++count_;
         if (shared_) grow(f, frames_[i].size);
     }
-    /// Takes out a frame, wherever it stands; while a plan is made, next_planned() or one that was there before the plan.
+    /// Takes out a frame, wherever it stands; while a plan is made, only next_planned().
     void remove(FrameIndex i) noexcept {
         const WaitingFrame& frame = frames_[i];
         Node& flow = nodes_[frame.flow];
