@@ -7,10 +7,14 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <gateway/class_shares.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/fair_queue.hpp>
 #include <gateway/treatment.hpp>
+#include <gateway/waiting_frame.hpp>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -20,9 +24,10 @@ namespace anogate {
 
 class InFlight;
 
-/// Urgent frames leave first, then telemetry, then bulk, but whenever a class sends, those below it that wait keep a
-/// tenth of the bytes. Within a class, first in, first out. A frame of which a part has left is never dropped but by
-/// close(). Neither throws nor allocates after construction; constant time a frame, amortised.
+/// Urgent frames leave first, then telemetry, then bulk, but each class that waits keeps a tenth of the bytes, whatever the
+/// mix. Within a class each channel by which frames come has its share, and there each sender; of one sender first in, first
+/// out, but that sticks overtake. A frame of which a part has left is never dropped but by close(). Neither throws nor
+/// allocates after construction; constant time a frame, amortised over its bytes.
 class Outbox {
 public:
     struct Options {
@@ -32,11 +37,12 @@ public:
     };
     explicit Outbox(const Options& options);
 
-    /// A frame to leave; its bytes are copied. While closed, it is counted link_down. When full, the oldest of the
-    /// lowest class gives way, which may be the frame itself; of the room, too, a tenth is kept for the classes below.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+    /// A frame to leave, that came by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
+    /// full, the oldest of who has most waiting gives way, in the lowest class that has more than is kept for each: a tenth
+    /// of the room, or one frame of up to a quarter. That may be the frame itself.
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that never grows stale.
-    void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max()); }
+    void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
     /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
     void refuse(std::uint64_t SendCounters::*cause) noexcept {
         ++counters_.offered;
@@ -80,76 +86,61 @@ public:
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    using Index = std::uint32_t;
-    static constexpr Index none = UINT32_MAX;
+    using Index = FrameIndex;
+    static constexpr Index none = no_frame;
     static constexpr std::size_t bucket_count = 256;
 
-    struct Neighbours {
-        Index before;
-        Index behind;
-    };
-    struct List {
-        Index first = none;
-        Index last = none;
-    };
-    struct Entry {
-        Neighbours in_class;
-        Neighbours in_arena;
-        Neighbours in_bucket;
-        std::uint32_t at;    // where its bytes stand
-        std::uint32_t size;
-        std::uint32_t key;    // what a newer one must share to replace it
-        TrafficClass traffic;
-        bool replaceable;          // it stands in a bucket
-        std::uint64_t number;      // in the order of push()
-        std::uint64_t turn;        // the number of the first of its kind that it stands for
-        ano::Duration stale_at;    // since the clock's epoch
-    };
-    // Which frame of each class is next, and the bytes that a class sent while lower ones waited and did not.
+    // The frame of each class that leaves next, and what the classes have sent.
     struct Schedule {
         std::array<Index, traffic_classes> next;
-        std::array<std::uint64_t, traffic_classes - 1> owed;
+        ClassShares::Sizes sizes;
+        ClassShares shares;
     };
 
-    template <Neighbours Entry::*in>
-    void append(List& list, Index i) noexcept;
-    template <Neighbours Entry::*in>
-    void unlink(List& list, Index i) noexcept;
-
-    void store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at) noexcept;
-    std::uint64_t supersede(std::uint32_t key) noexcept;
+    void store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at, ChannelId from) noexcept;
+    std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
-    std::size_t gives_way(std::size_t size, TrafficClass traffic) const noexcept;
-    std::size_t queued_below(TrafficClass traffic) const noexcept;
-    std::size_t reserve() const noexcept { return options_.bytes / 10; }
+    std::size_t gives_way(std::size_t own, bool entitled) const noexcept;
+    bool entitled(const FairQueue& queue, std::size_t more) const noexcept;
+    bool has_more(const FairQueue& queue) const noexcept;
     void compact() noexcept;
     Index new_entry() noexcept;
-    void unqueue(Index i) noexcept;
+    void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
     void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
-    void drop_stale(Schedule& schedule, ano::TimePoint now) noexcept;
-    Schedule schedule() const noexcept;
-    std::size_t choose(const Schedule& schedule) const noexcept;
-    void advance(Schedule& schedule, std::size_t traffic) const noexcept;
+    // The queue of everything that waits, when it leaves in the order in which it came: then nothing has to be chosen, which
+    // is so wherever a line keeps up. nullptr: not so.
+    FairQueue* in_order() noexcept {
+        const bool one_class = waiting_classes_ != 0 && (waiting_classes_ & (waiting_classes_ - 1)) == 0;
+        FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
+        return queue && queue->in_order() ? queue : nullptr;
+    }
+    void note_taken(std::size_t traffic) noexcept {
+        if (queues_[traffic].empty()) waiting_classes_ &= ~(1u << traffic);
+    }
+    Schedule plan(ano::TimePoint now) noexcept;
+    void look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept;
     Index take_first() noexcept;
     ano::FrameView view(Index i) const noexcept {
         return ano::FrameView{{arena_.get() + entries_[i].at, entries_[i].size}};
     }
-    List& bucket(std::uint32_t key) noexcept { return buckets_[key * 0x9E3779B1u >> 24]; }
+    FrameList& bucket(std::uint32_t key, ChannelId from) noexcept {
+        return buckets_[(key ^ static_cast<std::uint32_t>(from) * 0x85EBCA6Bu) * 0x9E3779B1u >> 24];
+    }
 
     Options options_;
     std::size_t capacity_;                     // of the arena: twice the bound, so that compacting is rare
     std::unique_ptr<std::uint8_t[]> arena_;    // both left uninitialised: pages never used cost nothing
-    std::unique_ptr<Entry[]> entries_;
+    std::unique_ptr<WaitingFrame[]> entries_;
     Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
     Index free_ = none;      // of those, the free ones
     std::size_t end_ = 0;    // where the next frame's bytes go
 
-    std::array<List, traffic_classes> queues_{};
-    std::array<std::size_t, traffic_classes> queued_bytes_{};
-    std::array<std::uint64_t, traffic_classes - 1> owed_{};
-    List in_arena_;                               // every frame, in the order of its bytes
-    std::array<List, bucket_count> buckets_{};    // what may be replaced, by hash of its key, oldest first
+    std::array<FairQueue, traffic_classes> queues_;
+    std::uint32_t waiting_classes_ = 0;    // a bit for each
+    ClassShares shares_;
+    FrameList in_arena_ = no_frames;                   // every frame, in the order of its bytes
+    std::array<FrameList, bucket_count> buckets_;      // what may be replaced, by hash, oldest first
 
     Index begun_ = none;             // the frame of which a part has left; it stands in no queue
     std::size_t partly_sent_ = 0;    // and how much of it has

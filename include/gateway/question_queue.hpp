@@ -29,7 +29,7 @@ public:
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
     /// Into the outbox, but a question that finds InFlight::most before it waits.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept;
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept;
     /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.
@@ -48,9 +48,10 @@ private:
     struct Head {
         ano::TimePoint arrived;
         std::size_t size;    // of the frame behind it
+        ChannelId from;      // by which it came
     };
     Head first() const noexcept;
-    void store(ano::FrameView frame, ano::TimePoint now) noexcept;
+    void store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept;
     void pop() noexcept;
     void drop(std::uint64_t SendCounters::*cause) noexcept;
 

@@ -221,7 +221,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
-        for (const ChannelId to : route.channels) offer(to, frame, treatment);
+        for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
         ++from.routed.no_route;
@@ -272,7 +272,7 @@ void Gateway::end_loop(Channel& from, ano::FrameView frame) {
 // Ahead of the frame that it is about: in a ring it is back before that.
 void Gateway::send_probe(ChannelId channel) {
     ++frame_number_;
-    offer(channel, loop_guard_.rings().ask(channel, now_), probe_treatment);
+    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_treatment);
     ++frame_number_;
 }
 
@@ -281,7 +281,7 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
     if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news) return void(++from.routed.looped);
     const std::uint8_t group = links_[index(from.link)].group;
     for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
-        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(to, probe, probe_treatment);
+        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment);
 }
 
 bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
@@ -352,15 +352,15 @@ void Gateway::learn(Channel& from, ano::FrameView frame) {
 void Gateway::send(LinkId to, ano::FrameView frame) {
     ++frame_number_;
     if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
-    for (const ChannelId channel : links_[index(to)].channels) offer(channel, frame, treatment_of(frame.id()));
+    for (const ChannelId channel : links_[index(to)].channels) offer(ourselves, channel, frame, treatment_of(frame.id()));
 }
 
 void Gateway::say(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
-    offer(to, frame, treatment_of(frame.id()));
+    offer(ourselves, to, frame, treatment_of(frame.id()));
 }
 
-void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
+void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment) {
     Channel& channel = *channels_[index(to)];
     if (ruled_.contains(channel.link)) {
         LinkState& link = links_[index(channel.link)];
@@ -370,14 +370,14 @@ void Gateway::offer(ChannelId to, ano::FrameView frame, Treatment treatment) {
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
         if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
-        if (channel.questions) return ask(channel, frame, treatment);
+        if (channel.questions) return ask(from, channel, frame, treatment);
     }
-    channel.outbox.push(frame, treatment, now_);
+    channel.outbox.push(frame, treatment, now_, from);
     to_flush_.insert(to);
 }
 
-void Gateway::ask(Channel& channel, ano::FrameView frame, Treatment treatment) {
-    channel.questions->push(frame, treatment, now_);
+void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment) {
+    channel.questions->push(frame, treatment, now_, from);
     to_flush_.insert(channel.id);
     const auto due = channel.questions->next_look(now_);
     if (due && !on_stopped_ && (!questions_due_.is_set() || *due < questions_due_at_)) questions_due_.set(questions_due_at_ = *due);

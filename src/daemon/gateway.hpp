@@ -105,8 +105,8 @@ private:
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
     void keep_from_tunnel(Route& route);
-    void offer(ChannelId to, ano::FrameView frame, Treatment treatment);
-    void ask(Channel& channel, ano::FrameView frame, Treatment treatment);
+    void offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment);
+    void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment);
     void look_at_questions();
     void look_at_hellos();
     void await_hellos();

@@ -10,11 +10,9 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t urgent = static_cast<std::size_t>(TrafficClass::urgent);
-constexpr std::size_t telemetry = static_cast<std::size_t>(TrafficClass::telemetry);
-constexpr std::size_t bulk = static_cast<std::size_t>(TrafficClass::bulk);
 
-// For each byte that a class sends while lower ones wait they may send a ninth: a tenth of all.
-constexpr std::uint64_t bytes_before_one = 9;
+// Of how many bytes senders take turns, by class. Urgent frames one by one: less than the least frame.
+constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 256};
 
 // How many frames of one bucket are looked at: an attacker's choice of addresses must not make push() slow.
 constexpr int longest_search = 16;
@@ -39,16 +37,20 @@ Outbox::Outbox(const Options& options)
     : options_{options},
       capacity_{2 * options.bytes},
       arena_{new std::uint8_t[capacity_]},
-      entries_{new Entry[options.bytes / ano::overhead + 2]} {
-    static_assert(std::is_trivially_default_constructible_v<Entry>);    // or all of them would be touched here
+      entries_{new WaitingFrame[options.bytes / ano::overhead + 2]},
+      queues_{FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[0]},
+              FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[1]},
+              FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[2]}} {
+    static_assert(std::is_trivially_default_constructible_v<WaitingFrame>);    // or all of them would be touched here
+    buckets_.fill(no_frames);
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }
 
-void Outbox::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
-    store(frame, treatment, now + limit(options_.age, treatment.age));
+void Outbox::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from) noexcept {
+    store(frame, treatment, now + limit(options_.age, treatment.age), from);
 }
 
-void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at) noexcept {
+void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at, ChannelId from) noexcept {
     const auto bytes = frame.bytes();
     if (!open_) return refuse(&SendCounters::link_down);
     if (bytes.size() > ano::overhead + options_.max_data) return refuse(&SendCounters::too_big);
@@ -59,17 +61,18 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     const bool replaceable = treatment.replaces == Replaces::same_id ||
                              (treatment.replaces == Replaces::same_first_byte && !frame.data().empty());
     const std::uint32_t key = replaceable ? key_of(frame, treatment.replaces) : 0;
-    if (replaceable && congested) turn = std::min(turn, supersede(key));
+    if (replaceable && congested) turn = std::min(turn, supersede(key, from));
     if (!make_room(bytes.size(), treatment.traffic)) return refuse(&SendCounters::queue_full);
 
     ++counters_.offered;
     const Index i = new_entry();
-    Entry& entry = entries_[i];
+    WaitingFrame& entry = entries_[i];
     entry.at = static_cast<std::uint32_t>(end_);
-    entry.size = static_cast<std::uint32_t>(bytes.size());
     entry.key = key;
-    entry.traffic = treatment.traffic;
+    entry.size = static_cast<std::uint32_t>(bytes.size()) & 0xFFFFFFFu;
+    entry.traffic = static_cast<std::uint32_t>(treatment.traffic) & 3u;
     entry.replaceable = replaceable;
+    entry.overtakes = treatment.age == AgeKind::control;
     entry.number = number;
     entry.turn = turn;
     entry.stale_at = stale_at.time_since_epoch();
@@ -79,22 +82,20 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     ++frames_;
     congested_ = congested;
 
-    const auto traffic = static_cast<std::size_t>(treatment.traffic);
-    queued_bytes_[traffic] += bytes.size();
-    append<&Entry::in_class>(queues_[traffic], i);
-    append<&Entry::in_arena>(in_arena_, i);
-    if (replaceable) append<&Entry::in_bucket>(bucket(key), i);
+    queues_[static_cast<std::size_t>(treatment.traffic)].push(i, from, frame.source());
+    waiting_classes_ |= 1u << static_cast<std::size_t>(treatment.traffic);
+    append<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
+    if (replaceable) append<&WaitingFrame::in_bucket>(entries_.get(), bucket(key, from), i);
     if (in_flight_) in_flight_->queued(frame);
 }
 
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
-    Schedule plan = schedule();
-    drop_stale(plan, now);
-    const bool urgent_waits = plan.next[urgent] != none;
+    const Schedule first = plan(now);
+    const bool urgent_waits = first.next[urgent] != none;
     if (begun_ != none)
-        return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == TrafficClass::urgent};
-    const std::size_t traffic = choose(plan);
-    return {traffic < traffic_classes ? entries_[plan.next[traffic]].size : 0, urgent_waits};
+        return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == urgent};
+    const std::size_t traffic = first.shares.choose(first.sizes);
+    return {traffic < traffic_classes ? first.sizes[traffic] : 0, urgent_waits};
 }
 
 std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now,
@@ -102,20 +103,36 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
     gathered_at_ = now;
     std::size_t count = 0;
     std::size_t total = 0;
-    const auto give = [&](const Entry& entry, std::size_t from) {
+    const auto give = [&](const WaitingFrame& entry, std::size_t from) {
         pieces[count++] = {arena_.get() + entry.at + from, entry.size - from};
         total += entry.size - from;
     };
     if (begun_ != none && !pieces.empty()) give(entries_[begun_], partly_sent_);
-    Schedule plan = schedule();
-    while (count < pieces.size()) {
-        drop_stale(plan, now);
-        const std::size_t traffic = choose(plan);
+    if (count == pieces.size()) return count;
+    if (const FairQueue* queue = in_order()) {
+        for (Index i = queue->front(); i != none && count < pieces.size();) {
+            const WaitingFrame& entry = entries_[i];
+            const Index behind = entry.in_flow.behind;
+            if (entry.stale_at <= now.time_since_epoch())
+                drop(i, &SendCounters::stale);
+            else if (total + entry.size <= budget)
+                give(entry, 0);
+            else
+                break;
+            i = behind;
+        }
+        return count;
+    }
+    for (Schedule schedule = plan(now);;) {
+        const std::size_t traffic = schedule.shares.choose(schedule.sizes);
         if (traffic == traffic_classes) break;
-        const Entry& entry = entries_[plan.next[traffic]];
+        const WaitingFrame& entry = entries_[schedule.next[traffic]];
         if (total + entry.size > budget) break;
         give(entry, 0);
-        advance(plan, traffic);
+        schedule.shares.leaves(traffic, schedule.sizes);
+        queues_[traffic].take_planned();
+        if (count == pieces.size()) break;
+        look_at(schedule, traffic, now);
     }
     return count;
 }
@@ -144,6 +161,7 @@ void Outbox::sent_frame() noexcept {
     begun_ = none;
     partly_sent_ = 0;
     release(i);
+    if (empty()) shares_.clear();
 }
 
 void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
@@ -152,32 +170,36 @@ void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
     const Index i = take_first();
     if (in_flight_) in_flight_->dropped(view(i));
     release(i);
+    if (empty()) shares_.clear();
 }
 
 void Outbox::close() noexcept {
     open_ = false;
     counters_.link_down += frames_;
-    queues_ = {};
-    buckets_ = {};
-    in_arena_ = {};
-    queued_bytes_ = {};
+    for (FairQueue& queue : queues_) queue.clear();
+    buckets_.fill(no_frames);
+    in_arena_ = no_frames;
     begun_ = free_ = none;
     partly_sent_ = frames_ = bytes_ = end_ = used_ = 0;
-    owed_ = {};
+    shares_.clear();
+    waiting_classes_ = 0;
     congested_ = false;
 }
 
-// Takes out the newest frame of this key and returns its turn; else UINT64_MAX. One whose turn has come, since all that
-// waited when its kind began to wait has left, is not replaced: or a kind that comes often would go to the end of the
-// queue for ever.
-std::uint64_t Outbox::supersede(std::uint32_t key) noexcept {
-    Index i = bucket(key).last;
-    for (int looked = 0; i != none && entries_[i].key != key; i = entries_[i].in_bucket.before)
+// Takes out the newest frame of this key that came by the same channel, and returns its turn; else UINT64_MAX. One whose
+// turn has come, since all of its sender that waited when its kind began to wait has left, is not replaced: or a kind that
+// comes often would go to the end for ever.
+std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
+    const auto same = [&](Index i) {
+        return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from;
+    };
+    Index i = bucket(key, from).last;
+    for (int looked = 0; i != none && !same(i); i = entries_[i].in_bucket.before)
         if (++looked == longest_search) return UINT64_MAX;
     if (i == none) return UINT64_MAX;
     const std::uint64_t turn = entries_[i].turn;
-    const List& queue = queues_[static_cast<std::size_t>(entries_[i].traffic)];
-    if (entries_[queue.first].number > turn && queue.first != queue.last) return UINT64_MAX;
+    const FrameList& line = queues_[entries_[i].traffic].line_of(i);
+    if (entries_[line.first].number > turn && line.first != line.last) return UINT64_MAX;
     drop(i, &SendCounters::superseded);
     return turn;
 }
@@ -186,38 +208,41 @@ std::uint64_t Outbox::supersede(std::uint32_t key) noexcept {
 // drop.
 bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     const std::size_t begun = begun_ != none ? entries_[begun_].size : 0;
-    const std::size_t higher =
-        bytes_ - begun - queued_below(traffic) - queued_bytes_[static_cast<std::size_t>(traffic)];
-    if (higher > 0 && size > reserve() && higher + begun + size > options_.bytes) return false;
-    while (bytes_ + size > options_.bytes && bytes_ > begun)
-        drop(queues_[gives_way(size, traffic)].first, &SendCounters::queue_full);
+    const auto own = static_cast<std::size_t>(traffic);
+    if (bytes_ + size > options_.bytes) {
+        const bool may_push_out = entitled(queues_[own], size);
+        std::size_t higher = 0;
+        for (std::size_t t = 0; t < own; ++t) higher += queues_[t].bytes();
+        if (!may_push_out && higher > 0 && begun + higher + size > options_.bytes) return false;
+        while (bytes_ + size > options_.bytes && bytes_ > begun)
+            drop(queues_[gives_way(own, may_push_out)].gives_way(), &SendCounters::queue_full);
+    }
     if (end_ + size > capacity_) compact();
     return true;
 }
 
-// Which class drops its oldest for a new frame: the lowest, but none is pushed under a tenth of the bound by higher
-// ones.
-std::size_t Outbox::gives_way(std::size_t size, TrafficClass traffic) const noexcept {
-    const auto own = static_cast<std::size_t>(traffic);
-    for (std::size_t t = 0; t <= own; ++t) {
-        const std::size_t below = queued_below(static_cast<TrafficClass>(t)) + (t < own ? size : 0);
-        if (queues_[t].first != none && below <= reserve()) return t;
-    }
-    std::size_t lowest = bulk;
-    while (queues_[lowest].first == none) --lowest;
+// Which class drops a frame for one of the class `own`: the lowest that has more than is kept for it. `entitled`: what is
+// kept for `own` is not yet used, and higher classes give way as well.
+std::size_t Outbox::gives_way(std::size_t own, bool entitled) const noexcept {
+    for (std::size_t t = traffic_classes; t-- > (entitled ? 0 : own);)
+        if (t == own ? !entitled && !queues_[t].empty() : has_more(queues_[t])) return t;
+    std::size_t lowest = traffic_classes - 1;
+    while (queues_[lowest].empty()) --lowest;
     return lowest;
 }
 
-std::size_t Outbox::queued_below(TrafficClass traffic) const noexcept {
-    std::size_t bytes = 0;
-    for (std::size_t t = static_cast<std::size_t>(traffic) + 1; t < traffic_classes; ++t) bytes += queued_bytes_[t];
-    return bytes;
+bool Outbox::entitled(const FairQueue& queue, std::size_t more) const noexcept {
+    return queue.bytes() + more <= (queue.empty() ? options_.bytes / 4 : options_.bytes / 10);
+}
+
+bool Outbox::has_more(const FairQueue& queue) const noexcept {
+    return queue.bytes() > (queue.count() == 1 ? options_.bytes / 4 : options_.bytes / 10);
 }
 
 void Outbox::compact() noexcept {
     std::size_t to = 0;
     for (Index i = in_arena_.first; i != none; i = entries_[i].in_arena.behind) {
-        Entry& entry = entries_[i];
+        WaitingFrame& entry = entries_[i];
         std::memmove(arena_.get() + to, arena_.get() + entry.at, entry.size);
         entry.at = static_cast<std::uint32_t>(to);
         to += entry.size;
@@ -228,110 +253,81 @@ void Outbox::compact() noexcept {
 Outbox::Index Outbox::new_entry() noexcept {
     if (free_ == none) return used_++;
     const Index i = free_;
-    free_ = entries_[i].in_class.behind;
+    free_ = entries_[i].in_flow.behind;
     return i;
 }
 
-void Outbox::unqueue(Index i) noexcept {
-    const Entry& entry = entries_[i];
-    const auto traffic = static_cast<std::size_t>(entry.traffic);
-    queued_bytes_[traffic] -= entry.size;
-    unlink<&Entry::in_class>(queues_[traffic], i);
-    if (entry.replaceable) unlink<&Entry::in_bucket>(bucket(entry.key), i);
+void Outbox::leave_bucket(Index i) noexcept {
+    const WaitingFrame& entry = entries_[i];
+    if (!entry.replaceable) return;
+    unlink<&WaitingFrame::in_bucket>(entries_.get(), bucket(entry.key, queues_[entry.traffic].channel_of(i)), i);
 }
 
 // `i` stands in no queue any more.
 void Outbox::release(Index i) noexcept {
-    unlink<&Entry::in_arena>(in_arena_, i);
+    unlink<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     bytes_ -= entries_[i].size;
-    entries_[i].in_class.behind = free_;
+    entries_[i].in_flow.behind = free_;
     free_ = i;
     if (--frames_ > 0) return;
     free_ = none;
     used_ = 0;
     end_ = 0;
-    owed_ = {};
     congested_ = false;
 }
 
 void Outbox::drop(Index i, std::uint64_t SendCounters::*cause) noexcept {
     ++(counters_.*cause);
     if (in_flight_) in_flight_->dropped(view(i));
-    unqueue(i);
+    leave_bucket(i);
+    queues_[entries_[i].traffic].remove(i);
+    note_taken(entries_[i].traffic);
     release(i);
 }
 
-void Outbox::drop_stale(Schedule& plan, ano::TimePoint now) noexcept {
-    for (Index& next : plan.next) {
-        while (next != none && entries_[next].stale_at <= now.time_since_epoch()) {
-            const Index stale = next;
-            next = entries_[stale].in_class.behind;
-            drop(stale, &SendCounters::stale);
-        }
+Outbox::Schedule Outbox::plan(ano::TimePoint now) noexcept {
+    Schedule plan{{}, {}, shares_};
+    plan.next.fill(none);
+    for (std::size_t t = 0; t < traffic_classes; ++t) {
+        if (queues_[t].empty()) continue;
+        queues_[t].start_plan();
+        look_at(plan, t, now);
     }
+    return plan;
 }
 
-Outbox::Schedule Outbox::schedule() const noexcept {
-    return {{queues_[urgent].first, queues_[telemetry].first, queues_[bulk].first}, owed_};
-}
-
-// The class that sends next; traffic_classes when nothing waits.
-std::size_t Outbox::choose(const Schedule& plan) const noexcept {
-    std::size_t chosen = traffic_classes;
-    for (std::size_t t = traffic_classes; t-- > 0;) {
-        if (plan.next[t] == none) continue;
-        const bool lower_is_due =
-            chosen < traffic_classes && plan.owed[t] >= bytes_before_one * entries_[plan.next[chosen]].size;
-        if (!lower_is_due) chosen = t;
-    }
-    return chosen;
-}
-
-// The first frame of `traffic` leaves.
-void Outbox::advance(Schedule& plan, std::size_t traffic) const noexcept {
-    const Entry& entry = entries_[plan.next[traffic]];
-    for (std::size_t above = 0; above < traffic; ++above)
-        plan.owed[above] -= std::min(plan.owed[above], bytes_before_one * entry.size);
-    bool lower_waits = false;
-    for (std::size_t below = traffic + 1; below < traffic_classes; ++below) lower_waits |= plan.next[below] != none;
-    if (lower_waits)
-        plan.owed[traffic] += entry.size;
-    else if (traffic < plan.owed.size())
-        plan.owed[traffic] = 0;
-    plan.next[traffic] = entry.in_class.behind;
+// What the class sends next, without what is stale.
+void Outbox::look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept {
+    Index i = queues_[traffic].next_planned();
+    for (; i != none && entries_[i].stale_at <= now.time_since_epoch(); i = queues_[traffic].next_planned())
+        drop(i, &SendCounters::stale);
+    plan.next[traffic] = i;
+    plan.sizes[traffic] = i != none ? entries_[i].size : 0;
 }
 
 Outbox::Index Outbox::take_first() noexcept {
-    Schedule plan = schedule();
-    const std::size_t traffic = choose(plan);
-    const Index i = plan.next[traffic];
-    advance(plan, traffic);
-    owed_ = plan.owed;
-    unqueue(i);
+    if (FairQueue* queue = in_order()) {
+        const Index i = queue->front();
+        shares_.leaves_alone(entries_[i].traffic, entries_[i].size);
+        leave_bucket(i);
+        queue->take_front();
+        note_taken(entries_[i].traffic);
+        return i;
+    }
+    ClassShares::Sizes sizes{};
+    std::array<Index, traffic_classes> next{};
+    for (std::size_t t = 0; t < traffic_classes; ++t) {
+        if (queues_[t].empty()) continue;
+        next[t] = queues_[t].next();
+        sizes[t] = entries_[next[t]].size;
+    }
+    const std::size_t traffic = shares_.choose(sizes);
+    const Index i = next[traffic];
+    shares_.leaves(traffic, sizes);
+    leave_bucket(i);
+    queues_[traffic].take();
+    note_taken(traffic);
     return i;
-}
-
-template <Outbox::Neighbours Outbox::Entry::*in>
-void Outbox::append(List& list, Index i) noexcept {
-    (entries_[i].*in) = {list.last, none};
-    if (list.last == none)
-        list.first = i;
-    else
-        (entries_[list.last].*in).behind = i;
-    list.last = i;
-}
-
-template <Outbox::Neighbours Outbox::Entry::*in>
-void Outbox::unlink(List& list, Index i) noexcept {
-    const Neighbours at = entries_[i].*in;
-    if (at.before == none)
-        list.first = at.behind;
-    else
-        (entries_[at.before].*in).behind = at.behind;
-    if (at.behind == none)
-        list.last = at.before;
-    else
-        (entries_[at.behind].*in).before = at.before;
 }
 
 }    // namespace anogate

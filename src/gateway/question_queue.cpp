@@ -10,11 +10,11 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
     outbox_.tell(&in_flight_);
 }
 
-void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
-    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, now);
+void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from) noexcept {
+    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, now, from);
     release(now);    // what waits goes first
-    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, now);
-    store(frame, now);
+    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, now, from);
+    store(frame, now, from);
 }
 
 bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept {
@@ -32,7 +32,7 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
         if (!in_flight_.has_room(now)) break;
         const ano::FrameView frame{{room_.get() + begin_ + sizeof head, head.size}};
         --counters_.offered;    // the outbox counts it from here on
-        outbox_.push(frame, treatment_of(frame.id()), head.arrived);
+        outbox_.push(frame, treatment_of(frame.id()), head.arrived, head.from);
         pop();
         released = true;
     }
@@ -57,9 +57,9 @@ QuestionQueue::Head QuestionQueue::first() const noexcept {
     return head;
 }
 
-void QuestionQueue::store(ano::FrameView frame, ano::TimePoint now) noexcept {
+void QuestionQueue::store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept {
     ++counters_.offered;
-    const Head head{now, frame.bytes().size()};
+    const Head head{now, frame.bytes().size(), from};
     const std::size_t size = sizeof head + head.size;
     if (size > options_.bytes) return void(++counters_.queue_full);
     while (end_ - begin_ + size > options_.bytes) drop(&SendCounters::queue_full);

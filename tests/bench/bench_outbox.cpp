@@ -55,4 +55,26 @@ void full(benchmark::State& state) {
 }
 BENCHMARK(full);
 
+// The same, of eight senders on four channels, as on a port that everybody's telemetry leaves by.
+void of_many(benchmark::State& state) {
+    const auto offered = static_cast<std::size_t>(state.range(0));
+    const auto taken = static_cast<std::size_t>(state.range(1));
+    std::array<support::Bytes, 8> frames;
+    for (std::size_t n = 0; n < frames.size(); ++n)
+        frames[n] = support::frame(static_cast<std::uint8_t>(n), 0xFE, 1, support::Bytes(13));
+    std::array<std::span<const std::uint8_t>, 64> pieces;
+    Outbox outbox{{}};
+    outbox.open();
+    std::size_t n = 0;
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < offered; ++i, ++n)
+            outbox.push(ano::FrameView{frames[n % 8]}, {TrafficClass::telemetry}, {}, ChannelId{static_cast<std::uint8_t>(n % 4)});
+        std::size_t count = outbox.gather(std::span{pieces}.first(taken));
+        benchmark::DoNotOptimize(pieces);
+        for (; count > 0; --count) outbox.sent_frame();
+    }
+    state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+BENCHMARK(of_many)->ArgNames({"offered", "taken"})->Args({32, 32})->Args({8, 2});
+
 }  // namespace

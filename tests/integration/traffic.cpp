@@ -264,4 +264,39 @@ TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
+// 9600 baud, and three seconds of what two hosts write waits already.
+TEST_F(Traffic, a_third_host_does_not_wait_for_two_that_flood_a_line) {
+    PtyDevice device{dir / "port"};
+    LinkSettings to = serial("to", device.path());
+    to.serial.baud = 9600;
+    to.serial.pace = Pace::on;
+    start(to);
+    ASSERT_TRUE(daemon->until_up("to"));
+    UdpPeer second, third;
+    for (std::uint8_t n = 0; n < 100; ++n) {
+        in(frame(host, 0xDC, 0xE1, {n, 0, 1, 0, 0, 0}));
+        ++total;
+        second.send(daemon->port("air"), frame(host, 0xDC, 0xE1, {n, 0, 2, 0, 0, 0}));
+    }
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("air", "frames_in") == total; }));
+    for (std::uint8_t n = 0; n < 5; ++n) {
+        const Bytes command = frame(host, 0xDC, 0xC0, {n, 2, 3});
+        ++total;
+        third.send(daemon->port("air"), command);
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("air", "frames_in") == total; }));
+        const std::size_t before = split(device.heard()).frames.size();
+        std::size_t place = 0;
+        ASSERT_TRUE(daemon->until([&] {
+            const auto out = split(device.heard()).frames;
+            const auto at = std::find(out.begin(), out.end(), command);
+            place = static_cast<std::size_t>(at - out.begin());
+            return at != out.end();
+        }));
+        EXPECT_LE(place, before + 4u) << "two frames, and what was given to the driver in 20 ms";
+    }
+    EXPECT_GT(daemon->count("to", "waiting"), 100u);
+    EXPECT_EQ(daemon->count("to", "queue_full"), 0u);
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
 }    // namespace

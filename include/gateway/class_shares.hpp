@@ -1,0 +1,46 @@
+// Whose turn it is among the classes: urgent before telemetry before bulk, but a tenth of the bytes for each that waits.
+#pragma once
+#include <gateway/treatment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace anogate {
+
+/// For each byte that others send while a class waits, it may send a ninth: a tenth of all. What it sends because no higher
+/// class waits counts as well, and is no debt. What is due stays due when the frame that was to have it is dropped: frames
+/// that grow stale before a tenth of a slow line has carried one get their tenth one in a few.
+class ClassShares {
+public:
+    /// By class: the size of the frame that it sends next, 0 where none waits.
+    using Sizes = std::array<std::size_t, traffic_classes>;
+
+    /// The class that sends next; traffic_classes when none waits.
+    constexpr std::size_t choose(const Sizes& next) const noexcept {
+        std::size_t highest = traffic_classes;
+        for (std::size_t t = traffic_classes; t-- > 0;)
+            if (next[t] > 0) highest = t;
+        for (std::size_t t = highest + 1; t < traffic_classes; ++t)
+            if (next[t] > 0 && due_[t] >= others_before_one * next[t]) return t;
+        return highest;
+    }
+    /// The first frame of `chosen` leaves.
+    constexpr void leaves(std::size_t chosen, const Sizes& next) noexcept {
+        for (std::size_t t = 0; t < traffic_classes; ++t)
+            if (next[t] > 0 && t != chosen) due_[t] += next[chosen];
+        leaves_alone(chosen, next[chosen]);
+    }
+    /// The same, where no other class waits.
+    constexpr void leaves_alone(std::size_t chosen, std::size_t bytes) noexcept {
+        due_[chosen] -= std::min(due_[chosen], others_before_one * bytes);
+    }
+    constexpr void clear() noexcept { due_ = {}; }
+
+private:
+    static constexpr std::uint64_t others_before_one = 9;
+    std::array<std::uint64_t, traffic_classes> due_{};    // bytes of others; of the highest class nobody asks
+};
+
+}    // namespace anogate

@@ -1,0 +1,195 @@
+// The frames of one class, of which each sender has its share: deficit round robin by the channel a frame came by, and
+// below that by S_ADDR, so that a peer which forges 250 addresses has the share of one peer, and hosts, which are all 0xFE,
+// have one each.
+//
+// Flow:    queue.push(i, from, source)
+//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // what would leave, in order
+//          queue.next(), queue.take() …                                        // leaves, in that very order
+#pragma once
+#include <gateway/ids.hpp>
+#include <gateway/waiting_frame.hpp>
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace anogate {
+
+/// The gateway itself, where a channel is named as the one that a frame came by.
+inline constexpr ChannelId ourselves{most_channels};
+
+/// Of one sender first in, first out, but that a frame which `overtakes` leaves before the others, one for one with them.
+/// A channel that has not waited lately leaves first. Neither throws nor allocates after construction; constant time a
+/// frame, amortised over its bytes.
+class FairQueue {
+public:
+    /// `frames`, of which at most `most_frames` wait here, outlives it. Who waits with others sends `quantum` bytes in
+    /// turn, above 0, and the rest of the frame that has begun within.
+    FairQueue(WaitingFrame* frames, std::size_t most_frames, std::int32_t quantum);
+
+    /// The frame has its size, and whether it overtakes.
+    void push(FrameIndex i, ChannelId from, std::uint8_t source) noexcept {
+        const Number f = flow_of(static_cast<std::uint32_t>(index(from) << 8 | source));
+        frames_[i].flow = f;
+        Node& flow = nodes_[f];
+        append<&WaitingFrame::in_flow>(frames_, line(flow.now, frames_[i].overtakes), i);
+        bytes_ += frames_[i].size;
+        ++count_;
+        if (shared_) grow(f, frames_[i].size);
+    }
+    /// Takes out a frame, wherever it stands; while a plan is made, only next_planned().
+    void remove(FrameIndex i) noexcept {
+        const WaitingFrame& frame = frames_[i];
+        Node& flow = nodes_[frame.flow];
+        if (flow.plan == plan_) skip(flow.planned, i);
+        unlink<&WaitingFrame::in_flow>(frames_, line(flow.now, frame.overtakes), i);
+        bytes_ -= frame.size;
+        --count_;
+        if (shared_) shrink(frame.flow, frame.size);
+    }
+    /// What leaves next; no_frame when none waits.
+    FrameIndex next() noexcept { return shared_ ? next_of_many<false>() : first(nodes_[sole].now); }
+    /// Takes out next(), for which its sender pays.
+    void take() noexcept {
+        const FrameIndex i = next();
+        pay<false>(i);
+        remove(i);
+    }
+
+    /// Whether they leave in the order in which they came: one sender, of whom nothing overtakes. Then take_front() takes
+    /// what take() would, and others follow front() as their `in_flow` says.
+    bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
+    FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
+    void take_front() noexcept {
+        State& flow = nodes_[sole].now;
+        const FrameIndex i = flow.rest.first;
+        flow.overtook = false;
+        --count_;
+        bytes_ -= frames_[i].size;
+        flow.rest.first = frames_[i].in_flow.behind;
+        (flow.rest.first != no_frame ? frames_[flow.rest.first].in_flow.before : flow.rest.last) = no_frame;
+    }
+
+    /// The plan begins with all that waits. It holds until the next push(), take() or remove() of a planned frame.
+    void start_plan() noexcept { ++plan_; }
+    FrameIndex next_planned() noexcept { return shared_ ? next_of_many<true>() : first(state<true>(sole)); }
+    void take_planned() noexcept {
+        const FrameIndex i = next_planned();
+        pay<true>(i);
+        skip(nodes_[frames_[i].flow].planned, i);
+    }
+
+    /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. Not empty. Where
+    /// more than some wait, the most among those looked at.
+    FrameIndex gives_way() noexcept;
+    /// The channel that a waiting frame came by.
+    ChannelId channel_of(FrameIndex i) const noexcept { return static_cast<ChannelId>(nodes_[frames_[i].flow].key >> 8); }
+    /// The frames of one sender among which `i` stands: those that overtake, or the others.
+    const FrameList& line_of(FrameIndex i) const noexcept {
+        const Node& flow = nodes_[frames_[i].flow];
+        return frames_[i].overtakes ? flow.now.overtaking : flow.now.rest;
+    }
+
+    bool empty() const noexcept { return count_ == 0; }
+    std::size_t count() const noexcept { return count_; }
+    std::size_t bytes() const noexcept { return bytes_; }
+    void clear() noexcept;
+
+private:
+    // What takes turns stands in a tree: the root, below it channels, below them the flows of their senders. As long as
+    // nobody but one sender waits, there is only its flow, the `sole` one.
+    using Number = std::uint32_t;
+    static constexpr Number nobody = UINT32_MAX;
+    static constexpr Number root = 0;
+    static constexpr Number sole = 1;
+    static constexpr Number first_channel = 2;
+    static constexpr std::size_t channels = most_channels + 1;    // and ourselves
+    static constexpr Number first_flow = first_channel + channels;
+    static constexpr std::size_t bucket_count = 256;
+
+    // What sending changes: as it is, and as it would be after what is planned.
+    struct State {
+        std::int32_t balance;    // bytes it may still send in this turn
+        std::uint32_t bytes;     // that wait
+        Number turn;             // below a channel, or the root: whose turn it is
+        bool overtook;           // the frame that left last, others of this sender
+        FrameList overtaking, rest;
+    };
+    struct Node {
+        State now;
+        State planned;         // valid when `plan` is that of the queue
+        std::uint64_t plan;
+        Neighbours in_ring;    // in the order of their turns, round and round
+        Number parent;
+        Number chained;        // flows: the next of its bucket, or of the free ones
+        Number longest;        // below a channel, or the root: that had the most bytes when looked at last
+        std::uint32_t key;     // flows: channel and address
+    };
+
+    static FrameList& line(State& flow, bool overtakes) noexcept { return overtakes ? flow.overtaking : flow.rest; }
+    static FrameIndex first(const State& flow) noexcept {
+        const bool other = flow.overtaking.first == no_frame || (flow.overtook && flow.rest.first != no_frame);
+        return other ? flow.rest.first : flow.overtaking.first;
+    }
+    // The first of its line is behind us.
+    void skip(State& flow, FrameIndex i) noexcept {
+        FrameList& in = line(flow, frames_[i].overtakes);
+        if (in.first == i) in.first = frames_[i].in_flow.behind;
+    }
+    template <bool planned>
+    void pay(FrameIndex i) noexcept {
+        State& flow = state<planned>(frames_[i].flow);
+        flow.overtook = frames_[i].overtakes && flow.rest.first != no_frame;
+        if (shared_) charge<planned>(frames_[i].flow, frames_[i].size);
+    }
+    template <bool planned>
+    State& state(Number n) noexcept {
+        if constexpr (!planned) return nodes_[n].now;
+        if (nodes_[n].plan != plan_) {
+            nodes_[n].planned = nodes_[n].now;
+            nodes_[n].plan = plan_;
+        }
+        return nodes_[n].planned;
+    }
+    Number flow_of(std::uint32_t key) noexcept {
+        if (count_ == 0) {
+            nodes_[sole].key = key;
+            nodes_[sole].now.overtook = false;
+        }
+        return !shared_ && nodes_[sole].key == key ? sole : flow_of_many(key);
+    }
+    // The flows of one channel: one in each.
+    Number& bucket(std::uint32_t key) noexcept { return buckets_[(key ^ (key >> 8) * 0x9Du) % bucket_count]; }
+
+    Number flow_of_many(std::uint32_t key) noexcept;
+    Number new_flow(std::uint32_t key) noexcept;
+    void enrol(Number flow) noexcept;
+    void grow(Number flow, std::uint32_t size) noexcept;
+    void shrink(Number flow, std::uint32_t size) noexcept;
+    template <bool planned>
+    void charge(Number flow, std::uint32_t size) noexcept;
+    void retire(Number flow) noexcept;
+    void join(Number ring, Number n) noexcept;
+    void leave(Number n) noexcept;
+    Number longest(Number ring) noexcept;
+    template <bool planned>
+    FrameIndex next_of_many() noexcept;
+    template <bool planned>
+    Number in_turn(Number ring) noexcept;
+
+    WaitingFrame* frames_;
+    std::unique_ptr<Node[]> nodes_;    // left uninitialised: pages never used cost nothing
+    std::int32_t quantum_;
+    Number used_ = first_flow;    // nodes_[first_flow, used_) have been flows
+    Number free_ = nobody;        // of those, the free ones
+    bool shared_ = false;         // more than one sender has waited since it was last empty
+    std::size_t count_ = 0;
+    std::size_t bytes_ = 0;
+    std::uint64_t plan_ = 1;    // no node has this one before it is looked at
+    std::bitset<channels> enrolled_;    // channels that have a turn
+    std::array<Number, bucket_count> buckets_;
+};
+
+}    // namespace anogate
