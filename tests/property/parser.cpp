@@ -22,12 +22,20 @@ Bytes random_bytes(Random& random, std::size_t n) {
     return bytes;
 }
 
+// Few, so that most have been heard before.
+std::uint8_t random_source(Random& random) {
+    return random.of<std::uint8_t>({1, 1, 2, ano::head, random.byte()});
+}
+std::uint8_t random_id(Random& random) {
+    return random.of<std::uint8_t>({0x01, 0x03, 0x34, 0xA0, 0xB1, random.byte()});
+}
+
 Bytes random_frame(Random& random, std::size_t max_data) {
     const std::size_t size = random.below(random.one_in(4) ? max_data + 1 : std::min<std::size_t>(max_data, 30) + 1);
     Bytes data = random_bytes(random, size);
     for (auto& byte : data)
         if (random.one_in(8)) byte = ano::head;
-    return support::frame(random.byte(), random.byte(), random.byte(), data);
+    return support::frame(random_source(random), random.byte(), random_id(random), data);
 }
 
 // What a line may bring: good frames, damaged, cut short and nested ones, false headers, noise, bytes that are nearly
@@ -48,9 +56,9 @@ Bytes random_piece(Random& random, std::size_t max_data) {
         case 3: {
             const auto length = random.below(max_data + max_data / 8 + 2);
             return {ano::head,
+                    random_source(random),
                     random.byte(),
-                    random.byte(),
-                    random.byte(),
+                    random_id(random),
                     static_cast<std::uint8_t>(length),
                     static_cast<std::uint8_t>(length >> 8)};
         }
@@ -64,7 +72,7 @@ Bytes random_piece(Random& random, std::size_t max_data) {
             Bytes inner;
             while (random.below(3u) > 0 && inner.size() < max_data) append(inner, random_frame(random, max_data / 4));
             if (inner.size() > max_data) inner.resize(max_data);
-            Bytes bytes = support::frame(1, 2, 0xB1, inner);
+            Bytes bytes = support::frame(random_source(random), 2, random_id(random), inner);
             if (random.one_in(2)) bytes[random.below(bytes.size())] ^= 0x10;
             if (random.one_in(3)) bytes.resize(random.below(bytes.size()) + 1);
             return bytes;

@@ -74,6 +74,16 @@ TEST_P(AnyRead, of_any_short_pattern_costs_linear_time) {
     RecordProperty("most", std::to_string(most));
 }
 
+TEST_P(AnyRead, of_what_two_frames_in_a_row_are_looked_for_in_costs_linear_time) {
+    double most = 0;
+    for (const auto& crafted : support::crafted_for_pairs()) {
+        const double needed = share(support::input_of(crafted.piece, input_size), crafted.max_data, GetParam());
+        EXPECT_LT(needed, 1) << crafted.name;
+        most = std::max(most, needed);
+    }
+    RecordProperty("most", std::to_string(most));
+}
+
 INSTANTIATE_TEST_SUITE_P(bytes, AnyRead, testing::Values(1, 61, 4096),
                          [](const auto& test) { return std::to_string(test.param); });
 
