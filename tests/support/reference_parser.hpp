@@ -89,10 +89,13 @@ private:
         return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= largest_[id];
     }
 
-    // A frame counts when its source had been heard as its header was first looked at.
+    // When a header is first looked at it is decided whether its frame counts: its source has been heard, and it and another
+    // end before the frame that waits.
     bool two_good_frames_behind() {
         for (std::size_t at = at_ + 1; at + 6 <= bytes_.size(); ++at)
-            if (bytes_[at] == 0xAB) counts_.emplace(at, sources_.count(bytes_[at + 1]) > 0);
+            if (bytes_[at] == 0xAB)
+                counts_.emplace(at, sources_.count(bytes_[at + 1]) > 0 && length_at(at) + 10 <= length_at(at_) &&
+                                        at + length_at(at) < at_ + length_at(at_));
         const auto good_at = [this](std::size_t at) {
             const auto counts = counts_.find(at);
             return counts != counts_.end() && counts->second && what_begins(bytes_, at) == good;

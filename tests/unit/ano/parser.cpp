@@ -480,6 +480,15 @@ TEST(FrameParser, lets_them_pass_whatever_number_of_headers_stands_before_them) 
     }
 }
 
+TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they_end) {
+    const auto holding = [](const Bytes& inner) { return support::frame(0xDC, 0xFE, 0x01, inner); };
+    const Bytes first = holding(header(7) + header(1) + Bytes(1));
+    const Bytes second = holding(Bytes{9} + header(5) + Bytes(5));
+    HeardLine line;
+    line.put(header(1000, stranger) + first + second);
+    EXPECT_EQ(line.frames, (Frames{first, second}));
+}
+
 TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
     HeardLine line;
     line.put(header(1000, stranger) + numbered(1) + Bytes(1) + numbered(2) + Bytes(1));
