@@ -33,7 +33,8 @@ struct ParserCounters {
 };
 
 /// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
-/// linear time. Neither throws nor allocates after construction.
+/// linear time. A candidate whose rest is not there yet waits, but one that nothing heard makes credible (heard.hpp) gives way
+/// to two good frames in a row from sources that were heard. Neither throws nor allocates after construction.
 class FrameParser {
 public:
     struct Options {
