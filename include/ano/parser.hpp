@@ -8,6 +8,8 @@
 // A datagram goes in by begin_datagram() first, which decides whether what the one before left behind still counts.
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/frame_pairs.hpp>
+#include <ano/heard.hpp>
 #include <ano/prefix_sums.hpp>
 #include <ano/time.hpp>
 
@@ -31,7 +33,8 @@ struct ParserCounters {
 };
 
 /// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
-/// linear time. Neither throws nor allocates after construction.
+/// linear time. A candidate whose rest is not there yet waits, but one that nothing heard makes credible (heard.hpp) gives way
+/// to two good frames in a row from sources that were heard. Neither throws nor allocates after construction.
 class FrameParser {
 public:
     struct Options {
@@ -84,7 +87,9 @@ private:
     std::uint64_t refused_together(std::uint64_t candidates, std::size_t from, std::size_t sums_end) const noexcept;
     void count_refused(std::uint64_t heads) noexcept;
     bool add_is_wrong(std::size_t at, std::size_t to) const noexcept;
+    bool gives_way(std::size_t at) noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
+    void sum_up_from(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;
     void skip_to(std::size_t at) noexcept;
     void drop_padding() noexcept;
@@ -102,6 +107,9 @@ private:
     // anew.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
+
+    Heard heard_;
+    FramePairs pairs_;
 
     bool behind_frame_ = false;       // pos_ is the end of a good frame, and padding may follow
     bool candidate_waits_ = false;    // the one at pos_

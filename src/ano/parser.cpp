@@ -66,17 +66,20 @@ FrameParser::FrameParser(Options options)
     : options_{options},
       capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
       buffer_{new std::uint8_t[capacity_ + block]},    // HEADs are looked for by whole blocks
-      sums_{capacity_} {
+      sums_{capacity_},
+      pairs_{options.max_data} {
     options_.max_data = std::min(options.max_data, largest_data);
 }
 
 std::span<std::uint8_t> FrameParser::prepare() noexcept {
     if (pos_ == end_) {
+        pairs_.move_front(pos_);
         pos_ = end_ = barrier_ = sums_until_ = 0;
         sums_.begin(0);
     } else if (pos_ > 0 && capacity_ - end_ < read_room) {
         std::memmove(buffer_.get(), buffer_.get() + pos_, end_ - pos_);
         sums_.move_front(pos_);
+        pairs_.move_front(pos_);
         sums_until_ -= std::min(sums_until_, pos_);
         barrier_ -= std::min(barrier_, pos_);
         end_ -= pos_;
@@ -105,7 +108,7 @@ std::optional<FrameView> FrameParser::next() noexcept {
     while (at < end_) {
         const bool no_rest = at < barrier_;
         verdict = judge(at, no_rest ? barrier_ : end_);
-        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest)) break;
+        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest && !gives_way(at))) break;
         ++(verdict == Verdict::bad        ? counters_.bad_check
            : verdict == Verdict::too_long ? counters_.bad_length
                                           : counters_.expired);
@@ -126,6 +129,7 @@ std::optional<FrameView> FrameParser::next() noexcept {
     pos_ = at + frame.bytes().size();
     behind_frame_ = options_.zero_padding;
     v7_ = {};
+    heard_.note(frame);
     ++counters_.frames_in;
     return frame;
 }
@@ -257,11 +261,24 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     return false;
 }
 
-// 0: there is none. The sums are made for every byte from the waiting candidate on, since any may be asked for again.
-std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
+// Whether an incomplete candidate is refused before its rest is there: nothing that was heard makes it credible, and two
+// good frames stand in a row behind its first byte.
+[[gnu::noinline]] bool FrameParser::gives_way(std::size_t at) noexcept {
+    if (end_ - at <= overhead || counters_.frames_in == 0 || heard_.makes_credible(buffer_.get() + at)) return false;
+    sum_up_from(at);
+    return pairs_.stand_behind(at, {buffer_.get(), end_}, sums_, heard_);
+}
+
+// For every byte behind a candidate that waits, since any may be asked for again.
+void FrameParser::sum_up_from(std::size_t at) noexcept {
     if (at > sums_.end()) sums_.begin(at);
     sums_.extend({buffer_.get(), end_}, end_);
     sums_until_ = end_;
+}
+
+// 0: there is none.
+std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
+    sum_up_from(at);
     while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
         if (judge(at, end_) == Verdict::good) return at;
     return 0;

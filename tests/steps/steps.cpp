@@ -33,4 +33,11 @@ void* __wrap_memmove(void* to, const void* from, std::size_t size) {
     support::steps += 1 + size / bytes_a_step;
     return __real_memmove(to, from, size);
 }
+
+void* __real_memset(void* bytes, int byte, std::size_t size);
+void* __wrap_memset(void* bytes, int byte, std::size_t size);
+void* __wrap_memset(void* bytes, int byte, std::size_t size) {
+    support::steps += 1 + size / bytes_a_step;
+    return __real_memset(bytes, byte, size);
+}
 }

@@ -25,12 +25,10 @@ public:
     const ano::FrameParser& parser() const { return parser_; }
 
     void put(std::span<const std::uint8_t> bytes) {
-        reference_.put({bytes.begin(), bytes.end()}, now);
         feed(bytes);
     }
     void put_datagram(std::span<const std::uint8_t> datagram) {
         reference_.begin_datagram({datagram.begin(), datagram.end()}, now);
-        reference_.put({datagram.begin(), datagram.end()}, now);
         parser_.begin_datagram(datagram, now);
         feed(datagram);
     }
@@ -62,6 +60,7 @@ private:
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.data(), n, room.data());
             parser_.commit(n, now);
+            reference_.put({bytes.data(), bytes.data() + n}, now);    // what was there when may decide
             bytes = bytes.subspan(n);
             drain();
         }

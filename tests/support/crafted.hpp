@@ -3,8 +3,10 @@
 #include <support/bytes.hpp>
 #include <support/random.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace support {
@@ -13,7 +15,7 @@ namespace support {
 using Piece = std::function<void(Bytes&, Random&)>;
 
 struct Crafted {
-    const char* name;
+    std::string name;
     Piece piece;
     std::size_t max_data;
 };
@@ -45,6 +47,46 @@ inline Piece headers_that_just_fit(std::size_t step, std::size_t run) {
     };
 }
 
+/// `piece` where 0xAB, 0 and 0xA7 have been heard; in front of each `run` bytes of it a header from 0x77, which has not, of
+/// the largest frame: as long as that waits, two frames in a row are looked for in what follows.
+inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size_t max_data) {
+    return [=, next = std::size_t{0}](Bytes& input, Random& random) mutable {
+        if (input.empty()) {
+            for (const std::uint8_t source : {ano::head, std::uint8_t{0}, std::uint8_t{0xA7}}) {
+                const Bytes heard = frame(source, 0xFF, 0xE0, {1, 0, 0});
+                input.insert(input.end(), heard.begin(), heard.end());
+            }
+            next = 0;
+        }
+        if (input.size() >= next) {
+            input.insert(input.end(), {ano::head, 0x77, 0, 1, static_cast<std::uint8_t>(max_data),
+                                       static_cast<std::uint8_t>(max_data >> 8)});
+            next = input.size() + run;
+        }
+        piece(input, random);
+    };
+}
+
+/// Good frames that never stand in a row.
+inline void lonely_frames(Bytes& input, Random&) {
+    const Bytes lonely = frame(0, 0xFF, 0xE0, {1, 0, 0});
+    input.insert(input.end(), lonely.begin(), lonely.end());
+    input.push_back(0);
+}
+
+/// Two good frames in a row behind `headers` headers that must give way to them.
+inline Piece pair_behind_headers(std::size_t headers, std::size_t max_data) {
+    return [=](Bytes& input, Random& random) {
+        for (std::size_t i = 0; i < headers; ++i) {
+            const std::size_t length = max_data - random.below(std::min<std::size_t>(max_data, 100));
+            input.insert(input.end(), {ano::head, random.of<std::uint8_t>({0, 0x77}), 0, 1,
+                                       static_cast<std::uint8_t>(length), static_cast<std::uint8_t>(length >> 8)});
+        }
+        const Bytes one = frame(0, 0xFF, 0xE0, {1, 0, 0});
+        for (int i = 0; i < 2; ++i) input.insert(input.end(), one.begin(), one.end());
+    };
+}
+
 inline Bytes input_of(const Piece& piece, std::size_t size) {
     Random random{1};
     Bytes input;
@@ -70,6 +112,21 @@ inline std::vector<Crafted> crafted() {
             {"varied_heads_64k", headers_of_any_length(4, 65535), 65535},
             {"just_fits", headers_that_just_fit(6, 4104), 4096},
             {"just_fits_64k", headers_that_just_fit(6, 65543), 65535}};
+}
+
+/// Crafted to be slow for a search for two good frames in a row.
+inline std::vector<Crafted> crafted_for_pairs() {
+    std::vector<Crafted> all;
+    for (const Crafted& c : crafted())
+        all.push_back({"behind_" + c.name, behind_false_headers(c.piece, c.max_data / 3, c.max_data), c.max_data});
+    for (const std::size_t max_data : {4096u, 65535u}) {
+        const std::string size = max_data == 4096 ? "" : "_64k";
+        all.push_back({"lonely" + size, behind_false_headers(lonely_frames, max_data / 3, max_data), max_data});
+        for (const std::size_t headers : {1u, 2u, 100u})
+            all.push_back({"pair_behind_" + std::to_string(headers) + size,
+                           behind_false_headers(pair_behind_headers(headers, max_data), max_data / 3, max_data), max_data});
+    }
+    return all;
 }
 
 }    // namespace support

@@ -1,0 +1,35 @@
+// What the good frames of a channel told: by it a false header is known from the beginning of a frame.
+#pragma once
+#include <ano/frame.hpp>
+
+#include <array>
+#include <cstdint>
+
+namespace ano {
+
+/// Whether frames of `id` have no length of their own: text, images, values that a device or a user defines, ids that are
+/// not listed. `first` is the first byte of DATA, by which 0x34 tells a scan from a distance.
+bool is_of_free_length(std::uint8_t id, std::uint8_t first) noexcept;
+
+/// The sources of good frames, and the largest LEN of each id.
+class Heard {
+public:
+    void note(FrameView frame) noexcept {
+        sources_[frame.source()] = true;
+        const auto length = static_cast<std::uint16_t>(frame.data().size());
+        std::uint16_t& largest = largest_[frame.id()];
+        if (length > largest) largest = length;
+    }
+    bool source(std::uint8_t address) const noexcept { return sources_[address]; }
+
+    /// Whether `begin`, header_size + 1 bytes or more, is what a frame would begin with here: the source was heard and the
+    /// id is of free length or was heard with at least this LEN. Tunnel frames (0xB1, 0xB2) may be anybody's, for they
+    /// carry frames.
+    bool makes_credible(const std::uint8_t* begin) const noexcept;
+
+private:
+    std::array<bool, 256> sources_{};
+    std::array<std::uint16_t, 256> largest_{};    // 0: not heard, or without DATA
+};
+
+}    // namespace ano
