@@ -354,7 +354,7 @@ constexpr Key<L> own_link_rows[] = {
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
     duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
-                                                    "a peer silent for so long is forgotten") |
+                                                    "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
     integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, most_channels,
                                                 "most peers at a time; the longest silent one gives way") |

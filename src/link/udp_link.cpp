@@ -190,7 +190,7 @@ void UdpLink::deliver() {
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
-    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u};
+    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);
     switch (report.result) {

@@ -1,3 +1,4 @@
+#include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/udp_listen_link.hpp>
@@ -8,8 +9,8 @@ namespace anogate {
 namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
-constexpr Duration networks_age = std::chrono::seconds{1};      // a refused sender makes us look again this often
-constexpr Duration silence_slack = std::chrono::seconds{1};
+constexpr Duration networks_age = std::chrono::seconds{1};    // a sender outside makes us look again this often
+constexpr Duration look_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 
 }  // namespace
@@ -34,11 +35,12 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       context_{context},
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
-      silence_{context.alarms, [this] { forget_silent_peers(); }, silence_slack},
+      look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
       interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
-      allow_{this->settings().udp_listen.allow} {}
+      book_{{this->settings().udp_listen.peer_timeout}},
+      take_reports_{[this] { return take_reports(); }} {}
 
 UdpListenLink::~UdpListenLink() = default;
 
@@ -52,6 +54,7 @@ void UdpListenLink::try_open() {
     }
     backoff_.came_up(now);
     local_ = local_endpoint(socket.fd.get());
+    keep_error_reports(socket.fd.get(), local_.address.v6);
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
     descriptor_.open(std::move(socket.fd));
@@ -77,18 +80,20 @@ void UdpListenLink::stop_reading() {
 
 void UdpListenLink::stop() {
     retry_.cancel();
-    silence_.cancel();
+    look_.cancel();
     interface_watch_.stop();
     pacing_.stop();
     peers_.clear();
+    book_.clear();
     descriptor_.close();
 }
 
 void UdpListenLink::read() {
     const int count = context_.batch.receive(descriptor_.fd());
-    if (count < 0) {
-        if (errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH || errno == ENOMEM) return;
-        return fail(error_text(local_.text(), errno));
+    if (count <= 0) {
+        const int error = count < 0 ? errno : 0;
+        if (take_reports() || error == 0 || error == ENOMEM || may_be_reported(error)) return;
+        return fail(error_text(local_.text(), error));
     }
     const TimePoint now = context_.host.now();
     for (int i = 0; i < count; ++i) {
@@ -105,9 +110,14 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     if (!peer) return;
     latest_ = peer;
     feed_datagram(peer->channel.parser, datagram, now,
-                  [&](ano::FrameView frame) { deliver(peer->channel, peer->endpoint, frame); });
+                  [&](ano::FrameView frame) { take(*peer, frame, now); });
     delivered();
     if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
+}
+
+void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
+    book_.heard(peer.channel.id, frame.source(), now);
+    deliver(peer.channel, peer.endpoint, frame);
 }
 
 UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
@@ -139,20 +149,24 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     channel->heard_at = now;         // the frame it is here for may wait behind a false header
     context_.host.link_up(*this);    // for the new channel
     peers_.push_back(std::make_unique<Peer>(*this, endpoint, *channel));
-    if (!silence_.is_set()) silence_.set(now + settings().udp_listen.peer_timeout);
+    book_.add(channel->id, endpoint, is_near(endpoint.address, now), now);
+    if (!look_.is_set()) look_.set(book_.next_look(now));
     return peers_.back().get();
 }
 
 bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
-    const IpAddress& address = sender.address;
     const UdpListenSettings& udp = settings().udp_listen;
-    if (udp.allow_any || contains(allow_, address)) return true;
-    if (!udp.allow.empty()) return false;
+    if (udp.allow_any || contains(udp.allow, sender.address)) return true;
+    return udp.allow.empty() && is_near(sender.address, now);
+}
+
+bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
+    if (contains(networks_, address)) return true;
     // Interfaces come and go: what was true when we opened need not be true now.
     if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_age) return false;
     networks_read_at_ = now;
-    allow_ = own_networks();
-    return contains(allow_, address);
+    networks_ = own_networks();
+    return contains(networks_, address);
 }
 
 bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
@@ -180,25 +194,42 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
 void UdpListenLink::forget(Peer& peer) {
     if (latest_ == &peer) latest_ = nullptr;
     Channel& channel = peer.channel;
+    book_.remove(channel.id);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
     context_.host.close_channel(channel);
 }
 
-void UdpListenLink::forget_silent_peers() {
+void UdpListenLink::forget_overdue_peers() {
     const TimePoint now = context_.host.now();
-    const Duration timeout = settings().udp_listen.peer_timeout;
-    TimePoint next = TimePoint::max();
-    for (std::size_t i = peers_.size(); i-- > 0;) {
-        const TimePoint due = peers_[i]->channel.heard_at + timeout;
-        if (due <= now) forget(*peers_[i]);
-        else next = std::min(next, due);
+    const ChannelSet overdue = book_.overdue(now);
+    for (std::size_t i = peers_.size(); i-- > 0;)
+        if (overdue.contains(peers_[i]->channel.id)) forget(*peers_[i]);
+    if (!peers_.empty()) look_.set(book_.next_look(now));
+}
+
+// Nobody is forgotten here: frames of the one it is about may be on their way out.
+bool UdpListenLink::take_reports() {
+    const TimePoint now = context_.host.now();
+    return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
+               const Peer* peer = find(there);
+               if (peer && book_.refused(peer->channel.id, now)) look_.set(now);
+           }) > 0;
+}
+
+int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
+    constexpr int most_tries = 16;
+    int error = EBADF;
+    for (int i = 0; i < most_tries && descriptor_.is_open(); ++i) {
+        error = send_datagram(descriptor_.fd(), to, bytes, local_.address.v6);
+        if (!may_be_reported(error) || !take_reports()) break;
     }
-    if (!peers_.empty()) silence_.set(next);
+    return error;
 }
 
 void UdpListenLink::expire(Peer& peer) {
-    if (peer.channel.parser.expire(context_.host.now())) {
-        while (const auto frame = peer.channel.parser.next()) deliver(peer.channel, peer.endpoint, *frame);
+    const TimePoint now = context_.host.now();
+    if (peer.channel.parser.expire(now)) {
+        while (const auto frame = peer.channel.parser.next()) take(peer, *frame, now);
         delivered();
         context_.host.flush();
     }
@@ -210,7 +241,7 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
-    const DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u};
+    const DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_};
     for (;;) {
         const TimePoint now = context_.host.now();
         switch (context_.sender.send_all(way, channel.outbox, pacing_, now).result) {

@@ -1,6 +1,7 @@
 // A UDP port. Whoever sends it a whole good frame becomes a peer with a channel of its own.
 #pragma once
 #include <gateway/backoff.hpp>
+#include <gateway/peer_book.hpp>
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
@@ -35,8 +36,9 @@ protected:
     virtual void delivered() {}
 
     const LinkContext& context() const noexcept { return context_; }
-    /// -1 while it is not open.
-    int socket() const noexcept { return descriptor_.fd(); }
+    /// Sends one datagram; 0, or what errno says: EBADF while the socket is not open.
+    int send(const Endpoint& to, std::span<const std::uint8_t> bytes);
+    bool is_open() const noexcept { return descriptor_.is_open(); }
 
 private:
     struct Peer;
@@ -45,11 +47,14 @@ private:
     void fail(std::string why);
     void read();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint now);
+    void take(Peer& peer, ano::FrameView frame, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now);
     void forget(Peer& peer);
-    void forget_silent_peers();
+    void forget_overdue_peers();
+    bool is_near(const IpAddress& address, TimePoint now);
+    bool take_reports();
     void expire(Peer& peer);
     void flush_all();
 
@@ -57,7 +62,7 @@ private:
     Descriptor descriptor_;
     Backoff backoff_;
     Alarm retry_;
-    Alarm silence_;
+    Alarm look_;    // at who is overdue
     InterfaceWatch interface_watch_;
     Pacing pacing_;                   // of all peers together
     std::size_t first_served_ = 0;    // of the peers, when more may go: each has its turn
@@ -65,8 +70,10 @@ private:
     Peer* latest_ = nullptr;    // the one heard last: most datagrams are its
     ano::FrameParser probe_;    // for senders that are no peers yet
     ReceiveCounters stray_;
-    std::vector<Network> allow_;
+    PeerBook book_;
+    std::vector<Network> networks_;    // of our interfaces
     TimePoint networks_read_at_{};
+    std::function<bool()> take_reports_;
     Endpoint local_;
 };
 
