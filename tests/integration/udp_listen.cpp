@@ -331,7 +331,7 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
     TwoLinks t;
     UdpPeer host;
     std::vector<std::unique_ptr<UdpPeer>> dead;
-    for (int i = 0; i < 7; ++i) dead.push_back(std::make_unique<UdpPeer>())->send(t.daemon.port("ground"), vendor::who_are_you);
+    for (int i = 0; i < 7; ++i) dead.emplace_back(std::make_unique<UdpPeer>())->send(t.daemon.port("ground"), vendor::who_are_you);
     host.send(t.daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 8; }));
     host.forget();
@@ -351,23 +351,24 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
 
 // The only waiting by the clock here: five seconds are what a program is given to start anew on its port.
 TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_network_said_so_for_five_seconds) {
-    for (const char* local : {"127.0.0.1:0", "[::1]:0"}) {
-        RunningGateway daemon{udp_listen("ground", local), udp_listen("air")};
-        UdpPeer air, host{local};
-        auto closed = std::make_unique<UdpPeer>(local);
-        closed->send(daemon.port("ground"), vendor::who_are_you);
-        host.send(daemon.port("ground"), vendor::who_are_you);
-        ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
-        closed.reset();
-        const auto began = anogate::Clock::now();
-        ASSERT_TRUE(daemon.until([&] {
-            air.send(daemon.port("air"), telemetry);
-            daemon.run_for(50ms);
-            return peers(daemon) == 1;
-        }));
-        EXPECT_GE(anogate::Clock::now() - began, 5s);
-        EXPECT_EQ(daemon.link("ground").at("channels").at(0).at("peer"), host.local().text());
+    RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
+    UdpPeer air, host4, host6{"[::1]:0"}, host_both;
+    const std::pair<const char*, UdpPeer*> listening[] = {{"four", &host4}, {"six", &host6}, {"both", &host_both}};
+    for (const auto& [link, host] : listening) {
+        UdpPeer closed{link == std::string{"six"} ? "[::1]:0" : "127.0.0.1:0"};
+        closed.send(daemon.port(link), vendor::who_are_you);
+        host->send(daemon.port(link), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return peers(daemon, link) == 2; }));
     }
+    const auto began = anogate::Clock::now();
+    ASSERT_TRUE(daemon.until([&] {
+        air.send(daemon.port("air"), telemetry);
+        daemon.run_for(50ms);
+        return peers(daemon, "four") == 1 && peers(daemon, "six") == 1 && peers(daemon, "both") == 1;
+    }));
+    EXPECT_GE(anogate::Clock::now() - began, 4s) << "the last of them was closed a moment before";
+    for (const auto& [link, host] : listening)
+        EXPECT_EQ(daemon.link(link).at("channels").at(0).at("peer"), host->local().text()) << link;
 }
 
 TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
