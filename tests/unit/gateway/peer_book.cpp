@@ -17,7 +17,8 @@ const Endpoint phone = at("192.168.1.20:5000"), phone_again = at("192.168.1.20:5
 const Endpoint laptop = at("192.168.1.30:5000");
 
 struct Book : PeerBook {
-    explicit Book(Duration timeout = 60s) : PeerBook{{timeout}} {}
+    explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t most_of_address = 64)
+        : PeerBook{{timeout, most, most_of_address}} {}
     void join(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, bool near = true) {
         add(id, endpoint, near, now);
         heard(id, source, now);
@@ -146,6 +147,102 @@ TEST(PeerBook, a_number_used_again_begins_anew) {
     book.join(a, laptop, device, start + 6s);
     EXPECT_TRUE(book.overdue(start + 7s).empty());
     EXPECT_EQ(book.overdue(start + 66s), ChannelSet{a});
+}
+
+TEST(PeerBook, there_is_a_place_until_all_are_taken) {
+    Book book{60s, 2};
+    book.join(a, phone, device, start);
+    EXPECT_TRUE(book.place_for(laptop, start).free);
+    EXPECT_FALSE(book.place_for(laptop, start).gives_way);
+    book.join(b, laptop, device, start);
+    EXPECT_FALSE(book.place_for(phone_again, start).free);
+}
+
+TEST(PeerBook, who_came_once_drives_out_nobody_but_one_that_came_once_and_is_silent) {
+    Book book{60s, 3};
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, host, start);
+    book.heard(b, host, start + 1s);
+    book.join(c, laptop, host, start + 30s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), start + 60s - 1ns).free);
+    EXPECT_EQ(book.place_for(at("10.0.0.1:2"), start + 60s).gives_way, a);
+    book.remove(a);
+    book.join(a, phone, device, start + 60s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:3"), start + 80s).free) << "one that listens came more than once, two spoke";
+}
+
+TEST(PeerBook, who_comes_again_an_exchange_later_drives_out_who_came_once_from_an_address_of_several) {
+    Book book{60s, 3};
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 1s);
+    book.join(c, laptop, host, start);
+    book.join(b, phone_again, host, start);
+    const Endpoint stranger = at("10.0.0.1:1");
+    EXPECT_FALSE(book.place_for(stranger, start + 2s).free);
+    EXPECT_FALSE(book.place_for(stranger, start + 3s - 1ns).free);
+    EXPECT_EQ(book.place_for(stranger, start + 3s).gives_way, b);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:2"), start + 3s).free) << "another port is another stranger";
+    book.heard(b, host, start + 3s);
+    EXPECT_FALSE(book.place_for(stranger, start + 4s).free) << "those came more than once, and an address keeps its only place";
+    book.heard(c, host, start + 5s);
+    EXPECT_EQ(book.place_for(stranger, start + 61s).gives_way, a) << "one that listens, when its place is needed";
+}
+
+TEST(PeerBook, a_stranger_that_comes_again_after_the_timeout_comes_for_the_first_time) {
+    Book book{60s, 1};
+    book.join(a, phone, host, start);
+    const Endpoint stranger = at("10.0.0.1:1");
+    book.place_for(stranger, start);
+    book.heard(a, host, start + 50s);
+    EXPECT_FALSE(book.place_for(stranger, start + 61s).free);
+}
+
+TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {
+    Book book{60s, 8, 2};
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, host, start + 1s);
+    EXPECT_FALSE(book.place_for(phone_anew, start + 1s).free);
+    EXPECT_TRUE(book.place_for(laptop, start + 1s).free);
+    book.join(c, laptop, host, start);
+    EXPECT_EQ(book.place_for(phone_anew, start + 2s).gives_way, a) << "one of its own, when it comes again";
+}
+
+TEST(PeerBook, one_address_drives_out_nobody_of_another_however_many_ports_it_has) {
+    Book book{60s, 8, 2};
+    book.join(a, laptop, host, start);
+    ChannelSet strangers;
+    for (int i = 0; i < 20000; ++i) {
+        const TimePoint now = start + i * 50ms;
+        const Endpoint stranger{IpAddress::v4(192, 168, 1, 66), static_cast<std::uint16_t>(1000 + i)};
+        const auto place = book.place_for(stranger, now);
+        if (!place.free) continue;
+        ASSERT_NE(place.gives_way, a);
+        if (place.gives_way) book.remove(*place.gives_way), strangers.erase(*place.gives_way);
+        const ChannelId id = strangers.contains(b) ? c : b;
+        book.join(id, stranger, host, now);
+        strangers.insert(id);
+        ASSERT_LE(strangers.size(), 2u);
+    }
+}
+
+TEST(PeerBook, programs_of_this_machine_drive_out_each_other_and_have_no_share) {
+    Book book{60s, 3, 1};
+    book.join(a, at("127.0.0.1:1"), host, start);
+    EXPECT_TRUE(book.place_for(at("127.0.0.1:2"), start).free);
+    book.join(b, at("127.0.0.1:2"), host, start + 1ms);
+    book.join(c, laptop, host, start - 1s);
+    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start + 2ms).gives_way, a);
+    book.heard(a, host, start + 3ms);
+    EXPECT_EQ(book.place_for(at("[::1]:3"), start + 4ms).gives_way, b);
+}
+
+TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer) {
+    const std::vector<Network> own{*Network::parse("192.168.1.5/24"), *Network::parse("10.0.0.1/31")};
+    for (const char* good : {"192.168.1.20:5000", "8.8.8.8:53", "10.0.0.0:1", "[fe80::1]:1", "127.0.0.1:1"})
+        EXPECT_TRUE(can_be_peer(at(good), own)) << good;
+    for (const char* bad : {"192.168.1.20:0", "192.168.1.255:5000", "192.168.1.0:5000", "255.255.255.255:1", "224.0.0.1:1",
+                            "0.0.0.0:1", "[ff02::1]:1", "[::]:1"})
+        EXPECT_FALSE(can_be_peer(at(bad), own)) << bad;
 }
 
 }  // namespace
