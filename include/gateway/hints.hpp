@@ -19,6 +19,8 @@ struct LinkFigures {
     ReceiveCounters received;     // all channels, and what belongs to none
     SendCounters sent;
     std::uint64_t v7_frames = 0;
+    std::uint64_t gateways = 0;     // other gateways' listening ports that were refused
+    std::uint64_t no_place = 0;     // datagrams of strangers that were refused for want of a place
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
 };

@@ -2,6 +2,7 @@
 #include <link/datagram_sender.hpp>
 #include <link/error_queue.hpp>
 
+#include <algorithm>
 #include <cerrno>
 
 namespace anogate {
@@ -49,9 +50,11 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
     std::size_t mtu = way.mtu;
     int failures = 0;    // of one datagram: an error may be about an earlier one, so each has a second try
     int reported = 0;
+    std::size_t spent = 0;
     while (!outbox.empty()) {
-        const std::size_t budget = pacing.budget(outbox, now);
-        if (budget == 0) return stop(SendResult::paced);
+        const std::size_t paced = pacing.budget(outbox, now);
+        if (paced == 0) return stop(SendResult::paced);
+        const std::size_t budget = std::min(paced, way.most - spent);
         const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now, budget);
         if (frames == 0) break;
         const unsigned datagrams = fill(frames, way.to, mtu);
@@ -59,6 +62,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         std::size_t frame = 0;
         for (std::size_t datagram = 0; static_cast<int>(datagram) < sent; ++datagram) {
             for (std::size_t i = 0; i < room_->frames_in[datagram]; ++i, ++frame) {
+                spent += room_->frames[frame].size();
                 pacing.sent(room_->frames[frame].size(), now);
                 outbox.sent_frame();
             }

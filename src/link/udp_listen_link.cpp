@@ -1,9 +1,13 @@
+#include <ano/address.hpp>
+#include <gateway/far_peer.hpp>
 #include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/udp_listen_link.hpp>
 
 #include <algorithm>
+#include <new>
+#include <random>
 
 namespace anogate {
 namespace {
@@ -12,6 +16,30 @@ constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration networks_age = std::chrono::seconds{1};    // a sender outside makes us look again this often
 constexpr Duration look_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
+constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
+
+PeerBook::Options book_options(const UdpListenSettings& udp) {
+    const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
+    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter};
+}
+
+// From the system each time: what one sender is given tells nothing of what another one is.
+std::uint64_t random_number() {
+    std::random_device source;
+    return std::uint64_t{source()} << 32 | source();
+}
+
+void hold_back_all(Outbox& outbox, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 1> next;
+    while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
+}
+
+// The frames of which it is known when they arrive.
+void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 32> next;
+    const std::size_t count = outbox.gather(next, now, budget);
+    for (std::size_t i = 0; i < count; ++i) far.sent(ano::FrameView{next[i]}, now);
+}
 
 }  // namespace
 
@@ -28,6 +56,10 @@ struct UdpListenLink::Peer {
     Channel& channel;
     Alarm expiry;
     Alarm again;    // after the system had no memory to send
+    std::unique_ptr<FarPeer> far;    // outside our networks, until it has shown that it is there
+    TimePoint ask_at{};              // a suspect, whether it is a listening gateway
+    TimePoint silenced_until{};      // nothing of it is taken before
+    bool is_gateway = false;         // it said so: to be forgotten when what it sent has been read
 };
 
 UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -39,7 +71,9 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
-      book_{{this->settings().udp_listen.peer_timeout}},
+      book_{book_options(this->settings().udp_listen)},
+      random_{random_number},
+      check_{random_},
       take_reports_{[this] { return take_reports(); }} {}
 
 UdpListenLink::~UdpListenLink() = default;
@@ -109,15 +143,68 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     if (!peer) peer = admit(endpoint, datagram, now);
     if (!peer) return;
     latest_ = peer;
-    feed_datagram(peer->channel.parser, datagram, now,
-                  [&](ano::FrameView frame) { take(*peer, frame, now); });
+    if (peer->far) peer->far->came(datagram.size(), now);
+    feed_datagram(peer->channel.parser, datagram, now, [&](ano::FrameView frame) { take(*peer, frame, now); });
     delivered();
     if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
+    end_of_datagram(*peer, now);
 }
 
 void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
+    if (const auto notice = listening_notice(frame)) {
+        if (joins_gateways()) return;
+        heard_notice(peer.endpoint, *notice, now);
+        peer.is_gateway = peer.is_gateway || check_.is_refused(peer.endpoint);
+        if (now >= peer.silenced_until && check_.is_suspended(peer.endpoint, now))
+            peer.silenced_until = now + ListenerCheck::suspended_for;
+        return;
+    }
+    if (peer.is_gateway || now < peer.silenced_until) {
+        ++peer.channel.routed.denied_in;
+        return;
+    }
     book_.heard(peer.channel.id, frame.source(), now);
+    if (!ano::address::is_host(frame.source())) ask_suspect(peer, now);
+    if (peer.far && peer.far->heard(frame, now)) return;
     deliver(peer.channel, peer.endpoint, frame);
+}
+
+// What might forget it waits until nothing of it is in use.
+void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
+    if (peer.is_gateway) return forget(peer);
+    if (!peer.far) return;
+    if (peer.far->is_there()) {
+        peer.far.reset();
+    } else if (const auto question = peer.far->question(random_, now)) {
+        if (send(peer.endpoint, *question) == 0) peer.far->left(question->size());
+    }
+}
+
+// A peer that brings frames of devices, or is to get those of a host, may be another gateway's listening socket. Those of this
+// machine are not: no datagram from outside has such a source.
+void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
+    if (now < peer.ask_at || joins_gateways() || peer.endpoint.address.is_loopback()) return;
+    peer.ask_at = now + look_at_suspect;
+    if (peer.far && peer.far->allowance(now) < NoticeFrame{}.size()) return;
+    if (const auto question = check_.question(peer.endpoint, now)) {
+        if (peer.far) peer.far->left(NoticeFrame{}.size());
+        say(peer.endpoint, question);
+    }
+}
+
+void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now) {
+    if (notice.kind == ListeningNotice::Kind::question) {
+        say(from, check_.asked(from, notice.number, now));
+        if (!check_.is_refused(from)) say(from, check_.question_back(from, now));
+    } else if (check_.answered(from, notice.number, now)) {
+        ++gateways_;
+        ++stray_.denied_in;
+        last_gateway_ = from.text();
+    }
+}
+
+void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
+    if (notice) send(to, frame_of(*notice));
 }
 
 UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
@@ -126,32 +213,68 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
     return found == peers_.end() ? nullptr : found->get();
 }
 
-// A stranger must be allowed, must say something in V8, and then takes the place of the one silent longest if need be.
+// A stranger must be allowed, must say something in V8, and may take the place of another.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram,
-                                          TimePoint now) {
-    if (endpoint.port == 0 || !allowed(endpoint, now)) {
-        ++stray_.denied_in;
-        stray_.bytes_in += datagram.size();
-        return nullptr;
-    }
+                                          TimePoint now) try {
+    if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     if (!is_welcome(endpoint, datagram, now)) return nullptr;
-    if (peers_.size() >= settings().udp_listen.max_peers) {
-        forget(**std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) {
-            return a->channel.heard_at < b->channel.heard_at;
-        }));
+    if (check_.is_refused(endpoint)) {    // it does not know yet
+        say(endpoint, check_.question_back(endpoint, now));
+        return refuse(datagram), nullptr;
     }
+    if (check_.is_suspended(endpoint, now)) return refuse(datagram), nullptr;
+    const PeerBook::Place place = book_.place_for(endpoint, now);
+    if (!place.free) {
+        ++no_place_;
+        return refuse(datagram), nullptr;
+    }
+    if (place.gives_way)
+        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.gives_way; }));
+    Peer* peer = make_peer(endpoint, now);
+    if (!peer) refuse(datagram);
+    return peer;
+} catch (const std::bad_alloc&) {
+    return refuse(datagram), nullptr;    // nobody is worth the end of the program
+}
+
+void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
+    ++stray_.denied_in;
+    stray_.bytes_in += datagram.size();
+}
+
+// What a peer needs is some 100 KB: memory may be too short for it.
+UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now) {
+    const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
-    if (!channel) {
-        ++stray_.denied_in;
-        stray_.bytes_in += datagram.size();
-        return nullptr;
+    if (!channel) return nullptr;
+    try {
+        auto peer = std::make_unique<Peer>(*this, endpoint, *channel);
+        if (far) peer->far = std::make_unique<FarPeer>(now);
+        peers_.push_back(std::move(peer));
+    } catch (const std::bad_alloc&) {
+        context_.host.close_channel(*channel);
+        throw;
     }
     channel->heard_at = now;         // the frame it is here for may wait behind a false header
     context_.host.link_up(*this);    // for the new channel
-    peers_.push_back(std::make_unique<Peer>(*this, endpoint, *channel));
-    book_.add(channel->id, endpoint, is_near(endpoint.address, now), now);
+    book_.add(channel->id, endpoint, near, now);
     if (!look_.is_set()) look_.set(book_.next_look(now));
     return peers_.back().get();
+}
+
+// Our own socket is no peer either, nor is another one of ours that listens.
+bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
+    const bool near = is_near(sender.address, now);    // looks at our networks, if need be
+    if (!anogate::can_be_peer(sender, networks_)) return false;
+    if (!near || !context_.host.listens_at(sender.port)) return true;
+    return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
+               return network.address == sender.address;
+           });
+}
+
+bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
+    const UdpListenSettings& udp = settings().udp_listen;
+    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !is_near(address, now);
 }
 
 bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
@@ -173,14 +296,18 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;
+    bool is_notice = false;
     const auto look = [&](ano::FrameView frame) {
-        if (found || welcomes(sender, frame)) found = true;
+        if (const auto notice = listening_notice(frame)) {
+            is_notice = true;
+            if (!joins_gateways()) heard_notice(sender, *notice, now);
+        } else if (found || welcomes(sender, frame)) found = true;
         else ++unwelcome;
     };
     feed_datagram(probe_, datagram, now, look);
     probe_.finish();
     while (const auto frame = probe_.next()) look(*frame);
-    if (found) return true;
+    if (found && !is_notice) return true;
     stray_.denied_in += unwelcome;
     const ano::ParserCounters& after = probe_.counters();
     stray_.bytes_in += datagram.size();
@@ -195,6 +322,7 @@ void UdpListenLink::forget(Peer& peer) {
     if (latest_ == &peer) latest_ = nullptr;
     Channel& channel = peer.channel;
     book_.remove(channel.id);
+    check_.forget(peer.endpoint);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
     context_.host.close_channel(channel);
 }
@@ -203,7 +331,7 @@ void UdpListenLink::forget_overdue_peers() {
     const TimePoint now = context_.host.now();
     const ChannelSet overdue = book_.overdue(now);
     for (std::size_t i = peers_.size(); i-- > 0;)
-        if (overdue.contains(peers_[i]->channel.id)) forget(*peers_[i]);
+        if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);
     if (!peers_.empty()) look_.set(book_.next_look(now));
 }
 
@@ -234,6 +362,7 @@ void UdpListenLink::expire(Peer& peer) {
         context_.host.flush();
     }
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
+    if (peer.is_gateway) look_.set(now);    // not here: the alarm that called is its own
 }
 
 void UdpListenLink::flush(Channel& channel) {
@@ -241,11 +370,21 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
-    const DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_};
+    if (channel.hosts_spoke) ask_suspect(peer, context_.host.now());
+    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
-        switch (context_.sender.send_all(way, channel.outbox, pacing_, now).result) {
+        const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
+        if (peer.far) {
+            way.most = peer.far->allowance(now);
+            remember(*peer.far, channel.outbox, way.most, now);
+        }
+        const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
+        if (peer.far) peer.far->left(channel.outbox.counters().bytes_out - sent_before);
+        switch (result) {
         case SendResult::done:
+            if (peer.far) hold_back_all(channel.outbox, now);
+            return;
         case SendResult::paced: return;
         case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
         case SendResult::no_memory: peer.again.set(now + no_memory_pause); return;
@@ -267,6 +406,8 @@ LinkFacts UdpListenLink::facts() const {
 }
 
 std::string UdpListenLink::trouble() const {
+    if (gateways_ > 0) return "another gateway listens at " + last_gateway_ + " and was refused";
+    if (no_place_ > 0) return std::to_string(no_place_) + " datagrams of strangers were refused: all places are taken";
     return stray_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
 }
 

@@ -91,4 +91,58 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
     }
 }
 
+TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        support::Random random{seed};
+        const std::size_t most = 1 + random.below(8u), most_of_address = 1 + random.below(4u);
+        PeerBook book{{timeout, most, most_of_address}};
+        struct Peer {
+            Endpoint endpoint;
+            TimePoint began, heard;
+            bool again = false;
+        };
+        std::map<ChannelId, Peer> peers;
+        TimePoint now = TimePoint{} + 10h;
+        const auto of_address = [&](const IpAddress& address) {
+            return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint.address == address; }));
+        };
+        for (int step = 0; step < 600; ++step) {
+            now += random.of({Duration{0}, Duration{1ms}, Duration{400ms}, Duration{2s}, Duration{25s}});
+            if (!peers.empty() && random.one_in(2)) {
+                auto& [id, p] = *std::next(peers.begin(), static_cast<std::ptrdiff_t>(random.below(peers.size())));
+                book.heard(id, 0xFE, now);
+                p.heard = now;
+                p.again |= now - p.began >= PeerBook::exchange;
+                continue;
+            }
+            const Endpoint stranger{IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(5u))),
+                                    static_cast<std::uint16_t>(1 + random.below(6u))};
+            if (std::any_of(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint == stranger; })) continue;
+            const std::size_t own = of_address(stranger.address);
+            const PeerBook::Place place = book.place_for(stranger, now);
+            if (own < most_of_address && peers.size() < most) {
+                ASSERT_TRUE(place.free && !place.gives_way) << seed << " " << step;
+            }
+            if (place.gives_way) {
+                const Peer& p = peers.at(*place.gives_way);
+                const bool same = p.endpoint.address == stranger.address;
+                ASSERT_TRUE(own < most_of_address || same) << seed << " " << step;
+                if (now - p.heard < timeout) {
+                    ASSERT_FALSE(p.again) << seed << " " << step;
+                    ASSERT_TRUE(same || of_address(p.endpoint.address) > own + 1) << seed << " " << step;
+                }
+                book.remove(*place.gives_way);
+                peers.erase(*place.gives_way);
+            }
+            if (!place.free) continue;
+            ChannelId id{};
+            while (peers.contains(id)) id = static_cast<ChannelId>(index(id) + 1);
+            book.add(id, stranger, true, now);
+            peers[id] = {stranger, now, now};
+            ASSERT_LE(peers.size(), most) << seed << " " << step;
+            ASSERT_LE(of_address(stranger.address), most_of_address) << seed << " " << step;
+        }
+    }
+}
+
 }  // namespace

@@ -32,5 +32,18 @@ TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
     EXPECT_EQ(hint(link), "");
 }
 
+TEST(Hint, strangers_and_their_tricks_are_named) {
+    LinkFigures link = line_that_sent(1000);
+    link.kind = "udp-listen";
+    link.listens = true;
+    link.channels = 1;
+    link.sent.held_back = 1;
+    EXPECT_NE(hint(link).find("`trusted`"), std::string::npos);
+    link.no_place = 1;
+    EXPECT_NE(hint(link).find("max_per_address"), std::string::npos);
+    link.gateways = 1;
+    EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
+}
+
 }  // namespace
 }  // namespace anogate
