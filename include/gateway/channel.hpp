@@ -21,6 +21,7 @@ struct Channel {
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};    // the last good frame; zero: none yet
     ano::TimePoint bytes_at{};    // the last byte
+    bool hosts_spoke = false;     // a frame of a host was to leave by it
     ReceiveCounters beside{};     // of parsers beside `parser`: a CAN link has one for every CAN id
 
     std::unique_ptr<QuestionQueue> questions{};    // before the outbox, where the device takes few; nullptr: none

@@ -35,6 +35,7 @@ struct SendCounters {
     std::uint64_t link_down{};      // the link was down, or went down
     std::uint64_t too_big{};        // more DATA than the link carries
     std::uint64_t send_failed{};    // refused by the system
+    std::uint64_t held_back{};      // a peer outside our networks has not shown that it is there
     std::uint64_t offered{};        // every frame that was to leave by this channel
 };
 
@@ -90,6 +91,7 @@ inline constexpr CounterRow<SendCounters> send_counters[] = {
     {"link_down", &SendCounters::link_down, "not sent, the link was down"},
     {"too_big", &SendCounters::too_big, "not sent, more DATA than the link carries"},
     {"send_failed", &SendCounters::send_failed, "not sent, refused by the system"},
+    {"held_back", &SendCounters::held_back, "not sent to a peer outside our networks that has not answered yet"},
 };
 
 inline constexpr CounterRow<TunnelCounters> tunnel_counters[] = {
@@ -131,7 +133,7 @@ constexpr void add(ReceiveCounters& a, const ano::ParserCounters& b) noexcept {
 /// Frames that were offered and neither left nor were dropped for a counted cause: those that wait.
 constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept {
     return c.offered - c.frames_out - c.superseded - c.queue_full - c.stale - c.limited - c.denied_out - c.link_down -
-           c.too_big - c.send_failed;
+           c.too_big - c.send_failed - c.held_back;
 }
 
 }  // namespace anogate

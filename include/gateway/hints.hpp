@@ -28,6 +28,8 @@ struct LinkFigures {
     SendCounters sent;
     std::uint64_t v7_frames = 0;
     std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
+    std::uint64_t gateways = 0;     // other gateways' listening ports that were refused
+    std::uint64_t no_place = 0;     // datagrams of strangers that were refused for want of a place
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
     std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have

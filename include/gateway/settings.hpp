@@ -46,8 +46,11 @@ struct UdpListenSettings {
     WrittenEndpoint local;
     Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
+    std::optional<std::uint16_t> max_per_address;    // nothing: a quarter of max_peers, two at least
     bool allow_any = false;
     std::vector<Network> allow;    // empty and not allow_any: the networks of our interfaces
+    bool trusted_any = false;
+    std::vector<Network> trusted;    // outside the networks of our interfaces, yet sent to without limit
     bool operator==(const UdpListenSettings&) const = default;
 };
 

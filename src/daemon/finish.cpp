@@ -16,6 +16,7 @@ namespace anogate {
 namespace {
 
 constexpr std::uint64_t slow_frame = 100;    // ms
+constexpr std::uint64_t much_memory = 64'000'000;    // bytes that wait, on a small computer
 
 // Words that mean something else where a link is named, and the links that the gateway has of itself.
 constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
@@ -126,6 +127,16 @@ private:
         for (std::size_t k = 0; k < links_.size(); ++k) ids_of(i, k);
         hello(i);
         slow_line(i);
+        memory_of_peers(i);
+    }
+
+    void memory_of_peers(std::size_t i) {
+        const LinkSettings& link = links_[i];
+        const std::uint64_t most = std::uint64_t{link.queue} * link.udp_listen.max_peers;
+        if (link.kind != "udp-listen" || most <= much_memory) return;
+        warning(draft_.links[i].key("queue"),
+                "queue " + std::to_string(link.queue) + " for each of " + std::to_string(link.udp_listen.max_peers) + " peers is " +
+                    std::to_string(most / 1'000'000) + " MB, more than 64 MB: lower 'queue' or 'max_peers'");
     }
 
     // What the addresses that `link` speaks of have to do with the port id of `other`.

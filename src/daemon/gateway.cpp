@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <daemon/gateway.hpp>
 #include <gateway/pacer.hpp>
 #include <link/kinds.hpp>
@@ -172,7 +173,7 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     const auto id = static_cast<ChannelId>(i);
     const LinkSettings& s = link.settings();
     channels_[i].reset(new Channel{id, link.id(), std::move(peer), ano::FrameParser{parser_options(s)},
-                                   Outbox{{s.queue, s.most_data_out(), s.age}}, {}, now_, {}, {}});
+                                   Outbox{{s.queue, s.most_data_out(), s.age}}, {}, now_, {}, {}, false, {}});
     if (s.profile == Profile::vendor)
         channels_[i]->questions = std::make_unique<QuestionQueue>(channels_[i]->outbox, QuestionQueue::Options{s.queue, s.age.rest});
     used_.insert(id);
@@ -362,6 +363,7 @@ void Gateway::say(ChannelId to, ano::FrameView frame) {
 
 void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment) {
     Channel& channel = *channels_[index(to)];
+    channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
     if (ruled_.contains(channel.link)) {
         LinkState& link = links_[index(channel.link)];
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
@@ -441,6 +443,13 @@ void Gateway::refuse(LinkId to, std::uint64_t SendCounters::*cause) {
 bool Gateway::is_own_port(std::uint16_t port) const {
     return port != 0 && std::any_of(links_.begin(), links_.end(),
                                     [port](const LinkState& s) { return s.link->local_port() == port; });
+}
+
+bool Gateway::listens_at(std::uint16_t port) const {
+    return std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) {
+        const std::string& kind = s.link->settings().kind;
+        return (kind == "udp-listen" || kind == "tunnel") && s.link->local_port() == port;
+    });
 }
 
 // A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.

@@ -92,15 +92,17 @@ constexpr auto needed = [](KeyFacts& key) { key.required = true; };
 
 // Values that fill more than one field.
 
-std::optional<std::string> write_allow(const KeyFacts&, const LinkSettings& link) {
-    if (link.udp_listen.allow_any) return "any";
-    if (link.udp_listen.allow.empty()) return std::nullopt;
+template <bool UdpListenSettings::*any, std::vector<Network> UdpListenSettings::*networks>
+std::optional<std::string> write_networks(const KeyFacts&, const LinkSettings& link) {
+    if (link.udp_listen.*any) return "any";
+    if ((link.udp_listen.*networks).empty()) return std::nullopt;
     std::string text;
-    for (const Network& network : link.udp_listen.allow) text += (text.empty() ? "" : "+") + network.text();
+    for (const Network& network : link.udp_listen.*networks) text += (text.empty() ? "" : "+") + network.text();
     return text;
 }
 
-std::string read_allow(const KeyFacts& key, std::string_view text, LinkSettings& link) {
+template <bool UdpListenSettings::*any, std::vector<Network> UdpListenSettings::*into>
+std::string read_networks(const KeyFacts& key, std::string_view text, LinkSettings& link) {
     std::vector<Network> networks;
     if (text != "any") {
         for (const std::string_view word : split(text, '+')) {
@@ -109,8 +111,8 @@ std::string read_allow(const KeyFacts& key, std::string_view text, LinkSettings&
             networks.push_back(*network);
         }
     }
-    link.udp_listen.allow_any = text == "any";
-    link.udp_listen.allow = std::move(networks);
+    link.udp_listen.*any = text == "any";
+    link.udp_listen.*into = std::move(networks);
     return {};
 }
 
@@ -368,17 +370,28 @@ constexpr Key<L> own_link_rows[] = {
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
     duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
-                                                    "a peer silent for so long is forgotten") |
+                                                    "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
     integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, most_channels,
-                                                "most peers at a time; the longest silent one gives way") |
+                                                "most peers at a time; one that is silent gives way") |
+        of("udp-listen"),
+    integer<&L::udp_listen, &Listen::max_per_address>("max_per_address", 1, most_channels,
+                                                      "most peers of one IP address, loopback excepted (default: a quarter of "
+                                                      "max_peers, two at least)") |
         of("udp-listen"),
     Key<L>{{.name = "allow",
             .form = Form::networks,
             .help = "networks whose members may become peers, or any (default: the networks of our interfaces)",
             .kinds = "udp-listen"},
-           write_allow,
-           read_allow},
+           write_networks<&Listen::allow_any, &Listen::allow>,
+           read_networks<&Listen::allow_any, &Listen::allow>},
+    Key<L>{{.name = "trusted",
+            .form = Form::networks,
+            .help = "networks outside those of our interfaces whose peers are sent to at once, or any; others get at most three "
+                    "times what they send, until they answer (default: none)",
+            .kinds = "udp-listen"},
+           write_networks<&Listen::trusted_any, &Listen::trusted>,
+           read_networks<&Listen::trusted_any, &Listen::trusted>},
 
     endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
     endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") |

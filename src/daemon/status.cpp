@@ -69,6 +69,8 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const Stray stray = state.link->stray();
     add(f.received, stray.received);
     f.v7_frames = stray.v7_frames;
+    f.gateways = stray.gateways;
+    f.no_place = stray.no_place;
     for (const ChannelId id : state.channels) {
         const Channel& channel = gateway.channel(id);
         if (const auto ring = gateway.rings().ring(id, now)) {

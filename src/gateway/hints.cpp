@@ -46,6 +46,12 @@ std::string hint_of_trouble(const LinkFigures& link) {
         return link.kind == "serial" ? "bytes but no frames: wrong baud rate?" : "bytes but no frames: is the sender speaking V8?";
     if (in.frames_in == 0 && in.bad_length > 0 && in.bad_length >= in.bad_check)
         return "frames longer than max_data are refused: raise max_data on this link";
+    if (link.gateways > 0)
+        return "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other";
+    if (link.no_place > 0)
+        return "strangers were refused, the places of peers are taken: raise max_peers or max_per_address";
+    if (link.sent.held_back > 0)
+        return "a peer outside our networks gets little until it answers: name its network in `trusted`";
     if (link.listens && link.channels == 0 && in.denied_in > 0)
         return "senders outside `allow` were refused: add their network to `allow`";
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";

@@ -1,9 +1,16 @@
 #include <gateway/pack.hpp>
 #include <link/datagram_sender.hpp>
+#include <link/error_queue.hpp>
 
+#include <algorithm>
 #include <cerrno>
 
 namespace anogate {
+namespace {
+
+constexpr int most_reported = 16;    // tries that fail for what became of earlier datagrams, before the rest waits a moment
+
+}  // namespace
 
 // Frames that came one behind the other stand so in the outbox: the kernel is given them as one piece.
 unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept {
@@ -42,9 +49,12 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
     };
     std::size_t mtu = way.mtu;
     int failures = 0;    // of one datagram: an error may be about an earlier one, so each has a second try
+    int reported = 0;
+    std::size_t spent = 0;
     while (!outbox.empty()) {
-        const std::size_t budget = pacing.budget(outbox, now);
-        if (budget == 0) return stop(SendResult::paced);
+        const std::size_t paced = pacing.budget(outbox, now);
+        if (paced == 0) return stop(SendResult::paced);
+        const std::size_t budget = std::min(paced, way.most - spent);
         const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now, budget);
         if (frames == 0) break;
         const unsigned datagrams = fill(frames, way.to, mtu);
@@ -52,6 +62,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         std::size_t frame = 0;
         for (std::size_t datagram = 0; static_cast<int>(datagram) < sent; ++datagram) {
             for (std::size_t i = 0; i < room_->frames_in[datagram]; ++i, ++frame) {
+                spent += room_->frames[frame].size();
                 pacing.sent(room_->frames[frame].size(), now);
                 outbox.sent_frame();
             }
@@ -63,7 +74,12 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
             for (std::size_t i = 0; i < room_->frames_in[0]; ++i) outbox.drop_frame(cause);
         };
         report.error = errno;
-        switch (errno) {
+        if (way.take_reports && may_be_reported(report.error) && (*way.take_reports)()) {
+            if (++reported < most_reported) continue;    // it was about another datagram: this one was not tried
+            outbox.set_congested();
+            return stop(SendResult::no_memory);
+        }
+        switch (report.error) {
         case EINTR: break;
         case EAGAIN: outbox.set_congested(); return stop(SendResult::full);
         case ENOBUFS:
@@ -79,7 +95,9 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         case ENETUNREACH:
             if (!way.to) return stop(SendResult::broken);    // connected when our address was another: it would never find a way again
             [[fallthrough]];
-        default: give_up(&SendCounters::send_failed); break;
+        default:
+            if (!way.take_reports || ++failures == 2) give_up(&SendCounters::send_failed);
+            break;
         case EBADF:
         case EINVAL:
         case ENODEV:

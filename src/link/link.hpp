@@ -35,6 +35,9 @@ public:
     /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
     virtual void doubt(Link&) {}
 
+    /// A link of ours waits for datagrams at this UDP port.
+    virtual bool listens_at(std::uint16_t) const { return false; }
+
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;
 
@@ -49,6 +52,8 @@ using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::stri
 struct Stray {
     ReceiveCounters received;
     std::uint64_t v7_frames = 0;    // frames of the previous protocol version
+    std::uint64_t gateways = 0;     // listening ports of other gateways that turned up as peers
+    std::uint64_t no_place = 0;     // datagrams of strangers for whom no peer gave way
 };
 
 /// One serial port, one UDP socket, one CAN interface. Reads, writes and reports; decides nothing.

@@ -42,8 +42,8 @@ void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     };
     const auto datagram = tunnel_.out(frame, passes);
     if (!datagram) return;
-    if (socket() < 0) return tunnel_.refuse(&TunnelCounters::tunnel_down);
-    switch (send_datagram(socket(), datagram->to, datagram->bytes, false)) {
+    if (!is_open()) return tunnel_.refuse(&TunnelCounters::tunnel_down);
+    switch (send(datagram->to, datagram->bytes)) {
     case 0: return tunnel_.sent();
     case EMSGSIZE: return tunnel_.refuse(&TunnelCounters::tunnel_too_big);
     default: return tunnel_.refuse(&TunnelCounters::tunnel_send_failed);

@@ -54,6 +54,7 @@ public:
 private:
     void opened(const Endpoint& local) override;
     bool allowed(const Endpoint& sender, TimePoint now) override;
+    bool joins_gateways() const override { return true; }
     bool welcomes(const Endpoint& sender, ano::FrameView frame) override;
     void deliver(Channel& channel, const Endpoint& sender, ano::FrameView frame) override;
     void delivered() override;

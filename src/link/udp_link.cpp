@@ -1,3 +1,4 @@
+#include <gateway/listening_notice.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/udp_link.hpp>
@@ -164,7 +165,7 @@ void UdpLink::read() {
         if (!connected_ && own(context_.batch.sender(at), now)) continue;
         trouble_.clear();
         feed_datagram(channel_->parser, context_.batch.datagram(at), now,
-                      [&](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
+                      [&](ano::FrameView frame) { take(frame); });
     }
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
@@ -183,14 +184,19 @@ bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
     return std::any_of(networks_.begin(), networks_.end(), [&](const Network& n) { return n.address == from.address; });
 }
 
+// That the other end is a listening gateway is what this link is for.
+void UdpLink::take(ano::FrameView frame) {
+    if (!listening_notice(frame)) context_.host.receive(*channel_, frame);
+}
+
 void UdpLink::deliver() {
-    while (const auto frame = channel_->parser.next()) context_.host.receive(*channel_, *frame);
+    while (const auto frame = channel_->parser.next()) take(*frame);
     context_.host.flush();
 }
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
-    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u};
+    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);
     switch (report.result) {

@@ -29,6 +29,7 @@ private:
     void fail(std::string why);
     void read();
     bool own(const sockaddr_storage& sender, TimePoint now);
+    void take(ano::FrameView frame);
     void deliver();
     void note(const SendReport& report);
 

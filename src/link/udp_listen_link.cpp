@@ -1,16 +1,45 @@
+#include <ano/address.hpp>
+#include <gateway/far_peer.hpp>
+#include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/udp_listen_link.hpp>
 
 #include <algorithm>
+#include <new>
+#include <random>
 
 namespace anogate {
 namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
-constexpr Duration networks_age = std::chrono::seconds{1};      // a refused sender makes us look again this often
-constexpr Duration silence_slack = std::chrono::seconds{1};
+constexpr Duration networks_age = std::chrono::seconds{1};    // a sender outside makes us look again this often
+constexpr Duration look_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
+constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
+
+PeerBook::Options book_options(const UdpListenSettings& udp) {
+    const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
+    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter};
+}
+
+// From the system each time: what one sender is given tells nothing of what another one is.
+std::uint64_t random_number() {
+    std::random_device source;
+    return std::uint64_t{source()} << 32 | source();
+}
+
+void hold_back_all(Outbox& outbox, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 1> next;
+    while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
+}
+
+// The frames of which it is known when they arrive.
+void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
+    std::array<std::span<const std::uint8_t>, 32> next;
+    const std::size_t count = outbox.gather(next, now, budget);
+    for (std::size_t i = 0; i < count; ++i) far.sent(ano::FrameView{next[i]}, now);
+}
 
 }  // namespace
 
@@ -27,6 +56,10 @@ struct UdpListenLink::Peer {
     Channel& channel;
     Alarm expiry;
     Alarm again;    // after the system had no memory to send
+    std::unique_ptr<FarPeer> far;    // outside our networks, until it has shown that it is there
+    TimePoint ask_at{};              // a suspect, whether it is a listening gateway
+    TimePoint silenced_until{};      // nothing of it is taken before
+    bool is_gateway = false;         // it said so: to be forgotten when what it sent has been read
 };
 
 UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -34,11 +67,14 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       context_{context},
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
-      silence_{context.alarms, [this] { forget_silent_peers(); }, silence_slack},
+      look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
       interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
-      allow_{this->settings().udp_listen.allow} {}
+      book_{book_options(this->settings().udp_listen)},
+      random_{random_number},
+      check_{random_},
+      take_reports_{[this] { return take_reports(); }} {}
 
 UdpListenLink::~UdpListenLink() = default;
 
@@ -52,6 +88,7 @@ void UdpListenLink::try_open() {
     }
     backoff_.came_up(now);
     local_ = local_endpoint(socket.fd.get());
+    keep_error_reports(socket.fd.get(), local_.address.v6);
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
     descriptor_.open(std::move(socket.fd));
@@ -77,18 +114,20 @@ void UdpListenLink::stop_reading() {
 
 void UdpListenLink::stop() {
     retry_.cancel();
-    silence_.cancel();
+    look_.cancel();
     interface_watch_.stop();
     pacing_.stop();
     peers_.clear();
+    book_.clear();
     descriptor_.close();
 }
 
 void UdpListenLink::read() {
     const int count = context_.batch.receive(descriptor_.fd());
-    if (count < 0) {
-        if (errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH || errno == ENOMEM) return;
-        return fail(error_text(local_.text(), errno));
+    if (count <= 0) {
+        const int error = count < 0 ? errno : 0;
+        if (take_reports() || error == 0 || error == ENOMEM || may_be_reported(error)) return;
+        return fail(error_text(local_.text(), error));
     }
     const TimePoint now = context_.host.now();
     for (int i = 0; i < count; ++i) {
@@ -104,10 +143,68 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     if (!peer) peer = admit(endpoint, datagram, now);
     if (!peer) return;
     latest_ = peer;
-    feed_datagram(peer->channel.parser, datagram, now,
-                  [&](ano::FrameView frame) { deliver(peer->channel, peer->endpoint, frame); });
+    if (peer->far) peer->far->came(datagram.size(), now);
+    feed_datagram(peer->channel.parser, datagram, now, [&](ano::FrameView frame) { take(*peer, frame, now); });
     delivered();
     if (const auto due = peer->channel.parser.deadline()) peer->expiry.set(*due);
+    end_of_datagram(*peer, now);
+}
+
+void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
+    if (const auto notice = listening_notice(frame)) {
+        if (joins_gateways()) return;
+        heard_notice(peer.endpoint, *notice, now);
+        peer.is_gateway = peer.is_gateway || check_.is_refused(peer.endpoint);
+        if (now >= peer.silenced_until && check_.is_suspended(peer.endpoint, now))
+            peer.silenced_until = now + ListenerCheck::suspended_for;
+        return;
+    }
+    if (peer.is_gateway || now < peer.silenced_until) {
+        ++peer.channel.routed.denied_in;
+        return;
+    }
+    book_.heard(peer.channel.id, frame.source(), now);
+    if (!ano::address::is_host(frame.source())) ask_suspect(peer, now);
+    if (peer.far && peer.far->heard(frame, now)) return;
+    deliver(peer.channel, peer.endpoint, frame);
+}
+
+// What might forget it waits until nothing of it is in use.
+void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
+    if (peer.is_gateway) return forget(peer);
+    if (!peer.far) return;
+    if (peer.far->is_there()) {
+        peer.far.reset();
+    } else if (const auto question = peer.far->question(random_, now)) {
+        if (send(peer.endpoint, *question) == 0) peer.far->left(question->size());
+    }
+}
+
+// A peer that brings frames of devices, or is to get those of a host, may be another gateway's listening socket. Those of this
+// machine are not: no datagram from outside has such a source.
+void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
+    if (now < peer.ask_at || joins_gateways() || peer.endpoint.address.is_loopback()) return;
+    peer.ask_at = now + look_at_suspect;
+    if (peer.far && peer.far->allowance(now) < NoticeFrame{}.size()) return;
+    if (const auto question = check_.question(peer.endpoint, now)) {
+        if (peer.far) peer.far->left(NoticeFrame{}.size());
+        say(peer.endpoint, question);
+    }
+}
+
+void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now) {
+    if (notice.kind == ListeningNotice::Kind::question) {
+        say(from, check_.asked(from, notice.number, now));
+        if (!check_.is_refused(from)) say(from, check_.question_back(from, now));
+    } else if (check_.answered(from, notice.number, now)) {
+        ++gateways_;
+        ++stray_.denied_in;
+        last_gateway_ = from.text();
+    }
+}
+
+void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
+    if (notice) send(to, frame_of(*notice));
 }
 
 UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
@@ -116,57 +213,101 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
     return found == peers_.end() ? nullptr : found->get();
 }
 
-// A stranger must be allowed, must say something in V8, and then takes the place of the one silent longest if need be.
+// A stranger must be allowed, must say something in V8, and may take the place of another.
 UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram,
-                                          TimePoint now) {
-    if (endpoint.port == 0 || !allowed(endpoint, now)) {
-        ++stray_.denied_in;
-        stray_.bytes_in += datagram.size();
-        return nullptr;
-    }
+                                          TimePoint now) try {
+    if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     if (!is_welcome(endpoint, datagram, now)) return nullptr;
-    if (peers_.size() >= settings().udp_listen.max_peers) {
-        forget(**std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) {
-            return a->channel.heard_at < b->channel.heard_at;
-        }));
+    if (check_.is_refused(endpoint)) {    // it does not know yet
+        say(endpoint, check_.question_back(endpoint, now));
+        return refuse(datagram), nullptr;
     }
+    if (check_.is_suspended(endpoint, now)) return refuse(datagram), nullptr;
+    const PeerBook::Place place = book_.place_for(endpoint, now);
+    if (!place.free) {
+        ++no_place_;
+        return refuse(datagram), nullptr;
+    }
+    if (place.gives_way)
+        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.gives_way; }));
+    Peer* peer = make_peer(endpoint, now);
+    if (!peer) refuse(datagram);
+    return peer;
+} catch (const std::bad_alloc&) {
+    return refuse(datagram), nullptr;    // nobody is worth the end of the program
+}
+
+void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
+    ++stray_.denied_in;
+    stray_.bytes_in += datagram.size();
+}
+
+// What a peer needs is some 100 KB: memory may be too short for it.
+UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now) {
+    const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
-    if (!channel) {
-        ++stray_.denied_in;
-        stray_.bytes_in += datagram.size();
-        return nullptr;
+    if (!channel) return nullptr;
+    try {
+        auto peer = std::make_unique<Peer>(*this, endpoint, *channel);
+        if (far) peer->far = std::make_unique<FarPeer>(now);
+        peers_.push_back(std::move(peer));
+    } catch (const std::bad_alloc&) {
+        context_.host.close_channel(*channel);
+        throw;
     }
     channel->heard_at = now;         // the frame it is here for may wait behind a false header
     context_.host.link_up(*this);    // for the new channel
-    peers_.push_back(std::make_unique<Peer>(*this, endpoint, *channel));
-    if (!silence_.is_set()) silence_.set(now + settings().udp_listen.peer_timeout);
+    book_.add(channel->id, endpoint, near, now);
+    if (!look_.is_set()) look_.set(book_.next_look(now));
     return peers_.back().get();
 }
 
-bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
-    const IpAddress& address = sender.address;
+// Our own socket is no peer either, nor is another one of ours that listens.
+bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
+    const bool near = is_near(sender.address, now);    // looks at our networks, if need be
+    if (!anogate::can_be_peer(sender, networks_)) return false;
+    if (!near || !context_.host.listens_at(sender.port)) return true;
+    return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
+               return network.address == sender.address;
+           });
+}
+
+bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
     const UdpListenSettings& udp = settings().udp_listen;
-    if (udp.allow_any || contains(allow_, address)) return true;
-    if (!udp.allow.empty()) return false;
+    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !is_near(address, now);
+}
+
+bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
+    const UdpListenSettings& udp = settings().udp_listen;
+    if (udp.allow_any || contains(udp.allow, sender.address)) return true;
+    return udp.allow.empty() && is_near(sender.address, now);
+}
+
+bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
+    if (contains(networks_, address)) return true;
     // Interfaces come and go: what was true when we opened need not be true now.
     if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_age) return false;
     networks_read_at_ = now;
-    allow_ = own_networks();
-    return contains(allow_, address);
+    networks_ = own_networks();
+    return contains(networks_, address);
 }
 
 bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;
+    bool is_notice = false;
     const auto look = [&](ano::FrameView frame) {
-        if (found || welcomes(sender, frame)) found = true;
+        if (const auto notice = listening_notice(frame)) {
+            is_notice = true;
+            if (!joins_gateways()) heard_notice(sender, *notice, now);
+        } else if (found || welcomes(sender, frame)) found = true;
         else ++unwelcome;
     };
     feed_datagram(probe_, datagram, now, look);
     probe_.finish();
     while (const auto frame = probe_.next()) look(*frame);
-    if (found) return true;
+    if (found && !is_notice) return true;
     stray_.denied_in += unwelcome;
     const ano::ParserCounters& after = probe_.counters();
     stray_.bytes_in += datagram.size();
@@ -180,29 +321,48 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
 void UdpListenLink::forget(Peer& peer) {
     if (latest_ == &peer) latest_ = nullptr;
     Channel& channel = peer.channel;
+    book_.remove(channel.id);
+    check_.forget(peer.endpoint);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
     context_.host.close_channel(channel);
 }
 
-void UdpListenLink::forget_silent_peers() {
+void UdpListenLink::forget_overdue_peers() {
     const TimePoint now = context_.host.now();
-    const Duration timeout = settings().udp_listen.peer_timeout;
-    TimePoint next = TimePoint::max();
-    for (std::size_t i = peers_.size(); i-- > 0;) {
-        const TimePoint due = peers_[i]->channel.heard_at + timeout;
-        if (due <= now) forget(*peers_[i]);
-        else next = std::min(next, due);
+    const ChannelSet overdue = book_.overdue(now);
+    for (std::size_t i = peers_.size(); i-- > 0;)
+        if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);
+    if (!peers_.empty()) look_.set(book_.next_look(now));
+}
+
+// Nobody is forgotten here: frames of the one it is about may be on their way out.
+bool UdpListenLink::take_reports() {
+    const TimePoint now = context_.host.now();
+    return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
+               const Peer* peer = find(there);
+               if (peer && book_.refused(peer->channel.id, now)) look_.set(now);
+           }) > 0;
+}
+
+int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
+    constexpr int most_tries = 16;
+    int error = EBADF;
+    for (int i = 0; i < most_tries && descriptor_.is_open(); ++i) {
+        error = send_datagram(descriptor_.fd(), to, bytes, local_.address.v6);
+        if (!may_be_reported(error) || !take_reports()) break;
     }
-    if (!peers_.empty()) silence_.set(next);
+    return error;
 }
 
 void UdpListenLink::expire(Peer& peer) {
-    if (peer.channel.parser.expire(context_.host.now())) {
-        while (const auto frame = peer.channel.parser.next()) deliver(peer.channel, peer.endpoint, *frame);
+    const TimePoint now = context_.host.now();
+    if (peer.channel.parser.expire(now)) {
+        while (const auto frame = peer.channel.parser.next()) take(peer, *frame, now);
         delivered();
         context_.host.flush();
     }
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
+    if (peer.is_gateway) look_.set(now);    // not here: the alarm that called is its own
 }
 
 void UdpListenLink::flush(Channel& channel) {
@@ -210,11 +370,21 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
-    const DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u};
+    if (channel.hosts_spoke) ask_suspect(peer, context_.host.now());
+    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
-        switch (context_.sender.send_all(way, channel.outbox, pacing_, now).result) {
+        const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
+        if (peer.far) {
+            way.most = peer.far->allowance(now);
+            remember(*peer.far, channel.outbox, way.most, now);
+        }
+        const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
+        if (peer.far) peer.far->left(channel.outbox.counters().bytes_out - sent_before);
+        switch (result) {
         case SendResult::done:
+            if (peer.far) hold_back_all(channel.outbox, now);
+            return;
         case SendResult::paced: return;
         case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
         case SendResult::no_memory: peer.again.set(now + no_memory_pause); return;
@@ -236,6 +406,8 @@ LinkFacts UdpListenLink::facts() const {
 }
 
 std::string UdpListenLink::trouble() const {
+    if (gateways_ > 0) return "another gateway listens at " + last_gateway_ + " and was refused";
+    if (no_place_ > 0) return std::to_string(no_place_) + " datagrams of strangers were refused: all places are taken";
     return stray_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
 }
 

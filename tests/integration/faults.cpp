@@ -64,7 +64,7 @@ protected:
         EXPECT_TRUE(daemon->counters_add_up());
         std::uint64_t sum = 0;
         for (const char* cause : {"frames_out", "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big",
-                                  "send_failed", "waiting"})
+                                  "send_failed", "held_back", "waiting"})
             sum += count(cause);
         EXPECT_EQ(sum, sent);
     }

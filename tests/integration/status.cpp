@@ -19,7 +19,7 @@ using nlohmann::json;
 const char* const counters[] = {"frames_in",  "bytes_in",   "bad_check", "bad_length", "skipped_bytes", "expired",
                                 "denied_in",  "inhibited",  "looped",    "duplicate",  "no_route",      "frames_out",
                                 "bytes_out",  "empty_out",  "superseded", "queue_full", "stale",        "limited",
-                                "denied_out", "link_down",  "too_big",   "send_failed", "waiting"};
+                                "denied_out", "link_down",  "too_big",   "send_failed", "held_back",     "waiting"};
 
 TEST(Status, has_the_shape_that_programs_depend_on) {
     const TempDir dir;

@@ -78,14 +78,14 @@ TEST(UdpListenLink, a_silent_peer_is_forgotten) {
     auto link = udp_listen("ground");
     link.udp_listen.peer_timeout = 200ms;
     RunningGateway daemon{link};
-    UdpPeer host;
-    host.send(daemon.port("ground"), vendor::who_are_you);
+    UdpPeer device;
+    device.send(daemon.port("ground"), vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
-    EXPECT_FALSE(daemon.route("0xFE").is_null());
+    EXPECT_FALSE(daemon.route("0xDB").is_null());
     EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 0; }));
-    EXPECT_TRUE(daemon.route("0xFE").is_null()) << "a host is forgotten with its channel";
+    EXPECT_TRUE(daemon.route("0xDB").is_null()) << "an address is forgotten with its channel";
     EXPECT_EQ(daemon.count("ground", "frames_in"), 1u) << "counters of a link never decrease";
-    host.send(daemon.port("ground"), vendor::who_are_you);
+    device.send(daemon.port("ground"), vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; })) << "and comes back when it speaks";
     EXPECT_EQ(daemon.count("ground", "frames_in"), 2u);
 }
@@ -95,13 +95,45 @@ TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
     link.udp_listen.peer_timeout = 400ms;
     RunningGateway daemon{link};
     UdpPeer host, silent;
-    silent.send(daemon.port("ground"), vendor::who_are_you);
+    silent.send(daemon.port("ground"), vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
     ASSERT_TRUE(daemon.until([&] {
         host.send(daemon.port("ground"), vendor::who_are_you);
         daemon.run_for(10ms);
         return peers(daemon) == 1 && daemon.link("ground").at("channels").at(0).at("peer") == host.local().text();
     }));
+}
+
+TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 200ms;
+    RunningGateway daemon{link, udp_listen("air")};
+    UdpPeer host, device, air;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    device.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; })) << "the device was silent for too long";
+    host.forget();
+    air.send(daemon.port("air"), telemetry);
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
+    EXPECT_FALSE(daemon.route("0xFE").is_null());
+}
+
+TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 200ms;
+    RunningGateway daemon{link};
+    UdpPeer hosts[4];
+    for (UdpPeer& host : hosts) {
+        const auto before = daemon.count("ground", "frames_in");
+        host.send(daemon.port("ground"), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == before + 1; }));
+    }
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
+    const auto channels = daemon.link("ground").at("channels");
+    for (const auto& channel : channels)
+        EXPECT_TRUE(channel.at("peer") == hosts[2].local().text() || channel.at("peer") == hosts[3].local().text());
+    EXPECT_TRUE(daemon.counters_add_up());
 }
 
 TEST(UdpListenLink, when_all_places_are_taken_the_one_silent_longest_gives_way) {
@@ -292,6 +324,51 @@ TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
     }
     EXPECT_EQ(t.daemon.link("ground").at("state"), "up");
     EXPECT_TRUE(t.daemon.counters_add_up());
+}
+
+// Loopback answers at once: what became of a datagram to a dead port fails the call behind it.
+TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_another) {
+    TwoLinks t;
+    UdpPeer host;
+    std::vector<std::unique_ptr<UdpPeer>> dead;
+    for (int i = 0; i < 7; ++i) dead.emplace_back(std::make_unique<UdpPeer>())->send(t.daemon.port("ground"), vendor::who_are_you);
+    host.send(t.daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 8; }));
+    host.forget();
+    dead.clear();
+    Bytes burst;
+    for (std::uint8_t n = 0; n < 20; ++n) burst = burst + frame(0xDC, 0xFE, 0xF1, Bytes(13, n));
+    Bytes expected;
+    for (int i = 0; i < 20; ++i) {
+        t.say(burst);
+        expected = expected + burst;
+        ASSERT_TRUE(t.daemon.until([&] { return host.heard() == expected; })) << i;
+    }
+    EXPECT_EQ(t.daemon.count("ground", "send_failed"), 0u);
+    EXPECT_EQ(t.daemon.link("ground").at("state"), "up");
+    EXPECT_TRUE(t.daemon.counters_add_up());
+}
+
+// The only waiting by the clock here: five seconds are what a program is given to start anew on its port.
+TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_network_said_so_for_five_seconds) {
+    RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
+    UdpPeer air, host4, host6{"[::1]:0"}, host_both;
+    const std::pair<const char*, UdpPeer*> listening[] = {{"four", &host4}, {"six", &host6}, {"both", &host_both}};
+    for (const auto& [link, host] : listening) {
+        UdpPeer closed{link == std::string{"six"} ? "[::1]:0" : "127.0.0.1:0"};
+        closed.send(daemon.port(link), vendor::who_are_you);
+        host->send(daemon.port(link), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return peers(daemon, link) == 2; }));
+    }
+    const auto began = anogate::Clock::now();
+    ASSERT_TRUE(daemon.until([&] {
+        air.send(daemon.port("air"), telemetry);
+        daemon.run_for(50ms);
+        return peers(daemon, "four") == 1 && peers(daemon, "six") == 1 && peers(daemon, "both") == 1;
+    }));
+    EXPECT_GE(anogate::Clock::now() - began, 4s) << "the last of them was closed a moment before";
+    for (const auto& [link, host] : listening)
+        EXPECT_EQ(daemon.link(link).at("channels").at(0).at("peer"), host->local().text()) << link;
 }
 
 TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {

@@ -381,6 +381,15 @@ TEST(Config, speaks_first_only_where_that_can_be_done) {
               std::string::npos);
 }
 
+TEST(Config, warns_of_peers_that_may_take_more_memory_than_a_small_computer_spares) {
+    const auto warnings = [](const std::string& link) { return lines(parse_config("{\"links\": [\"" + link + "\"]}").warnings); };
+    EXPECT_EQ(warnings("udp-listen:0.0.0.0:1"), "");
+    EXPECT_EQ(warnings("udp-listen:0.0.0.0:1,queue=1000000,max_peers=64"), "");
+    EXPECT_NE(warnings("udp-listen:0.0.0.0:1,queue=1000001,max_peers=64").find("more than 64 MB: lower 'queue' or 'max_peers'"),
+              std::string::npos);
+    EXPECT_EQ(warnings("serial:/dev/ttyS0,queue=60000000"), "");
+}
+
 TEST(Config, warns_of_what_is_as_good_as_not_said) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
     EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links: there is nothing to join\n");
@@ -425,6 +434,9 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
         link.udp_listen.local = random_endpoint(random, v6);
         link.udp_listen.peer_timeout = std::chrono::milliseconds{1000 + random.below(86'399'000)};
         link.udp_listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
+        if (random.one_in(2)) link.udp_listen.max_per_address = static_cast<std::uint16_t>(1 + random.below(64));
+        link.udp_listen.trusted_any = random.one_in(3);
+        if (!link.udp_listen.trusted_any && random.one_in(2)) link.udp_listen.trusted.push_back({random_endpoint(random, false).address, 24});
         link.udp_listen.allow_any = random.one_in(3);
         for (unsigned i = link.udp_listen.allow_any ? 0 : random.below(4u); i > 0; --i)
             link.udp_listen.allow.push_back(

@@ -167,6 +167,13 @@ TEST(LinkText, udp_listen) {
     ASSERT_EQ(link.udp_listen.allow.size(), 2u);
     EXPECT_EQ(link.udp_listen.allow[1].text(), "::1/128");
     EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,allow=any").udp_listen.allow_any);
+    EXPECT_FALSE(link.udp_listen.max_per_address);
+    EXPECT_EQ(link_of("udp-listen:0.0.0.0:0,max_per_address=5").udp_listen.max_per_address, 5);
+    EXPECT_TRUE(link.udp_listen.trusted.empty());
+    const auto trusting = link_of("udp-listen:0.0.0.0:0,trusted=10.8.0.0/16+fd00::/8").udp_listen;
+    ASSERT_EQ(trusting.trusted.size(), 2u);
+    EXPECT_EQ(trusting.trusted[1].text(), "fd00::/8");
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,trusted=any").udp_listen.trusted_any);
 }
 
 TEST(LinkText, udp) {

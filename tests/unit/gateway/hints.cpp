@@ -91,5 +91,18 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
 }
 
+TEST(Hint, strangers_and_their_tricks_are_named) {
+    LinkFigures link = line_that_sent(1000);
+    link.kind = "udp-listen";
+    link.listens = true;
+    link.channels = 1;
+    link.sent.held_back = 1;
+    EXPECT_NE(hint(link).find("`trusted`"), std::string::npos);
+    link.no_place = 1;
+    EXPECT_NE(hint(link).find("max_per_address"), std::string::npos);
+    link.gateways = 1;
+    EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
+}
+
 }  // namespace
 }  // namespace anogate

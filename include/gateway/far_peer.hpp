@@ -1,0 +1,71 @@
+// What a peer outside our networks may be sent before it has shown that it gets it: 8 bytes with a forged source must not bring a
+// stream to whom that source belongs.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace anogate {
+
+using ano::Duration;
+using ano::TimePoint;
+
+/// It shows it by acknowledging (0x00) a frame that it was sent, or by two answers (0xE3) to questions of ours. Each question
+/// comes from another address, chosen by chance, to which the answer must go: who forges a source does not see it.
+class FarPeer {
+public:
+    static constexpr Duration window = std::chrono::seconds{10};
+    static constexpr std::size_t times_its_own = 3;                       // bytes, in each window
+    static constexpr Duration answer_within = std::chrono::seconds{3};
+    static constexpr Duration acknowledged_within = std::chrono::seconds{10};
+    static constexpr int answers_needed = 2;
+    static constexpr int most_wrong_acknowledgements = 4;    // in a window; those behind them count for nothing
+
+    using Question = std::array<std::uint8_t, ano::overhead + 3>;
+
+    explicit FarPeer(TimePoint now) : window_began_{now} {}
+
+    /// A datagram of it.
+    void came(std::size_t bytes, TimePoint now) noexcept;
+    /// Bytes that it may be sent now.
+    std::size_t allowance(TimePoint now) noexcept;
+    void left(std::size_t bytes) noexcept { out_ += bytes; }
+
+    /// 0xE0 0, when it is time to ask and the allowance has room for it: once a window, and again at once after a right answer.
+    std::optional<Question> question(const std::function<std::uint64_t()>& random, TimePoint now);
+    /// A frame leaves for it.
+    void sent(ano::FrameView frame, TimePoint now) noexcept;
+    /// A frame of it. True: an answer to a question of ours, for nobody else.
+    bool heard(ano::FrameView frame, TimePoint now) noexcept;
+    /// It gets what it is sent.
+    bool is_there() const noexcept { return is_there_; }
+
+private:
+    struct Sent {
+        std::uint8_t id = 0;
+        ano::Checks checks{};
+        TimePoint at{};
+        bool waits = false;    // for its acknowledgement
+    };
+
+    void roll(TimePoint now) noexcept;
+    void acknowledges(ano::FrameView frame, TimePoint now) noexcept;
+
+    TimePoint window_began_;
+    std::size_t in_ = 0, out_ = 0;    // bytes in this window
+    bool may_ask_ = true;
+    std::uint8_t asked_as_ = 0;       // our address in the question that is open; 0: none
+    TimePoint asked_at_{};
+    int answers_ = 0;
+    int wrong_ = 0;
+    std::array<Sent, 8> sent_{};
+    std::size_t next_ = 0;
+    bool is_there_ = false;
+};
+
+}  // namespace anogate

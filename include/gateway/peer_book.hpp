@@ -1,0 +1,112 @@
+// Who may be a peer of a listening socket, and for how long.
+//
+// Flow:    book.place_for(endpoint, now)           // a stranger: whether there is room, and who gives way
+//          book.add(id, endpoint, near, now)       // it is a peer now
+//          book.heard(id, source, now)             // every good frame of it
+//          book.refused(id, now)                   // the network says that nothing listens there
+//          for (id : book.overdue(now)) forget it, book.remove(id)
+//          look again at book.next_look(now)
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/ip.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace anogate {
+
+using ano::Duration;
+using ano::TimePoint;
+
+/// Knows no sockets and no channels but by their numbers. Constant time a frame; no allocation.
+class PeerBook {
+public:
+    struct Options {
+        Duration timeout = std::chrono::seconds{60};    // a peer silent for so long is forgotten, unless it listens
+        std::size_t most = most_channels;
+        std::size_t most_of_address = most_channels;    // loopback excepted
+    };
+
+    /// A host of our own networks may listen for so long without a word.
+    static constexpr Duration listener_stays = std::chrono::hours{1};
+    /// So many silent ones of an address: a program that starts anew has another port, and what goes to the old one is lost.
+    static constexpr std::size_t most_silent_of_address = 2;
+    /// So many refusals with no frame of the peer between them, the first and the last so far apart, and nothing listens there.
+    static constexpr std::uint32_t enough_refusals = 3;
+    static constexpr Duration refused_for = std::chrono::seconds{5};
+
+    /// What is said within so long is one exchange.
+    static constexpr Duration exchange = std::chrono::seconds{1};
+
+    explicit PeerBook(const Options& options) : options_{options} {}
+
+    struct Place {
+        bool free = false;
+        std::optional<ChannelId> gives_way;    // for it to be free
+    };
+    /// Whether a stranger may become a peer. One that has come once does not drive out who was heard within the timeout or came
+    /// more than once; one that comes again, an exchange later, drives out who is silent, or came once from an address that keeps as
+    /// many places as its own gets. Of an address that has all its places, one of its own gives way. Programs of this machine drive out each other, the longest silent first.
+    Place place_for(const Endpoint& stranger, TimePoint now);
+
+    /// `near`: it is in a network of our interfaces. It counts as heard: the frame that it is here for may come a moment later.
+    void add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now);
+    void remove(ChannelId id) { used_.erase(id); }
+    void clear() { used_.clear(); }
+
+    void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
+    /// ICMP: nothing listens at the port. Returns whether it is overdue by that.
+    bool refused(ChannelId id, TimePoint now) noexcept;
+
+    /// Who is to be forgotten now.
+    ChannelSet overdue(TimePoint now) const noexcept;
+    /// When somebody may be overdue next, if nobody is heard until then; TimePoint::max(): never.
+    TimePoint next_look(TimePoint now) const noexcept;
+
+    ChannelSet peers() const noexcept { return used_; }
+
+private:
+    struct Peer {
+        Endpoint endpoint;
+        bool near = false;
+        bool is_host = false;    // it brought a frame of one
+        TimePoint heard_at{};
+        TimePoint exchange_began{};
+        bool came_again = false;    // more than one exchange
+        std::uint32_t refusals = 0;    // since it was heard
+        TimePoint first_refused_at{};
+        bool is_gone = false;          // the refusals say so
+    };
+
+    // A stranger that found no place.
+    struct Knock {
+        Endpoint endpoint;
+        TimePoint first{};
+        TimePoint last{};
+    };
+    static constexpr std::size_t most_knocks = 64;
+    static constexpr std::size_t most_knocks_of_address = 2;
+
+    std::size_t places_of(const IpAddress& address) const noexcept;
+    bool knocks_again(const Endpoint& stranger, TimePoint now);
+    const Peer& peer(ChannelId id) const noexcept { return peers_[index(id)]; }
+    Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
+    bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
+    bool is_silent(const Peer& p, TimePoint now) const noexcept { return now - p.heard_at >= options_.timeout; }
+    bool is_overdue(ChannelId id, TimePoint now) const noexcept;
+    TimePoint longest_stay(const Peer& p) const noexcept;
+
+    Options options_;
+    std::array<Peer, most_channels> peers_;
+    ChannelSet used_;
+    std::array<Knock, most_knocks> knocks_;
+};
+
+/// No datagram with such a source makes a peer: broadcast and multicast addresses, none, and port 0. `own`: our networks.
+bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept;
+
+}  // namespace anogate

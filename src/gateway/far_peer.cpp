@@ -1,0 +1,83 @@
+#include <ano/address.hpp>
+#include <gateway/far_peer.hpp>
+
+namespace anogate {
+namespace {
+
+// User devices may have these; a port's would be taken for the port.
+constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_address = 199;
+
+bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }
+
+// Protocol text, section 3.
+bool is_acknowledged(ano::FrameView frame) noexcept {
+    switch (frame.id()) {
+    case 0x61:
+    case 0xC0:
+    case 0xE1: return true;
+    case 0xE0: return !frame.data().empty() && frame.data()[0] == 0x10;
+    default: return false;
+    }
+}
+
+}  // namespace
+
+void FarPeer::roll(TimePoint now) noexcept {
+    if (now - window_began_ < window) return;
+    window_began_ = now;
+    in_ = out_ = 0;
+    wrong_ = 0;
+    may_ask_ = true;
+}
+
+void FarPeer::came(std::size_t bytes, TimePoint now) noexcept {
+    roll(now);
+    in_ += bytes;
+}
+
+std::size_t FarPeer::allowance(TimePoint now) noexcept {
+    roll(now);
+    return times_its_own * in_ > out_ ? times_its_own * in_ - out_ : 0;
+}
+
+std::optional<FarPeer::Question> FarPeer::question(const std::function<std::uint64_t()>& random, TimePoint now) {
+    if (is_there_ || allowance(now) < Question{}.size() || !may_ask_) return std::nullopt;
+    may_ask_ = false;
+    asked_as_ = static_cast<std::uint8_t>(first_address + random() % (last_address - first_address + 1));
+    asked_at_ = now;
+    Question question;
+    const std::uint8_t who_are_you[] = {0, 0, 0};
+    ano::encode(question, asked_as_, ano::address::broadcast, 0xE0, who_are_you);
+    return question;
+}
+
+void FarPeer::sent(ano::FrameView frame, TimePoint now) noexcept {
+    if (!is_acknowledged(frame)) return;
+    sent_[next_] = {frame.id(), frame.checks(), now, true};
+    next_ = (next_ + 1) % sent_.size();
+}
+
+bool FarPeer::heard(ano::FrameView frame, TimePoint now) noexcept {
+    roll(now);
+    if (frame.id() == 0x00) acknowledges(frame, now);
+    if (frame.id() != 0xE3 || asked_as_ == 0 || now - asked_at_ > answer_within || !is_user_address(frame.destination())) return false;
+    const bool right = frame.destination() == asked_as_;
+    answers_ = right ? answers_ + 1 : 0;
+    may_ask_ = may_ask_ || right;
+    asked_as_ = 0;
+    is_there_ = is_there_ || answers_ >= answers_needed;
+    return right;
+}
+
+void FarPeer::acknowledges(ano::FrameView frame, TimePoint now) noexcept {
+    const auto data = frame.data();
+    if (data.size() < 3 || wrong_ >= most_wrong_acknowledgements) return;
+    for (const Sent& s : sent_)
+        if (s.waits && s.id == data[0] && s.checks == ano::Checks{data[1], data[2]} && now - s.at <= acknowledged_within) {
+            is_there_ = true;
+            return;
+        }
+    ++wrong_;
+}
+
+}  // namespace anogate

@@ -1,0 +1,101 @@
+#include <gateway/listener_check.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration between_questions_back = 1s;
+
+// How long after the last question of `asks` the next may be.
+Duration pause_after(std::uint32_t asks) { return asks == 1 ? 1s : asks == 2 ? 3s : 60s; }
+
+}  // namespace
+
+std::optional<ListeningNotice> ListenerCheck::question(const Endpoint& suspect, TimePoint now) {
+    Suspect& s = row(suspect, now);
+    if (s.asks > 0 && now - s.asked_at < pause_after(s.asks)) return std::nullopt;
+    return ask(s, now);
+}
+
+std::optional<ListeningNotice> ListenerCheck::question_back(const Endpoint& there, TimePoint now) {
+    Suspect& s = row(there, now);
+    if (s.asks > 0 && now - s.asked_at < between_questions_back) return std::nullopt;
+    if (s.refused && ++s.unanswered > unanswered_enough) {
+        s = {};
+        return std::nullopt;
+    }
+    return ask(s, now);
+}
+
+ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
+    while (s.number == 0) s.number = random_();
+    ++s.asks;
+    s.asked_at = now;
+    return {ListeningNotice::Kind::question, s.number};
+}
+
+std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::uint64_t number, TimePoint now) {
+    Suspect& s = row(from, now);
+    if (s.number != 0 && s.number == number) return std::nullopt;    // an echo of ours
+    if (!s.suspended_at || now - *s.suspended_at >= between_suspensions) s.suspended_at = now;
+    if (now - answers_since_ >= 1s) {
+        answers_since_ = now;
+        answers_ = 0;
+    }
+    if (answers_ == most_answers_a_second) return std::nullopt;
+    ++answers_;
+    return ListeningNotice{ListeningNotice::Kind::answer, number};
+}
+
+bool ListenerCheck::answered(const Endpoint& from, std::uint64_t number, TimePoint now) {
+    Suspect* s = find(from);
+    if (!s || s->number == 0 || s->number != number) return false;
+    s->seen_at = now;
+    s->refused = true;
+    s->unanswered = 0;
+    s->number = 0;    // each counts once
+    return true;
+}
+
+bool ListenerCheck::is_suspended(const Endpoint& endpoint, TimePoint now) const noexcept {
+    const Suspect* s = find(endpoint);
+    return s && s->suspended_at && now - *s->suspended_at < suspended_for;
+}
+
+bool ListenerCheck::is_refused(const Endpoint& endpoint) const noexcept {
+    const Suspect* s = find(endpoint);
+    return s && s->refused;
+}
+
+void ListenerCheck::forget(const Endpoint& endpoint) noexcept {
+    if (Suspect* s = find(endpoint); s && !s->refused) *s = {};
+}
+
+const ListenerCheck::Suspect* ListenerCheck::find(const Endpoint& endpoint) const noexcept {
+    const auto found = std::find_if(suspects_.begin(), suspects_.end(), [&](const Suspect& s) { return s.endpoint == endpoint; });
+    return found == suspects_.end() || endpoint.port == 0 ? nullptr : &*found;
+}
+
+ListenerCheck::Suspect* ListenerCheck::find(const Endpoint& endpoint) noexcept {
+    return const_cast<Suspect*>(std::as_const(*this).find(endpoint));
+}
+
+// Where all rows are taken, the one seen longest ago goes, of those that are not refused if there is one.
+ListenerCheck::Suspect& ListenerCheck::row(const Endpoint& endpoint, TimePoint now) noexcept {
+    Suspect* s = find(endpoint);
+    if (!s) {
+        s = &*std::min_element(suspects_.begin(), suspects_.end(), [](const Suspect& a, const Suspect& b) {
+            return a.refused != b.refused ? b.refused : a.seen_at < b.seen_at;
+        });
+        *s = {};
+        s->endpoint = endpoint;
+    }
+    s->seen_at = now;
+    return *s;
+}
+
+}  // namespace anogate

@@ -1,0 +1,120 @@
+#include <ano/address.hpp>
+#include <gateway/peer_book.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now) {
+    const IpAddress& address = stranger.address;
+    const bool local = address.is_loopback();
+    const std::size_t of_address = places_of(address);
+    const bool address_full = !local && of_address >= options_.most_of_address;
+    if (!address_full && used_.size() < options_.most) return {true, std::nullopt};
+
+    const bool again = knocks_again(stranger, now);
+    std::optional<ChannelId> longest_silent;
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        if (address_full && p.endpoint.address != address) continue;
+        const bool has_more = address_full || places_of(p.endpoint.address) > of_address + 1;
+        const bool gives_way = is_silent(p, now) ? again || !p.came_again : again && !p.came_again && has_more;
+        if (!gives_way && !(local && p.endpoint.address.is_loopback())) continue;
+        if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
+    }
+    return {longest_silent.has_value(), longest_silent};
+}
+
+std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
+    std::size_t count = 0;
+    for (const ChannelId id : used_)
+        if (peer(id).endpoint.address == address) ++count;
+    return count;
+}
+
+// An address has few rows here too, or one would keep all others from being remembered.
+bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
+    Knock* oldest = &knocks_[0];
+    Knock* oldest_of_address = nullptr;
+    std::size_t of_address = 0;
+    for (Knock& knock : knocks_) {
+        if (knock.endpoint == stranger) {
+            if (now - knock.last >= options_.timeout) knock.first = now;
+            knock.last = now;
+            return now - knock.first >= exchange;
+        }
+        if (knock.last < oldest->last) oldest = &knock;
+        if (knock.endpoint.address != stranger.address) continue;
+        ++of_address;
+        if (!oldest_of_address || knock.last < oldest_of_address->last) oldest_of_address = &knock;
+    }
+    *(of_address >= most_knocks_of_address ? oldest_of_address : oldest) = {stranger, now, now};
+    return false;
+}
+
+void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now) {
+    used_.insert(id);
+    peer(id) = {};
+    peer(id).endpoint = endpoint;
+    peer(id).near = near;
+    peer(id).heard_at = now;
+    peer(id).exchange_began = now;
+}
+
+void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept {
+    Peer& p = peer(id);
+    p.heard_at = now;
+    p.came_again = p.came_again || now - p.exchange_began >= exchange;
+    p.is_host = p.is_host || ano::address::is_host(source);
+    p.refusals = 0;
+    p.is_gone = false;
+}
+
+bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
+    Peer& p = peer(id);
+    if (p.refusals == 0) p.first_refused_at = now;
+    ++p.refusals;
+    p.is_gone = p.is_gone || (p.refusals >= enough_refusals && now - p.first_refused_at >= refused_for);
+    return p.is_gone;
+}
+
+ChannelSet PeerBook::overdue(TimePoint now) const noexcept {
+    ChannelSet result;
+    for (const ChannelId id : used_)
+        if (is_overdue(id, now)) result.insert(id);
+    return result;
+}
+
+bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
+    const Peer& p = peer(id);
+    if (p.is_gone) return true;
+    if (!is_silent(p, now)) return false;
+    if (!may_listen(p) || now >= longest_stay(p)) return true;
+    std::size_t later = 0;    // silent ones of its address, heard after it
+    for (const ChannelId other : used_) {
+        const Peer& o = peer(other);
+        if (o.endpoint.address != p.endpoint.address || o.is_gone || !may_listen(o) || !is_silent(o, now)) continue;
+        if (o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id))) ++later;
+    }
+    return later >= most_silent_of_address;
+}
+
+TimePoint PeerBook::longest_stay(const Peer& p) const noexcept {
+    return p.heard_at + (may_listen(p) ? std::max(listener_stays, options_.timeout) : options_.timeout);
+}
+
+TimePoint PeerBook::next_look(TimePoint now) const noexcept {
+    TimePoint next = TimePoint::max();
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        if (p.is_gone) return now;
+        next = std::min(next, is_silent(p, now) ? longest_stay(p) : p.heard_at + options_.timeout);
+    }
+    return next;
+}
+
+bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept {
+    return sender.port != 0 && !sender.address.is_any() && !sender.address.is_multicast() && !is_broadcast(sender.address, own);
+}
+
+}  // namespace anogate

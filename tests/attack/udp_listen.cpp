@@ -1,0 +1,431 @@
+// Who attacks a listening UDP port with forged sources, new ports and closed ones, and what it gets. tests/README.md has the figures.
+#include <support/namespaces.hpp>
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <netinet/ip.h>
+#include <netinet/udp.h>
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+std::size_t largest_allocation = SIZE_MAX;    // memory is short above it
+
+}  // namespace
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+    void* memory = size > largest_allocation ? nullptr : std::malloc(size > 0 ? size : 1);
+    if (!memory) throw std::bad_alloc{};
+    return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+void* operator new[](std::size_t size) { return operator new(size); }
+void operator delete[](void* memory) noexcept { operator delete(memory); }
+void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { operator delete(memory); }
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::Endpoint;
+
+Bytes telemetry(std::uint8_t source, std::uint8_t n) { return frame(source, 0xFE, 0xF1, {n, 1, 2, 3, 4, 5, 6, 7, 8, 9}); }
+Bytes command(std::uint8_t to, std::uint8_t n, std::uint8_t pilot = 0) { return frame(0xFE, to, 0xC0, {16, pilot, n}); }
+
+/// One datagram in an IPv4 packet that names any sender; from the namespace that the thread is in.
+void send_forged(const Endpoint& from, const Endpoint& to, const Bytes& datagram) {
+    const anogate::UniqueFd raw{::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_RAW)};
+    ASSERT_TRUE(raw) << "forging needs root";
+    iphdr ip{};
+    ip.ihl = 5;
+    ip.version = 4;
+    ip.ttl = 64;
+    ip.protocol = IPPROTO_UDP;
+    std::memcpy(&ip.saddr, from.address.bytes.data(), 4);
+    std::memcpy(&ip.daddr, to.address.bytes.data(), 4);
+    udphdr udp{};
+    udp.source = htons(from.port);
+    udp.dest = htons(to.port);
+    udp.len = htons(static_cast<std::uint16_t>(sizeof udp + datagram.size()));
+    Bytes packet(sizeof ip + sizeof udp);
+    std::memcpy(packet.data(), &ip, sizeof ip);
+    std::memcpy(packet.data() + sizeof ip, &udp, sizeof udp);
+    packet = packet + datagram;
+    const auto address = anogate::SocketAddress::of({to.address, 0}, false);
+    ASSERT_EQ(::sendto(raw.get(), packet.data(), packet.size(), 0, address.get(), address.size), static_cast<ssize_t>(packet.size()));
+}
+
+/// A gateway with its flight controller and its operator, in a namespace of its own.
+class Vehicle {
+public:
+    Vehicle(const Namespace& space, const std::string& address, std::vector<anogate::LinkSettings> links) : space_{space}, address_{address} {
+        const Inside inside{space_};
+        links.push_back(udp_listen("air"));
+        gateway_ = std::make_unique<RunningGateway>(settings_of(std::move(links)));
+        fc_ = std::make_unique<UdpPeer>();
+        pilot_ = std::make_unique<UdpPeer>();
+    }
+    ~Vehicle() {
+        const Inside inside{space_};
+        gateway_.reset();
+    }
+    Vehicle(const Vehicle&) = delete;
+    Vehicle& operator=(const Vehicle&) = delete;
+
+    RunningGateway& gateway() { return *gateway_; }
+    UdpPeer& fc() { return *fc_; }
+    UdpPeer& pilot() { return *pilot_; }
+    Endpoint ground() { return {anogate::IpAddress::parse(address_).value(), gateway_->port("ground")}; }
+    std::size_t peers(const std::string& link = "ground") { return gateway_->link(link).at("channels").size(); }
+    std::string hint() { return gateway_->link("ground").at("hint"); }
+    bool has_peer(const Endpoint& endpoint) {
+        const auto link = gateway_->link("ground");
+        for (const auto& channel : link.at("channels"))
+            if (channel.at("peer") == endpoint.text()) return true;
+        return false;
+    }
+
+    void fc_says(const Bytes& bytes) { fc_->send(gateway_->port("air"), bytes); }
+    void pilot_says(const Bytes& bytes) { pilot_->send(gateway_->port("ground"), bytes); }
+    /// Its loop runs where its interfaces are.
+    void turn() {
+        const Inside inside{space_};
+        gateway_->io().restart();
+        gateway_->io().poll();
+        gateway_->io().run_one_for(200us);
+    }
+    /// How many frames of an id its flight controller has been given; of commands, those of a pilot.
+    std::size_t carried_out(std::uint8_t id, std::uint8_t pilot = 0) {
+        std::size_t count = 0;
+        for (const Bytes& one : split(fc_->heard()).frames)
+            if (one[3] == id && (id != 0xC0 || one[7] == pilot)) ++count;
+        return count;
+    }
+
+private:
+    const Namespace& space_;
+    std::string address_;
+    std::unique_ptr<RunningGateway> gateway_;
+    std::unique_ptr<UdpPeer> fc_, pilot_;
+};
+
+class Attack : public testing::Test {
+protected:
+    void SetUp() override {
+        if (const std::string why = no_namespaces(); !why.empty()) GTEST_SKIP() << why;
+        here = std::make_unique<Namespace>();
+        there = std::make_unique<Namespace>();
+        here->join(*there, "eth0", "10.0.0.1/24", "10.0.0.2/24");
+    }
+    std::unique_ptr<Namespace> here, there;
+};
+
+class TwoVehicles : public Attack {
+protected:
+    void start() {
+        one = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{udp_listen("ground", "0.0.0.0:0")});
+        two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
+        for (Vehicle* vehicle : {one.get(), two.get()}) {
+            vehicle->fc_says(telemetry(vehicle == one.get() ? 0xDC : 0xDD, 0));
+            vehicle->pilot_says(frame(0xFE, 0x30, 0xE0, {1, 0, 0}));
+        }
+        ASSERT_TRUE(until([&] { return one->peers("air") == 1 && two->peers("air") == 1 && one->peers() == 1 && two->peers() == 1; }));
+    }
+    void TearDown() override {
+        one.reset();
+        two.reset();
+    }
+    void turn() {
+        one->turn();
+        two->turn();
+    }
+    bool until(const std::function<bool()>& holds) {
+        return wait_until(holds, patience, [this] { turn(); });
+    }
+    void settle() {
+        for (int i = 0; i < 20; ++i) turn();
+    }
+    void forge_from_one(const Bytes& bytes) {
+        const Inside inside{*here};
+        send_forged(one->ground(), two->ground(), bytes);
+    }
+    void forge_from_two(const Bytes& bytes) {
+        const Inside inside{*there};
+        send_forged(two->ground(), one->ground(), bytes);
+    }
+    // As the figures of the attack were: 79 commands of the first operator, while both vehicles talk.
+    void fly() {
+        for (std::uint8_t n = 0; n < 79; ++n) {
+            one->pilot_says(command(n % 2 == 0 ? 0xFF : 0xDD, n, 1));
+            two->pilot_says(command(n % 2 == 0 ? 0xFF : 0xDC, n, 2));
+            turn();
+            one->fc_says(telemetry(0xDC, n));
+            two->fc_says(telemetry(0xDD, n));
+            turn();
+        }
+        settle();
+    }
+    void expect_apart() {
+        EXPECT_EQ(two->peers(), 1u);
+        EXPECT_EQ(one->peers(), 1u);
+        for (Vehicle* vehicle : {one.get(), two.get()}) {
+            const std::uint8_t own = vehicle == one.get() ? 1 : 2, other = own == 1 ? 2 : 1;
+            EXPECT_EQ(vehicle->carried_out(0xC0, other), 0u);
+            EXPECT_GE(vehicle->carried_out(0xC0, own), 75u) << "but for those to the other while it was taken for a peer";
+            EXPECT_EQ(vehicle->carried_out(0xFB), 0u);
+            EXPECT_GT(vehicle->gateway().count("ground", "denied_in"), 0u);
+            EXPECT_NE(vehicle->hint().find("another gateway"), std::string::npos) << vehicle->hint();
+            EXPECT_TRUE(vehicle->gateway().counters_add_up());
+        }
+    }
+
+    std::unique_ptr<Vehicle> one, two;
+};
+
+TEST_F(TwoVehicles, are_not_joined_by_a_forged_frame_of_a_host) {
+    start();
+    forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    ASSERT_TRUE(until([&] { return two->has_peer(one->ground()); })) << "the attack is one";
+    fly();
+    expect_apart();
+}
+
+TEST_F(TwoVehicles, are_not_joined_by_a_forged_frame_of_a_device) {
+    start();
+    forge_from_one(telemetry(0x40, 1));
+    fly();
+    expect_apart();
+}
+
+TEST_F(TwoVehicles, are_not_joined_by_forged_frames_to_both) {
+    start();
+    forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    forge_from_two(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    fly();
+    expect_apart();
+}
+
+TEST_F(TwoVehicles, are_not_joined_by_a_thousand_forged_frames) {
+    start();
+    for (int i = 0; i < 100; ++i) {
+        for (int k = 0; k < 10; ++k) forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+        turn();
+        if (i % 10 != 0) continue;
+        one->pilot_says(command(0xFF, static_cast<std::uint8_t>(i), 1));
+        two->pilot_says(command(0xFF, static_cast<std::uint8_t>(i), 2));
+    }
+    settle();
+    EXPECT_EQ(one->carried_out(0xC0, 1), 10u);
+    EXPECT_EQ(one->carried_out(0xC0, 2), 0u);
+    EXPECT_EQ(two->carried_out(0xC0, 1), 0u);
+    EXPECT_FALSE(two->has_peer(one->ground()));
+    EXPECT_FALSE(one->has_peer(two->ground()));
+}
+
+TEST_F(TwoVehicles, the_first_command_of_all_is_carried_out_at_home_only) {
+    start();
+    forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    ASSERT_TRUE(until([&] { return two->has_peer(one->ground()); }));
+    two->pilot_says(command(0xFF, 1));
+    ASSERT_TRUE(until([&] { return two->carried_out(0xC0) == 1; }));
+    ASSERT_TRUE(until([&] { return !two->has_peer(one->ground()); }));
+    settle();
+    EXPECT_EQ(one->carried_out(0xC0), 0u);
+    EXPECT_EQ(one->peers(), 1u);
+}
+
+// Who forges the question can't forge the answer: it does not see the number.
+TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
+    start();
+    UdpPeer* ground = nullptr;
+    {
+        const Inside inside{*here};
+        ground = new UdpPeer{"10.0.0.1:0"};
+        ground->send(two->ground(), frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    }
+    const std::unique_ptr<UdpPeer> owner{ground};
+    ASSERT_TRUE(until([&] { return two->has_peer(ground->local()); }));
+    for (const auto kind : {anogate::ListeningNotice::Kind::question, anogate::ListeningNotice::Kind::answer}) {
+        const auto notice = anogate::frame_of({kind, 12345});
+        const Inside inside{*here};
+        send_forged(ground->local(), two->ground(), Bytes(notice.begin(), notice.end()));
+    }
+    settle();
+    EXPECT_TRUE(two->has_peer(ground->local()));
+    ASSERT_TRUE(until([&] {
+        const Inside inside{*here};
+        ground->send(two->ground(), command(0xFF, 7));
+        return two->carried_out(0xC0) > 0;
+    })) << "heard again after a second";
+}
+
+TEST_F(TwoVehicles, a_join_that_is_meant_is_a_udp_link) {
+    two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
+    one = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{udp("join", two->ground().text()), udp_listen("ground", "0.0.0.0:0")});
+    one->fc_says(telemetry(0xDC, 0));
+    two->fc_says(telemetry(0xDD, 0));
+    ASSERT_TRUE(until([&] { return two->peers() == 1 && one->peers("air") == 1; }));
+    for (std::uint8_t n = 0; n < 79; ++n) {
+        one->pilot_says(command(0xDD, n));
+        turn();
+        one->fc_says(telemetry(0xDC, n));
+        two->fc_says(telemetry(0xDD, n));
+        turn();
+    }
+    EXPECT_TRUE(until([&] { return two->carried_out(0xC0) == 79; })) << two->carried_out(0xC0);
+    EXPECT_EQ(one->carried_out(0xFB), 0u);
+    EXPECT_EQ(two->carried_out(0xFB), 0u);
+    EXPECT_EQ(two->peers(), 1u);
+}
+
+TEST_F(Attack, a_socket_of_our_own_is_no_peer) {
+    Vehicle vehicle{*here, "10.0.0.1", {udp_listen("ground", "0.0.0.0:0")}};
+    const Endpoint air{anogate::IpAddress::v4(127, 0, 0, 1), vehicle.gateway().port("air")};
+    const Endpoint ground{anogate::IpAddress::v4(127, 0, 0, 1), vehicle.gateway().port("ground")};
+    {
+        const Inside inside{*here};
+        send_forged(ground, air, telemetry(0xDC, 1));
+        send_forged(air, air, telemetry(0xDC, 1));
+        send_forged(vehicle.ground(), air, telemetry(0xDC, 1));
+    }
+    ASSERT_TRUE(wait_until([&] { return vehicle.gateway().count("air", "denied_in") == 3; }, patience, [&] { vehicle.turn(); }));
+    EXPECT_EQ(vehicle.peers("air"), 0u);
+}
+
+// 16 hosts of four addresses, and one address with a new port for every frame.
+TEST_F(Attack, strangers_drive_nobody_out) {
+    for (int i = 0; i < 4; ++i) there->ip("address add 10.0.0.1" + std::to_string(i) + "/24 dev eth0");
+    Vehicle vehicle{*here, "10.0.0.1", {udp_listen("ground", "0.0.0.0:0")}};
+    const auto until = [&](const std::function<bool()>& holds) { return wait_until(holds, patience, [&] { vehicle.turn(); }); };
+    std::vector<std::unique_ptr<UdpPeer>> hosts;
+    const Inside inside{*there};
+    for (int i = 0; i < 16; ++i) {
+        hosts.push_back(std::make_unique<UdpPeer>("10.0.0.1" + std::to_string(i / 4) + ":0"));
+        hosts.back()->send(vehicle.ground(), vendor::who_are_you);
+    }
+    ASSERT_TRUE(until([&] { return vehicle.peers() == 16; }));
+    vehicle.fc_says(telemetry(0xDC, 0));
+    ASSERT_TRUE(until([&] { return vehicle.peers("air") == 1; }));
+    for (auto& host : hosts) host->forget();
+    for (std::uint8_t n = 0; n < 50; ++n) {
+        for (int i = 0; i < 20; ++i) UdpPeer{"10.0.0.2:0"}.send(vehicle.ground(), vendor::who_are_you);
+        vehicle.fc_says(telemetry(0xDC, n));
+        vehicle.turn();
+    }
+    ASSERT_TRUE(until([&] { return vehicle.gateway().count("ground", "denied_in") == 1000; }));
+    std::size_t arrived = 0;
+    for (auto& host : hosts)
+        for (const Bytes& one : split(host->heard()).frames)
+            if (one[3] == 0xF1) ++arrived;
+    EXPECT_GE(arrived, 800u);
+    EXPECT_EQ(vehicle.peers(), 16u);
+    EXPECT_NE(vehicle.hint().find("max_per_address"), std::string::npos) << vehicle.hint();
+    EXPECT_TRUE(vehicle.gateway().counters_add_up());
+}
+
+// The victim is outside the networks of the vehicle; what reaches it is what the attack is worth.
+class Reflector : public Attack {
+protected:
+    void start(const std::vector<anogate::Network>& trusted = {}) {
+        here->ip("route add default via 10.0.0.2");
+        there->ip("address add 203.0.113.5/32 dev lo");
+        auto link = udp_listen("ground", "0.0.0.0:0");
+        link.udp_listen.allow_any = true;
+        link.udp_listen.trusted = trusted;
+        vehicle = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{link});
+        {
+            const Inside inside{*there};
+            victim = std::make_unique<UdpPeer>("203.0.113.5:0");
+            send_forged(victim->local(), vehicle->ground(), frame(0xFE, 0xFF, 0x03, {}));
+        }
+        ASSERT_TRUE(until([&] { return vehicle->peers() == 1; }));
+    }
+    void TearDown() override { vehicle.reset(); }
+    bool until(const std::function<bool()>& holds) {
+        return wait_until(holds, patience, [&] { vehicle->turn(); });
+    }
+    void stream(int frames) {
+        const auto before = vehicle->gateway().count("air", "frames_in");
+        for (int n = 0; n < frames; ++n) {
+            vehicle->fc_says(telemetry(0xDC, static_cast<std::uint8_t>(n)));
+            vehicle->turn();
+        }
+        ASSERT_TRUE(until([&] { return vehicle->gateway().count("air", "frames_in") >= before + static_cast<std::uint64_t>(frames); }));
+    }
+
+    std::unique_ptr<Vehicle> vehicle;
+    std::unique_ptr<UdpPeer> victim;
+};
+
+TEST_F(Reflector, eight_forged_bytes_bring_24_at_the_most) {
+    start();
+    stream(500);
+    EXPECT_LE(victim->heard().size(), 24u);
+    EXPECT_GT(vehicle->gateway().count("ground", "held_back"), 490u);
+    EXPECT_NE(vehicle->hint().find("trusted"), std::string::npos) << vehicle->hint();
+    EXPECT_TRUE(vehicle->gateway().counters_add_up());
+}
+
+TEST_F(Reflector, a_device_that_answers_our_questions_gets_all) {
+    start();
+    int answers = 0;
+    std::size_t read = 0;
+    ASSERT_TRUE(until([&] {
+        const auto frames = split(victim->heard()).frames;
+        for (; read < frames.size(); ++read) {
+            const Bytes& one = frames[read];
+            if (one[3] != 0xE0) continue;
+            ++answers;
+            victim->send(vehicle->ground(), frame(0xDD, one[1], 0xE3, Bytes(15, 1)));
+        }
+        if (answers < 2) victim->send(vehicle->ground(), frame(0xDD, 0xFE, 0x03, Bytes(7, 0)));
+        return answers == 2;
+    }));
+    ASSERT_TRUE(until([&] {
+        vehicle->fc_says(telemetry(0xDC, 0));
+        return split(victim->heard()).frames.size() > read + 20;
+    }));
+    victim->forget();
+    stream(100);
+    EXPECT_TRUE(until([&] { return split(victim->heard()).frames.size() >= 100; }));
+    EXPECT_TRUE(vehicle->gateway().counters_add_up());
+}
+
+TEST_F(Reflector, a_peer_of_a_trusted_network_gets_all_at_once) {
+    start({*anogate::Network::parse("203.0.113.0/24")});
+    stream(100);
+    EXPECT_TRUE(until([&] { return split(victim->heard()).frames.size() >= 100; }));
+    EXPECT_EQ(vehicle->gateway().count("ground", "held_back"), 0u);
+}
+
+TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
+    RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
+    UdpPeer host, stranger, air;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    air.send(daemon.port("air"), telemetry(0xDC, 0));
+    const auto peers = [&] { return daemon.link("ground").at("channels").size(); };
+    ASSERT_TRUE(daemon.until([&] { return peers() == 1 && daemon.count("air", "frames_in") == 1; }));
+    host.forget();
+    largest_allocation = 4096;
+    stranger.send(daemon.port("ground"), vendor::who_are_you);
+    const bool refused = wait_until([&] { return daemon.count("ground", "denied_in") == 1; }, patience, [&] {
+        daemon.io().restart();
+        daemon.io().poll();
+    });
+    largest_allocation = SIZE_MAX;
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(peers(), 1u);
+    air.send(daemon.port("air"), telemetry(0xDC, 1));
+    EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry(0xDC, 1); }));
+    stranger.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return peers() == 2; })) << "memory is there again";
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+}  // namespace

@@ -1,0 +1,148 @@
+// Which peers of a listening socket are overdue, worked out anew from all that ever came.
+#include <gateway/peer_book.hpp>
+
+#include <support/random.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration timeout = 60s;
+
+struct Model {
+    struct Peer {
+        IpAddress address;
+        bool near;
+        bool host = false;
+        TimePoint heard;
+        std::vector<TimePoint> refused{};    // since it was heard
+    };
+    std::map<ChannelId, Peer> peers;
+
+    static bool dead(const Peer& p) {
+        return p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s;
+    }
+    ChannelSet overdue(TimePoint now) const {
+        ChannelSet result;
+        std::map<std::string, std::vector<std::pair<TimePoint, ChannelId>>> listeners;    // silent ones, by address
+        for (const auto& [id, p] : peers) {
+            const Duration silent = now - p.heard;
+            const bool listens = p.near && p.host;
+            if (dead(p) || silent >= (listens ? Duration{1h} : timeout)) result.insert(id);
+            if (listens && !dead(p) && silent >= timeout) listeners[p.address.text()].push_back({p.heard, id});
+        }
+        for (auto& [address, all] : listeners) {
+            std::sort(all.rbegin(), all.rend());
+            for (std::size_t i = 2; i < all.size(); ++i) result.insert(all[i].second);
+        }
+        return result;
+    }
+};
+
+TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        support::Random random{seed};
+        PeerBook book{{timeout}};
+        Model model;
+        TimePoint now = TimePoint{} + 10h;
+        for (int step = 0; step < 400; ++step) {
+            now += random.of({Duration{0}, Duration{1ms}, Duration{700ms}, Duration{3s}, Duration{40s}, Duration{11min}});
+            const auto id = static_cast<ChannelId>(random.below(10u));
+            const bool known = model.peers.contains(id);
+            if (!known) {
+                const Endpoint endpoint{IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(3u))), 5000};
+                const bool near = !random.one_in(4);
+                book.add(id, endpoint, near, now);
+                model.peers[id] = {endpoint.address, near, false, now};
+            } else if (random.one_in(3)) {
+                const auto source = random.of<std::uint8_t>({0xFE, 0xD2, 0xDC, 0x20});
+                book.heard(id, source, now);
+                model.peers[id].heard = now;
+                model.peers[id].host |= source == 0xFE || source == 0xD2;
+                model.peers[id].refused.clear();
+            } else if (random.one_in(2)) {
+                model.peers[id].refused.push_back(now);
+                ASSERT_EQ(book.refused(id, now), Model::dead(model.peers[id])) << seed << " " << step;
+            } else if (random.one_in(4)) {
+                book.remove(id);
+                model.peers.erase(id);
+            }
+            ASSERT_EQ(book.overdue(now), model.overdue(now)) << seed << " " << step;
+            // Nobody is overdue before the next look, who is not now.
+            const TimePoint look = book.next_look(now);
+            if (!book.overdue(now).empty()) continue;
+            ASSERT_GT(look, now) << seed << " " << step;
+            if (look != TimePoint::max()) {
+                ASSERT_TRUE(model.overdue(look - 1ns).empty()) << seed << " " << step;
+            }
+            if (random.one_in(2)) continue;
+            for (const ChannelId gone : book.overdue(now)) {
+                book.remove(gone);
+                model.peers.erase(gone);
+            }
+        }
+    }
+}
+
+TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        support::Random random{seed};
+        const std::size_t most = 1 + random.below(8u), most_of_address = 1 + random.below(4u);
+        PeerBook book{{timeout, most, most_of_address}};
+        struct Peer {
+            Endpoint endpoint;
+            TimePoint began, heard;
+            bool again = false;
+        };
+        std::map<ChannelId, Peer> peers;
+        TimePoint now = TimePoint{} + 10h;
+        const auto of_address = [&](const IpAddress& address) {
+            return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint.address == address; }));
+        };
+        for (int step = 0; step < 600; ++step) {
+            now += random.of({Duration{0}, Duration{1ms}, Duration{400ms}, Duration{2s}, Duration{25s}});
+            if (!peers.empty() && random.one_in(2)) {
+                auto& [id, p] = *std::next(peers.begin(), static_cast<std::ptrdiff_t>(random.below(peers.size())));
+                book.heard(id, 0xFE, now);
+                p.heard = now;
+                p.again |= now - p.began >= PeerBook::exchange;
+                continue;
+            }
+            const Endpoint stranger{IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(5u))),
+                                    static_cast<std::uint16_t>(1 + random.below(6u))};
+            if (std::any_of(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint == stranger; })) continue;
+            const std::size_t own = of_address(stranger.address);
+            const PeerBook::Place place = book.place_for(stranger, now);
+            if (own < most_of_address && peers.size() < most) {
+                ASSERT_TRUE(place.free && !place.gives_way) << seed << " " << step;
+            }
+            if (place.gives_way) {
+                const Peer& p = peers.at(*place.gives_way);
+                const bool same = p.endpoint.address == stranger.address;
+                ASSERT_TRUE(own < most_of_address || same) << seed << " " << step;
+                if (now - p.heard < timeout) {
+                    ASSERT_FALSE(p.again) << seed << " " << step;
+                    ASSERT_TRUE(same || of_address(p.endpoint.address) > own + 1) << seed << " " << step;
+                }
+                book.remove(*place.gives_way);
+                peers.erase(*place.gives_way);
+            }
+            if (!place.free) continue;
+            ChannelId id{};
+            while (peers.contains(id)) id = static_cast<ChannelId>(index(id) + 1);
+            book.add(id, stranger, true, now);
+            peers[id] = {stranger, now, now};
+            ASSERT_LE(peers.size(), most) << seed << " " << step;
+            ASSERT_LE(of_address(stranger.address), most_of_address) << seed << " " << step;
+        }
+    }
+}
+
+}  // namespace

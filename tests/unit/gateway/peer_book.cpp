@@ -1,0 +1,249 @@
+// How long a peer of a listening socket stays: arithmetic on what was heard and what was refused.
+#include <gateway/peer_book.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint8_t host = 0xFE, ros = 0xD2, device = 0xDC;
+constexpr ChannelId a{3}, b{4}, c{5}, d{6};
+const TimePoint start = TimePoint{} + 1h;
+
+Endpoint at(const char* text) { return *Endpoint::parse(text); }
+const Endpoint phone = at("192.168.1.20:5000"), phone_again = at("192.168.1.20:5001"), phone_anew = at("192.168.1.20:5002");
+const Endpoint laptop = at("192.168.1.30:5000");
+
+struct Book : PeerBook {
+    explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t most_of_address = 64)
+        : PeerBook{{timeout, most, most_of_address}} {}
+    void join(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, bool near = true) {
+        add(id, endpoint, near, now);
+        heard(id, source, now);
+    }
+};
+
+TEST(PeerBook, a_silent_device_is_overdue_after_the_timeout_and_not_before) {
+    Book book;
+    book.join(a, phone, device, start);
+    EXPECT_EQ(book.next_look(start), start + 60s);
+    EXPECT_TRUE(book.overdue(start + 60s - 1ns).empty());
+    EXPECT_EQ(book.overdue(start + 60s), ChannelSet{a});
+    book.heard(a, device, start + 30s);
+    EXPECT_TRUE(book.overdue(start + 90s - 1ns).empty());
+    EXPECT_EQ(book.overdue(start + 90s), ChannelSet{a});
+}
+
+TEST(PeerBook, a_peer_that_never_brought_its_frame_is_overdue_like_any_other) {
+    Book book;
+    book.add(a, phone, true, start);
+    EXPECT_EQ(book.overdue(start + 60s), ChannelSet{a});
+}
+
+TEST(PeerBook, a_host_of_our_networks_that_only_listens_stays_an_hour) {
+    for (const std::uint8_t source : {host, ros}) {
+        Book book;
+        book.join(a, phone, source, start);
+        EXPECT_TRUE(book.overdue(start + 61s).empty());
+        EXPECT_EQ(book.next_look(start), start + 60s) << "whether it is one of the latest two";
+        EXPECT_EQ(book.next_look(start + 60s), start + 1h);
+        EXPECT_TRUE(book.overdue(start + 1h - 1ns).empty());
+        EXPECT_EQ(book.overdue(start + 1h), ChannelSet{a});
+    }
+}
+
+TEST(PeerBook, one_frame_of_a_host_among_those_of_devices_is_enough) {
+    Book book;
+    book.join(a, phone, device, start);
+    book.heard(a, host, start);
+    book.heard(a, device, start + 1s);
+    EXPECT_TRUE(book.overdue(start + 30min).empty());
+}
+
+TEST(PeerBook, a_host_outside_our_networks_is_forgotten_like_a_device) {
+    Book book;
+    book.join(a, phone, host, start, false);
+    EXPECT_EQ(book.overdue(start + 60s), ChannelSet{a});
+}
+
+TEST(PeerBook, a_timeout_of_more_than_an_hour_holds_for_hosts_too) {
+    Book book{2h};
+    book.join(a, phone, host, start);
+    EXPECT_TRUE(book.overdue(start + 2h - 1ns).empty());
+    EXPECT_EQ(book.overdue(start + 2h), ChannelSet{a});
+}
+
+TEST(PeerBook, of_the_silent_ones_of_an_address_the_two_latest_stay) {
+    Book book;
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, host, start + 1s);
+    book.join(c, phone_anew, host, start + 2s);
+    book.join(d, laptop, host, start);
+    EXPECT_TRUE(book.overdue(start + 61s).empty()) << "the third is not silent yet";
+    EXPECT_EQ(book.next_look(start + 61s), start + 62s);
+    EXPECT_EQ(book.overdue(start + 62s), ChannelSet{a}) << "and another address has places of its own";
+    book.heard(a, host, start + 62s);
+    EXPECT_TRUE(book.overdue(start + 62s).empty()) << "it was heard, and is silent no more";
+    book.remove(b);
+    EXPECT_TRUE(book.overdue(start + 10min).empty());
+}
+
+TEST(PeerBook, of_those_heard_at_the_same_time_two_stay) {
+    Book book;
+    for (const ChannelId id : {a, b, c, d}) book.join(id, phone, host, start);
+    EXPECT_EQ(book.overdue(start + 60s).size(), 2u);
+}
+
+TEST(PeerBook, a_device_takes_no_place_of_a_silent_host) {
+    Book book;
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, device, start + 1s);
+    book.join(c, phone_anew, device, start + 2s);
+    EXPECT_EQ(book.overdue(start + 5min), ChannelSet{b} | ChannelSet{c});
+}
+
+TEST(PeerBook, three_refusals_over_five_seconds_end_it) {
+    Book book;
+    book.join(a, phone, host, start);
+    EXPECT_FALSE(book.refused(a, start));
+    EXPECT_FALSE(book.refused(a, start + 1s));
+    EXPECT_FALSE(book.refused(a, start + 5s - 1ns)) << "a program that starts anew";
+    EXPECT_TRUE(book.overdue(start + 10s).empty()) << "nothing was refused since";
+    EXPECT_TRUE(book.refused(a, start + 5s));
+    EXPECT_EQ(book.overdue(start + 5s), ChannelSet{a});
+    EXPECT_EQ(book.next_look(start + 5s), start + 5s);
+}
+
+TEST(PeerBook, two_refusals_are_not_enough_however_long_between_them) {
+    Book book;
+    book.join(a, phone, host, start);
+    EXPECT_FALSE(book.refused(a, start));
+    EXPECT_FALSE(book.refused(a, start + 20min));
+    EXPECT_TRUE(book.overdue(start + 20min).empty());
+}
+
+TEST(PeerBook, a_frame_of_the_peer_makes_refusals_count_from_the_beginning) {
+    Book book;
+    book.join(a, phone, host, start);
+    book.refused(a, start);
+    book.refused(a, start + 4s);
+    book.heard(a, host, start + 4500ms);
+    EXPECT_FALSE(book.refused(a, start + 6s));
+    EXPECT_FALSE(book.refused(a, start + 9s));
+    EXPECT_TRUE(book.refused(a, start + 11s));
+    book.heard(a, host, start + 11s);
+    EXPECT_TRUE(book.overdue(start + 11s).empty()) << "it came back before it was forgotten";
+}
+
+TEST(PeerBook, a_number_used_again_begins_anew) {
+    Book book;
+    book.join(a, phone, host, start);
+    for (const Duration later : {0s, 3s, 6s}) book.refused(a, start + later);
+    book.remove(a);
+    EXPECT_TRUE(book.overdue(start + 6s).empty());
+    EXPECT_EQ(book.next_look(start), TimePoint::max());
+    book.join(a, laptop, device, start + 6s);
+    EXPECT_TRUE(book.overdue(start + 7s).empty());
+    EXPECT_EQ(book.overdue(start + 66s), ChannelSet{a});
+}
+
+TEST(PeerBook, there_is_a_place_until_all_are_taken) {
+    Book book{60s, 2};
+    book.join(a, phone, device, start);
+    EXPECT_TRUE(book.place_for(laptop, start).free);
+    EXPECT_FALSE(book.place_for(laptop, start).gives_way);
+    book.join(b, laptop, device, start);
+    EXPECT_FALSE(book.place_for(phone_again, start).free);
+}
+
+TEST(PeerBook, who_came_once_drives_out_nobody_but_one_that_came_once_and_is_silent) {
+    Book book{60s, 3};
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, host, start);
+    book.heard(b, host, start + 1s);
+    book.join(c, laptop, host, start + 30s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), start + 60s - 1ns).free);
+    EXPECT_EQ(book.place_for(at("10.0.0.1:2"), start + 60s).gives_way, a);
+    book.remove(a);
+    book.join(a, phone, device, start + 60s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:3"), start + 80s).free) << "one that listens came more than once, two spoke";
+}
+
+TEST(PeerBook, who_comes_again_an_exchange_later_drives_out_who_came_once_from_an_address_of_several) {
+    Book book{60s, 3};
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 1s);
+    book.join(c, laptop, host, start);
+    book.join(b, phone_again, host, start);
+    const Endpoint stranger = at("10.0.0.1:1");
+    EXPECT_FALSE(book.place_for(stranger, start + 2s).free);
+    EXPECT_FALSE(book.place_for(stranger, start + 3s - 1ns).free);
+    EXPECT_EQ(book.place_for(stranger, start + 3s).gives_way, b);
+    EXPECT_FALSE(book.place_for(at("10.0.0.1:2"), start + 3s).free) << "another port is another stranger";
+    book.heard(b, host, start + 3s);
+    EXPECT_FALSE(book.place_for(stranger, start + 4s).free) << "those came more than once, and an address keeps its only place";
+    book.heard(c, host, start + 5s);
+    EXPECT_EQ(book.place_for(stranger, start + 61s).gives_way, a) << "one that listens, when its place is needed";
+}
+
+TEST(PeerBook, a_stranger_that_comes_again_after_the_timeout_comes_for_the_first_time) {
+    Book book{60s, 1};
+    book.join(a, phone, host, start);
+    const Endpoint stranger = at("10.0.0.1:1");
+    book.place_for(stranger, start);
+    book.heard(a, host, start + 50s);
+    EXPECT_FALSE(book.place_for(stranger, start + 61s).free);
+}
+
+TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {
+    Book book{60s, 8, 2};
+    book.join(a, phone, host, start);
+    book.join(b, phone_again, host, start + 1s);
+    EXPECT_FALSE(book.place_for(phone_anew, start + 1s).free);
+    EXPECT_TRUE(book.place_for(laptop, start + 1s).free);
+    book.join(c, laptop, host, start);
+    EXPECT_EQ(book.place_for(phone_anew, start + 2s).gives_way, a) << "one of its own, when it comes again";
+}
+
+TEST(PeerBook, one_address_drives_out_nobody_of_another_however_many_ports_it_has) {
+    Book book{60s, 8, 2};
+    book.join(a, laptop, host, start);
+    ChannelSet strangers;
+    for (int i = 0; i < 20000; ++i) {
+        const TimePoint now = start + i * 50ms;
+        const Endpoint stranger{IpAddress::v4(192, 168, 1, 66), static_cast<std::uint16_t>(1000 + i)};
+        const auto place = book.place_for(stranger, now);
+        if (!place.free) continue;
+        ASSERT_NE(place.gives_way, a);
+        if (place.gives_way) book.remove(*place.gives_way), strangers.erase(*place.gives_way);
+        const ChannelId id = strangers.contains(b) ? c : b;
+        book.join(id, stranger, host, now);
+        strangers.insert(id);
+        ASSERT_LE(strangers.size(), 2u);
+    }
+}
+
+TEST(PeerBook, programs_of_this_machine_drive_out_each_other_and_have_no_share) {
+    Book book{60s, 3, 1};
+    book.join(a, at("127.0.0.1:1"), host, start);
+    EXPECT_TRUE(book.place_for(at("127.0.0.1:2"), start).free);
+    book.join(b, at("127.0.0.1:2"), host, start + 1ms);
+    book.join(c, laptop, host, start - 1s);
+    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start + 2ms).gives_way, a);
+    book.heard(a, host, start + 3ms);
+    EXPECT_EQ(book.place_for(at("[::1]:3"), start + 4ms).gives_way, b);
+}
+
+TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer) {
+    const std::vector<Network> own{*Network::parse("192.168.1.5/24"), *Network::parse("10.0.0.1/31")};
+    for (const char* good : {"192.168.1.20:5000", "8.8.8.8:53", "10.0.0.0:1", "[fe80::1]:1", "127.0.0.1:1"})
+        EXPECT_TRUE(can_be_peer(at(good), own)) << good;
+    for (const char* bad : {"192.168.1.20:0", "192.168.1.255:5000", "192.168.1.0:5000", "255.255.255.255:1", "224.0.0.1:1",
+                            "0.0.0.0:1", "[ff02::1]:1", "[::]:1"})
+        EXPECT_FALSE(can_be_peer(at(bad), own)) << bad;
+}
+
+}  // namespace
+}  // namespace anogate
