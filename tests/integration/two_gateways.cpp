@@ -202,7 +202,7 @@ TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
             EXPECT_TRUE(hint == "a ring: what goes out by way1 comes back by way2" ||
                         hint == "a ring: what goes out by way2 comes back by way1") << hint;
         }
-    EXPECT_TRUE(counters_add_up());
+    EXPECT_TRUE(adds_up());
 }
 
 TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
