@@ -594,6 +594,15 @@ TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
     }
 }
 
+TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
+    for (const unsigned good : {7u, 8u}) {    // for three looks and two headers that give way
+        FloodedLine line;
+        for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
+        line.put(header(1000, stranger) + header(1000, stranger) + pair_of_frames);
+        EXPECT_EQ(line.frames.size(), good == 7 ? good : good + 2);
+    }
+}
+
 TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_came) {
     FloodedLine line;
     for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one look
