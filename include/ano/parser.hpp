@@ -34,7 +34,8 @@ struct ParserCounters {
 
 /// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
 /// linear time. A candidate whose rest is not there yet waits, but one that nothing heard makes credible (heard.hpp) gives way
-/// to two good frames in a row from sources that were heard. Neither throws nor allocates after construction.
+/// to two good frames in a row from sources that were heard; among more headers than good frames have paid for
+/// (frame_pairs.hpp) it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
 class FrameParser {
 public:
     struct Options {

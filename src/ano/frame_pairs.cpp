@@ -39,13 +39,17 @@ FramePairs::FramePairs(std::size_t max_data)
 bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
     const Place place = origin_ + at;
-    if (judged_until_ == origin_ + bytes.size()) return latest_ > place;    // nothing has come since
-    forget_until(place);
-    headers_until_ = std::max(headers_until_, place + 1);
-    judged_until_ = std::max(judged_until_, place);
-    note_headers(at, bytes, sums, heard);
-    judge_until(origin_ + bytes.size(), place, bytes, sums);
-    return latest_ > place;
+    const Place end = origin_ + bytes.size();
+    if (judged_until_ != end) {    // else nothing has come since
+        forget_until(place);
+        headers_until_ = std::max(headers_until_, place + 1);
+        judged_until_ = std::max(judged_until_, place);
+        if (!note_headers(at, bytes, sums, heard)) return false;
+        judge_until(end, place, bytes, sums);
+    }
+    if (latest_ <= place || !can_look()) return false;
+    credit_ -= a_look;
+    return true;
 }
 
 void FramePairs::forget_until(Place place) noexcept {
@@ -59,7 +63,8 @@ void FramePairs::forget_until(Place place) noexcept {
     }
 }
 
-void FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
+// False: the credit does not suffice. Nothing may be judged before all headers are noted.
+bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
     const std::size_t longest = data_length(bytes.data() + waiting);
     const std::size_t whole = bytes.size() - (header_size - 1);    // no whole header begins there or behind
@@ -69,6 +74,11 @@ void FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
         if (whole - at < 8) heads &= (std::uint64_t{1} << 8 * (whole - at)) - 1;
         for (; heads != 0; heads &= heads - 1) {
             const std::size_t begin = at + static_cast<unsigned>(std::countr_zero(heads)) / 8;
+            if (!can_look()) {
+                headers_until_ = origin_ + begin;
+                return false;
+            }
+            credit_ -= a_look;
             const std::uint8_t* const header = bytes.data() + begin;
             const std::size_t length = data_length(header);
             if (!heard.source(header[1]) || length + shorter_at_least > longest || begin + length >= waiting + longest)
@@ -82,6 +92,7 @@ void FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
         }
     }
     headers_until_ = std::max(headers_until_, origin_ + whole);
+    return true;
 }
 
 void FramePairs::judge_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {

@@ -130,6 +130,7 @@ std::optional<FrameView> FrameParser::next() noexcept {
     behind_frame_ = options_.zero_padding;
     v7_ = {};
     heard_.note(frame);
+    pairs_.earn(frame.bytes().size());
     ++counters_.frames_in;
     return frame;
 }
@@ -262,9 +263,11 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
 }
 
 // Whether an incomplete candidate is refused before its rest is there: nothing that was heard makes it credible, and two
-// good frames stand in a row behind its first byte.
+// good frames stand in a row behind its first byte. Where headers are a flood it is not: the search would cost more than
+// the frames it finds.
 [[gnu::noinline]] bool FrameParser::gives_way(std::size_t at) noexcept {
-    if (end_ - at <= overhead || counters_.frames_in == 0 || heard_.makes_credible(buffer_.get() + at)) return false;
+    if (end_ - at <= overhead || counters_.frames_in == 0 || !pairs_.can_look()) return false;
+    if (heard_.makes_credible(buffer_.get() + at)) return false;
     sum_up_from(at);
     return pairs_.stand_behind(at, {buffer_.get(), end_}, sums_, heard_);
 }

@@ -20,7 +20,7 @@ namespace {
 // sums up every candidate anew takes hundreds of steps a byte.
 constexpr std::size_t input_size = 300'000;
 constexpr double steps_a_byte = 30;
-constexpr double steps_a_read = 90;
+constexpr double steps_a_read = 70;
 
 // Of what is allowed, the share that was needed.
 double share(const Bytes& input, std::size_t max_data, std::size_t read_size) {

@@ -39,15 +39,23 @@ public:
     }
 
     void finish() {
-        while (waiting() > 0) refuse();
+        give_up_before(bytes_.size());
     }
 
     void expire(ano::TimePoint now) {
         while (waiting() > 0) {
             const bool quiet = now - last_arrival_ >= options_.quiet;
-            const bool overdue = now >= overdue_at();
-            if (!(overdue || (quiet && good_frame_behind()))) return;
-            refuse();
+            if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
+                give_up_before(behind);
+            } else if (now >= overdue_at(at_, since_)) {
+                // Of a candidate that shows only now, it is known that it came with the last byte at the latest.
+                std::size_t next = at_ + 1;
+                while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_)))
+                    ++next;
+                give_up_before(next);
+            } else {
+                return;
+            }
         }
     }
 
@@ -89,13 +97,19 @@ private:
         return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= largest_[id];
     }
 
+    // A look is paid with 32 bytes of good frames; 65536 may be saved.
+    bool can_look() const { return credit_ >= 32; }
+
     // When a header is first looked at it is decided whether its frame counts: its source has been heard, and it and another
     // end before the frame that waits.
     bool two_good_frames_behind() {
-        for (std::size_t at = at_ + 1; at + 6 <= bytes_.size(); ++at)
-            if (bytes_[at] == 0xAB)
-                counts_.emplace(at, sources_.count(bytes_[at + 1]) > 0 && length_at(at) + 10 <= length_at(at_) &&
-                                        at + length_at(at) < at_ + length_at(at_));
+        for (std::size_t at = at_ + 1; at + 6 <= bytes_.size(); ++at) {
+            if (bytes_[at] != 0xAB || counts_.count(at) > 0) continue;
+            if (!can_look()) break;
+            credit_ -= 32;
+            counts_[at] = sources_.count(bytes_[at + 1]) > 0 && length_at(at) + 10 <= length_at(at_) &&
+                          at + length_at(at) < at_ + length_at(at_);
+        }
         const auto good_at = [this](std::size_t at) {
             const auto counts = counts_.find(at);
             return counts != counts_.end() && counts->second && what_begins(bytes_, at) == good;
@@ -105,16 +119,16 @@ private:
         return false;
     }
 
-    bool good_frame_behind() const {
+    // 0: there is none.
+    std::size_t good_frame_behind() const {
         for (std::size_t at = at_ + 1; at < bytes_.size(); ++at)
-            if (what_begins(bytes_, at) == good) return true;
-        return false;
+            if (what_begins(bytes_, at) == good) return at;
+        return 0;
     }
 
-    // Gives up the first byte and looks on. Of a candidate that shows only now, it is known that it came with the last
-    // byte at the latest.
-    void refuse() {
-        drop();
+    // What begins before `place` waits no longer.
+    void give_up_before(std::size_t place) {
+        given_up_ = place;
         look();
     }
 
@@ -131,6 +145,7 @@ private:
                 case good: {
                     const std::size_t size = 8 + length_at(at_);
                     sources_.insert(bytes_[at_ + 1]);
+                    credit_ = std::min<std::size_t>(credit_ + size, 65536);
                     largest_[bytes_[at_ + 3]] = std::max(largest_[bytes_[at_ + 3]], length_at(at_));
                     const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
                     frames.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(size));
@@ -140,7 +155,14 @@ private:
                 }
                 case refusable: drop(); break;
                 case incomplete:
-                    if (waiting() > 6 && !sources_.empty() && !credible() && two_good_frames_behind()) {
+                    if (at_ < given_up_) {
+                        drop();
+                        break;
+                    }
+                    // To give way costs a look as well.
+                    if (waiting() > 8 && !sources_.empty() && !credible() && can_look() && two_good_frames_behind() &&
+                        can_look()) {
+                        credit_ -= 32;
                         drop();
                         break;
                     }
@@ -151,21 +173,23 @@ private:
         }
     }
 
-    ano::TimePoint overdue_at() const {
+    ano::TimePoint overdue_at(std::size_t at, ano::TimePoint since) const {
         using namespace std::chrono_literals;
-        if (options_.line_rate == 0) return since_ + 1s;
-        const std::int64_t size = waiting() < 6 ? 8 : 8 + static_cast<std::int64_t>(length_at(at_));
-        return since_ + 200ms + ano::Duration{std::chrono::seconds{size}} / options_.line_rate;
+        if (options_.line_rate == 0) return since + 1s;
+        const std::int64_t size = bytes_.size() - at < 6 ? 8 : 8 + static_cast<std::int64_t>(length_at(at));
+        return since + 200ms + ano::Duration{std::chrono::seconds{size}} / options_.line_rate;
     }
 
     ano::FrameParser::Options options_;
     Bytes bytes_;           // all that ever came
     std::size_t at_ = 0;    // what stands before is skipped or part of a good frame
+    std::size_t given_up_ = 0;    // what begins before this has no rest to wait for
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
     std::set<unsigned> sources_;                    // of good frames
     std::array<std::size_t, 256> largest_{};        // LEN of good frames, by id
+    std::size_t credit_ = 65536;
     std::map<std::size_t, bool> counts_;            // by the place of a header that was looked at
 };
 

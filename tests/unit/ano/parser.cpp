@@ -566,6 +566,65 @@ TEST(FrameParser, keeps_what_it_heard_over_the_end_of_input) {
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
+// What the search may cost: a look at a header, and each header that gives way, is paid with 32 bytes of good frames, of
+// which 65536 are saved and were there at first.
+struct FloodedLine : HeardLine {
+    FloodedLine() {
+        const Bytes flood = header(4000, stranger) + Bytes(3994, ano::head) + Bytes(8, 0xFF);
+        put(flood, 100);
+        EXPECT_EQ(parser.waiting(), 0u);
+    }
+};
+
+TEST(FrameParser, looks_for_no_two_frames_in_a_row_behind_more_headers_than_good_frames_paid_for) {
+    FloodedLine line;
+    line.put(header(1000, stranger) + pair_of_frames + pair_of_frames);
+    EXPECT_TRUE(line.frames.empty());
+    line.pass(50ms);
+    line.expire();
+    EXPECT_EQ(line.frames.size(), 4u);
+}
+
+TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
+    for (const unsigned good : {4u, 5u}) {    // of 21 bytes, for two looks and a header that gives way
+        FloodedLine line;
+        for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
+        line.put(header(1000, stranger) + pair_of_frames);
+        EXPECT_EQ(line.frames.size(), good == 4 ? good : good + 2);
+    }
+}
+
+TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
+    for (const unsigned good : {7u, 8u}) {    // for three looks and two headers that give way
+        FloodedLine line;
+        for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
+        line.put(header(1000, stranger) + header(1000, stranger) + pair_of_frames);
+        EXPECT_EQ(line.frames.size(), good == 7 ? good : good + 2);
+    }
+}
+
+TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_came) {
+    FloodedLine line;
+    for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one look
+    Bytes good;
+    for (unsigned i = 2; i < 7; ++i) good = good + numbered(i);
+    const Bytes behind = good + header(1000, stranger) + pair_of_frames;
+    line.put(header(behind.size() - 1, stranger) + behind);
+    EXPECT_EQ(line.frames.size(), 2u);
+    line.put(Bytes(1));    // the first header's frame is whole, and bad
+    EXPECT_EQ(line.frames.size(), 9u);
+    EXPECT_EQ(line.counters().expired, 1u);
+}
+
+TEST(FrameParser, saves_what_good_frames_pay_up_to_a_limit) {
+    HeardLine line;
+    for (unsigned i = 0; i < 4000; ++i) line.put(numbered(i));
+    line.frames.clear();
+    line.put(header(4096, stranger) + Bytes(2046, ano::head) + Bytes(8, 0xFF), 100);    // two looks are left
+    line.put(pair_of_frames);
+    EXPECT_TRUE(line.frames.empty());
+}
+
 struct Outer {
     std::string name;
     std::uint8_t source;
