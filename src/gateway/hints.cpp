@@ -54,6 +54,7 @@ std::string hint_of_trouble(const LinkFigures& link) {
         return "a peer outside our networks gets little until it answers: name its network in `trusted`";
     if (link.listens && link.channels == 0 && in.denied_in > 0)
         return "senders outside `allow` were refused: add their network to `allow`";
+    if (!link.ring_back.empty()) return ring(link);    // whose copies look like one device on two links
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
     if (link.hidden != 0) {
@@ -65,7 +66,6 @@ std::string hint_of_trouble(const LinkFigures& link) {
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return "many damaged frames: check cable, ground and baud rate";
-    if (!link.ring_back.empty()) return ring(link);
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
