@@ -25,6 +25,11 @@ bool stderr_is_journal() {
            std::to_string(info.st_dev) + ":" + std::to_string(info.st_ino) == stream;
 }
 
+bool no_color() {
+    const char* said = std::getenv("NO_COLOR");
+    return said != nullptr && *said != '\0';
+}
+
 Priority priority_of(spdlog::level::level_enum level) {
     switch (level) {
         case spdlog::level::critical:
@@ -82,7 +87,7 @@ void start_log(const LogSettings& settings) {
         }
     }
     const bool journal = !log && stderr_is_journal();
-    if (!log) log = spdlog::stderr_color_st("anogated");
+    if (!log) log = spdlog::stderr_color_st("anogated", no_color() ? spdlog::color_mode::never : spdlog::color_mode::automatic);
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
     log->set_level(spdlog::level::from_str(settings.level));
