@@ -19,7 +19,7 @@ public:
     /// False: there is no room, or the frame is too long.
     bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due) noexcept {
         const auto bytes = frame.bytes();
-        if (count_ == most || bytes.size() > largest) return false;
+        if (!fits(frame)) return false;
         Frame& held = frames_[(first_ + count_++) % most];
         held.from = from;
         held.due = due;
@@ -27,6 +27,8 @@ public:
         std::copy(bytes.begin(), bytes.end(), held.bytes.begin());
         return true;
     }
+    /// Whether there is room for it.
+    bool fits(ano::FrameView frame) const noexcept { return count_ < most && frame.bytes().size() <= largest; }
     /// When the last of a channel is due; nothing when none waits.
     std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
         std::optional<ano::TimePoint> last;

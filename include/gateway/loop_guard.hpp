@@ -7,9 +7,11 @@
 //   answered or `patience` is over.
 // - Where no probe may go (serial ports, CAN), one return passes within the window. More do when hosts are known to say things
 //   that the other end does not bring back, none when the other end brought back what a device said.
-// - A ring that lets no probe through, or one that the frame entered elsewhere, looks like a sender that repeats itself. Of the
-//   thousandth repeat on, the frame is withheld, and sent together with the next: a sender loses nothing by that, while in a
-//   ring there is no next. After twice as many, twice as many are withheld, for as many may go round.
+// - What enters by the ring itself comes again by the channel that brought it first, as from a sender that repeats itself. A
+//   probe tells them apart as well; for a device only where repeats are faster than a device speaks.
+// - A ring that lets no probe through can't be told from a sender that repeats itself. Of the thousandth repeat on, the frame
+//   is withheld, and sent together with the next: a sender loses nothing by that, while in a ring there is no next. After twice
+//   as many, twice as many are withheld, for as many may go round; but never for longer than `longest_withheld`.
 // - More than RingWatch::storm in a second come from a ring whatever the probe said.
 #pragma once
 #include <gateway/recent.hpp>
@@ -27,9 +29,10 @@ namespace anogate {
 struct Said {
     std::uint64_t key;      // key_of()
     bool by_host;           // others may say the very same
+    bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
 };
 inline Said said_by(ano::FrameView frame) noexcept {
-    return {key_of(frame), ano::address::is_host(frame.source())};
+    return {key_of(frame), ano::address::is_host(frame.source()), treatment_of(frame.id()).replaces != Replaces::nothing};
 }
 
 /// Constant time, no allocation after construction.
@@ -43,10 +46,16 @@ public:
 
     /// From so many repeats of the same bytes on some are withheld until the next.
     static constexpr std::uint32_t repeats = 1000;
+    /// From the first that is withheld to the next that leaves, at the most: whoever listens to sticks must not take their
+    /// sender for lost.
+    static constexpr Duration longest_withheld = std::chrono::milliseconds{500}, longest_state_withheld = std::chrono::milliseconds{100};
+    /// Nobody says the same again so soon, so many times in a row; in a known ring one that does so once is a copy.
+    static constexpr Duration faster_than_senders = std::chrono::milliseconds{5};
+    static constexpr std::uint32_t fast_repeats = 32;
 
     enum class Fate : std::uint8_t {
         passes,
-        waits,       // for RingWatch::patience; when it is judged again and waits still, it passes
+        waits,       // for RingWatch::patience (of states only those that come fast); when it is judged again and waits still, it passes
         withheld,    // sent with the next of the same; counted when there is none: take_lost()
         ends,        // it came round
     };
@@ -121,70 +130,85 @@ private:
     };
     struct Withheld {
         std::uint32_t frames = 0;
-        TimePoint at{};
+        TimePoint since{};    // the first of a row
+        TimePoint at{};       // the last
     };
     static constexpr std::uint8_t most_withheld = 255;
 
     Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
-        if (known.from == from) return repeated(known, said, from, now);
         const TimePoint sent_at = sent_.put_at(said.key);
+        if (known.from == from) return repeated(known, said, from, sent_at, now);
         if (sent_at <= opened_at_[index(from)]) return {};
         const bool went = known.channels.contains(from);
         if (!went && same_place(known.from, from)) return {};    // a sender with a new port
-        if (said.by_host) return said_again(known, from, sent_at, now);
+        if (said.by_host) return said_again(known, said, from, sent_at, now);
         if (!went) return {.fate = Fate::ends, .elsewhere = true};
         rings_.brought_back_ones_own(from, now);
         return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
     }
     // By the channel that brought it first.
-    Judgement repeated(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
-        if (!said.by_host) return paced(known, now);
+    Judgement repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
+        if (!said.by_host) {
+            const bool fast = now - sent_at < faster_than_senders;
+            if (fast && rings_.is_ring(from, now)) return {Fate::ends};
+            const bool often = known.times % fast_repeats == fast_repeats - 1;
+            return with_probe(paced(known, said, now), fast && often && is_worth_asking(from, now));
+        }
         if (rings_.is_ring(from, now)) {
-            if (known.owed == 0 && !known.again) return paced(known, now);
+            const bool before_it_was_known = sent_at <= rings_.ring_since(from) && !(known.channels - from).empty();
+            if (known.owed == 0 && !known.again && !before_it_was_known) return paced(known, said, now);
             if (known.owed > 0) --known.owed;
             return {Fate::ends};
         }
-        if (!known.again || rings_.is_clear(from, now)) return paced(known, now);
-        if (rings_.is_asking(now)) return {Fate::waits};
+        if (!known.again || rings_.is_clear(from, now)) return with_probe(paced(known, said, now), is_worth_asking(from, now));
+        if (rings_.is_asking(now)) return {waits(said, sent_at, now) ? Fate::waits : Fate::passes};
         const bool undecided = known.blindly && !rings_.is_probed(from) && known.channels.contains(from);
-        return undecided ? Judgement{Fate::ends} : paced(known, now);
+        return undecided ? Judgement{Fate::ends} : paced(known, said, now);
     }
     // By another, and who says it may be another host.
-    Judgement said_again(Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
+    Judgement said_again(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
         if (rings_.is_ring(from, now)) return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
         const bool first = !known.returned.contains(from);
         known.returned.insert(from);
         if (rings_.brought_back(from, first, sent_at, now)) return {Fate::ends, rings_.is_due(from, now)};
         const bool probe = rings_.is_due(from, now);
         if (rings_.is_clear(from, now)) {
-            if (rings_.is_new(from, now) && now - sent_at < RingWatch::by_hand) return {Fate::waits, probe};
-            return with_probe(paced(known, now), probe);
+            if (rings_.is_new(from, now) && now - sent_at < RingWatch::by_hand && waits(said, sent_at, now)) return {Fate::waits, probe};
+            return with_probe(paced(known, said, now), probe);
         }
         if (!known.again) {
             known.again = true;
             known.blindly = !rings_.is_probed(from);
-            if (known.blindly || known.times == 0) return with_probe(paced(known, now), probe);
+            if (known.blindly || known.times == 0) return with_probe(paced(known, said, now), probe);
         }
-        if (rings_.is_probed(from)) return {Fate::waits, probe};
+        if (rings_.is_probed(from)) return {waits(said, sent_at, now) ? Fate::waits : Fate::passes, probe};
         return {Fate::ends};
     }
     // It passes, unless it was repeated so often that it is time to see whether it comes without us as well.
-    Judgement paced(Sent& known, TimePoint now) noexcept {
+    Judgement paced(Sent& known, const Said& said, TimePoint now) noexcept {
+        Withheld& withheld = withheld_[index(known.from)];
         const std::uint32_t turns = ++known.times / repeats;
         if (turns > 0 && known.withheld < most_withheld) {
             const std::uint32_t most = std::bit_floor(turns);
-            if (known.times - most * repeats < most) {
+            if (known.withheld == 0) withheld.since = now;
+            const bool in_time = now - withheld.since < (said.state ? longest_state_withheld : longest_withheld);
+            if (in_time && known.times - most * repeats < most) {
                 ++known.withheld;
-                Withheld& withheld = withheld_[index(known.from)];
                 ++withheld.frames;
                 withheld.at = now;
                 return {Fate::withheld};
             }
         }
         if (known.withheld == 0) return {};
-        Withheld& withheld = withheld_[index(known.from)];
         withheld.frames -= std::min<std::uint32_t>(withheld.frames, known.withheld);
         return {Fate::passes, false, 1u + std::exchange(known.withheld, std::uint8_t{0})};
+    }
+    // Of states the newest counts, so they wait only where a ring turns fast.
+    static constexpr bool waits(const Said& said, TimePoint sent_at, TimePoint now) noexcept {
+        return !said.state || now - sent_at < faster_than_senders;
+    }
+    bool is_worth_asking(ChannelId channel, TimePoint now) noexcept {
+        return !rings_.is_clear(channel, now) && rings_.is_due(channel, now);
     }
     static Judgement with_probe(Judgement judgement, bool probe) noexcept {
         judgement.probe = probe;

@@ -75,6 +75,8 @@ public:
         rings_.erase(channel);
         return false;
     }
+    /// Since when the channel is known to be a ring; for one that is.
+    TimePoint ring_since(ChannelId channel) const noexcept { return facts_[index(channel)].ring_since; }
     /// It is known to be none: the probe stayed away, or half of what was spread by it did.
     bool is_clear(ChannelId channel, TimePoint now) noexcept {
         Facts& f = of(channel);
@@ -177,7 +179,7 @@ private:
     static constexpr TimePoint never = TimePoint::min();
     struct Facts {
         LinkId link{};
-        TimePoint ring_until = never, clear_until = never, asked_at = never;
+        TimePoint ring_since = never, ring_until = never, clear_until = never, asked_at = never;
         TimePoint first_asked_at = never;
         std::array<std::uint32_t, 8> questions{};    // the latest; a slow ring answers when the next is out
         Ring ring{};
@@ -191,6 +193,7 @@ private:
 
     void note(ChannelId channel, Ring ring, TimePoint now) noexcept {
         Facts& f = of(channel);
+        if (!is_ring(channel, now)) f.ring_since = now;
         f.ring = ring;
         f.ring_until = now + holds;
         f.clear_until = never;

@@ -144,9 +144,9 @@ Control::Outcome Control::start(const std::string& path) {
     }
     error_code ec;
     acceptor_.open(Local{}, ec);
-    const mode_t before = ::umask(0177);    // nobody gets in before the mode is what it should be
+    // bind() gives the file this mode: nobody gets in before let_group_in(). The umask would be that of every thread.
+    if (!ec && ::fchmod(acceptor_.native_handle(), 0600) != 0) ec.assign(errno, boost::system::system_category());
     if (!ec) acceptor_.bind(Local::endpoint{path}, ec);
-    ::umask(before);
     if (!ec) acceptor_.listen(16, ec);
     if (ec) {
         error_code ignored_too;

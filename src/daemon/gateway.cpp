@@ -18,6 +18,11 @@ constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, Age
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
 constexpr std::uint8_t firmware_id = 0xF0;
 
+// Of what hosts say, sticks alone overtake.
+bool keeps_order(ano::FrameView frame) {
+    return ano::address::is_host(frame.source()) && treatment_of(frame.id()).replaces == Replaces::nothing && !is_probe(frame);
+}
+
 // What the line carries, to know when the rest of a frame is overdue.
 std::uint32_t line_rate(const LinkSettings& s) {
     return s.kind == "serial" ? uart_rate(s.serial.baud, s.serial.parity != Parity::none, s.serial.stop_bits) : 0;
@@ -201,6 +206,7 @@ void Gateway::close_channel(Channel& channel) {
 }
 
 void Gateway::receive(Channel& from, ano::FrameView frame) {
+    if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     from.heard_at = now_;
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
@@ -249,7 +255,7 @@ void Gateway::compare(const Channel& from, ano::FrameView frame, std::uint64_t k
 // `brought`, before its alias. `copies`: those of it that were withheld leave with it.
 bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
                           std::uint32_t& copies) {
-    if (!held_.empty() && !releasing_ && said.by_host && !is_probe(frame))    // what a host says stays in its order
+    if (!held_.empty() && !releasing_ && keeps_order(frame))    // what a host says stays in its order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
@@ -296,11 +302,20 @@ bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
 
 void Gateway::release_held() {
     now();
-    releasing_ = true;
-    while (const auto held = held_.take(now_)) receive(*channels_[index(held->from)], held->view());
-    releasing_ = false;
-    if (const auto due = held_.due()) release_.set(*due);
+    release_held_until(now_);
     flush();
+}
+
+void Gateway::release_held_until(TimePoint due) {
+    releasing_ = true;
+    while (const auto held = held_.take(due)) receive(*channels_[index(held->from)], held->view());
+    releasing_ = false;
+    if (const auto next = held_.due()) release_.set(*next);
+}
+
+// A host whose frames wait says more than there is room for: what waits goes first, it must not be overtaken.
+void Gateway::make_room_for(const Channel& from, ano::FrameView frame) {
+    if (!releasing_ && keeps_order(frame) && held_.due(from.id) && !held_.fits(frame)) release_held_until(TimePoint::max());
 }
 
 // A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
@@ -370,8 +385,9 @@ void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatmen
     if (ruled_.contains(channel.link)) {
         LinkState& link = links_[index(channel.link)];
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
-        if (link.present_as && !cause) frame = link.present_as->outbound(frame, frame_number_, now_);
-        const auto seen = link.aliases ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
+        const bool as_it_is = is_probe(frame);    // or nobody would know it again
+        if (link.present_as && !cause && !as_it_is) frame = link.present_as->outbound(frame, frame_number_, now_);
+        const auto seen = link.aliases && !as_it_is ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
         if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);

@@ -103,6 +103,8 @@ private:
     void take_probe(Channel& from, ano::FrameView probe);
     bool hold(Channel& from, ano::FrameView brought, TimePoint due);
     void release_held();
+    void release_held_until(TimePoint due);
+    void make_room_for(const Channel& from, ano::FrameView frame);
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
     void keep_from_tunnel(Route& route);

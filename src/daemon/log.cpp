@@ -1,4 +1,5 @@
 #include <daemon/log.hpp>
+#include <daemon/log_writer.hpp>
 #include <link/own_folder.hpp>
 
 #include <spdlog/pattern_formatter.h>
@@ -40,6 +41,9 @@ Priority priority_of(spdlog::level::level_enum level) {
     }
 }
 
+// As everybody's logger, spdlog's own, it is there once.
+std::shared_ptr<LogWriter> writer;
+
 class JournalFormatter final : public spdlog::formatter {
 public:
     void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& into) override {
@@ -49,6 +53,37 @@ public:
     }
     std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JournalFormatter>(); }
 };
+
+// A file, when one is wanted and can be had. All of it may wait: for a disk that hangs, above all.
+std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::string& fault) {
+    constexpr std::size_t files = 3;
+    const std::size_t size = settings.rotate == 0 ? std::numeric_limits<std::size_t>::max() : settings.rotate;
+    std::error_code ec;
+    if (settings.file.empty()) return {};
+    if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";
+    else fault = make_folder_of(settings.file);    // or the sink would make any
+    if (!fault.empty()) return {};
+    try {
+        return std::make_shared<spdlog::logger>(
+            "anogated", std::make_shared<spdlog::sinks::rotating_file_sink_st>(settings.file, size, files));
+    } catch (const spdlog::spdlog_ex& e) {
+        fault = e.what();
+    }
+    return {};
+}
+
+std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
+    std::string fault;
+    auto log = open_file(settings, fault);
+    const bool journal = !log && stderr_is_journal();
+    const auto color = no_color() ? spdlog::color_mode::never : spdlog::color_mode::automatic;
+    if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>(color));
+    if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
+    else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+    log->set_level(spdlog::level::trace);    // what comes here has been chosen
+    if (!fault.empty()) log->warn("the log goes to standard error: {}", fault);
+    return log;
+}
 
 }  // namespace
 
@@ -64,36 +99,19 @@ std::string journal_lines(Priority priority, std::string_view text) {
 }
 
 void say(Priority priority, std::string_view lines) {
-    if (stderr_is_journal()) std::cerr << journal_lines(priority, lines);
-    else std::cerr << lines;
+    const std::string text = stderr_is_journal() ? journal_lines(priority, lines) : std::string{lines};
+    if (writer) writer->say(text);
+    else std::cerr << text;
 }
 
 void start_log(const LogSettings& settings) {
-    constexpr std::size_t files = 3;
-    const std::size_t size = settings.rotate == 0 ? std::numeric_limits<std::size_t>::max() : settings.rotate;
-    std::shared_ptr<spdlog::logger> log;
-    std::string fault;
-    std::error_code ec;
-    if (std::filesystem::is_fifo(settings.file, ec)) {
-        fault = settings.file + " is a pipe, and one that nobody reads would hold up everything";
-    } else if (!settings.file.empty()) {
-        fault = make_folder_of(settings.file);    // or the sink would make any
-    }
-    if (!settings.file.empty() && fault.empty()) {
-        try {
-            log = spdlog::rotating_logger_st("anogated", settings.file, size, files);
-        } catch (const spdlog::spdlog_ex& e) {
-            fault = e.what();
-        }
-    }
-    const bool journal = !log && stderr_is_journal();
-    if (!log) log = spdlog::stderr_color_st("anogated", no_color() ? spdlog::color_mode::never : spdlog::color_mode::automatic);
-    if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
-    else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+    writer = std::make_shared<LogWriter>([settings] { return open_log(settings); });
+    const auto log = std::make_shared<spdlog::logger>("anogated", writer);
     log->set_level(spdlog::level::from_str(settings.level));
-    log->flush_on(spdlog::level::info);
-    spdlog::set_default_logger(std::move(log));
-    if (!fault.empty()) spdlog::warn("the log goes to standard error: {}", fault);
+    log->set_error_handler([](const std::string&) { writer->lose(); });    // spdlog's own writes to standard error
+    spdlog::set_default_logger(log);
 }
+
+bool end_log() { return !writer || writer->finish(); }
 
 }  // namespace anogate

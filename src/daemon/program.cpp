@@ -75,6 +75,7 @@ public:
         io_.run();
         const FrameCount passed = frame_count(gateway_);
         spdlog::info(last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
+        hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // one more, while the log is waited for, must not end it otherwise
         return status_;
     }
 
@@ -186,14 +187,16 @@ int run(int argc, char** argv) {
 int run_program(int argc, char** argv) {
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});
     let_sigterm_end_at_once();
+    int status = 1;
     try {
-        return run(argc, argv);
+        status = run(argc, argv);
     } catch (const std::bad_alloc&) {
         say(Priority::error, "anogated: out of memory\n");
     } catch (const std::exception& error) {
         say(Priority::error, std::string{"anogated: "} + error.what() + "\n");
     }
-    return 1;
+    if (!end_log()) ::_exit(status);
+    return status;
 }
 
 }  // namespace anogate

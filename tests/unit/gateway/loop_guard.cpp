@@ -179,6 +179,57 @@ TEST_F(Guarded, a_sender_that_repeats_itself_loses_nothing) {
     EXPECT_EQ(guard.take_lost(channel(0), now + 10s), 0u);
 }
 
+TEST_F(Guarded, what_entered_by_the_ring_itself_passes_twice) {
+    const Said lock = host(1);
+    EXPECT_EQ(pass(lock, 0, channels({1, 2}), TimePoint{1h}), Fate::passes);
+    EXPECT_TRUE(probe.empty());
+    EXPECT_EQ(pass(lock, 0, channels({1, 2}), TimePoint{1h} + 1ms), Fate::passes) << "a sender that repeats itself, or a ring";
+    ASSERT_FALSE(probe.empty());
+    come_back(1, TimePoint{1h} + 2ms);
+    for (int n = 0; n < 10; ++n) EXPECT_EQ(pass(lock, 0, channels({1, 2}), TimePoint{1h} + 3ms + n * 1ms), Fate::ends) << n;
+}
+
+TEST_F(Guarded, a_device_that_seems_to_repeat_itself_faster_than_any_is_asked_about) {
+    const Said telemetry = device(1);
+    TimePoint now{1h};
+    for (int n = 0; n < 100; ++n, now += 10ms) EXPECT_EQ(pass(telemetry, 0, channels({1, 2}), now), Fate::passes) << n;
+    EXPECT_TRUE(probe.empty()) << "a sensor at rest";
+    int passed = 0;
+    for (; probe.empty() && passed < 1000; ++passed, now += 1ms) pass(telemetry, 0, channels({1, 2}), now);
+    EXPECT_LE(passed, 64);
+    come_back(1, now);
+    EXPECT_EQ(pass(telemetry, 0, channels({1, 2}), now + 1ms), Fate::ends);
+    EXPECT_EQ(pass(telemetry, 0, channels({1, 2}), now + 20ms), Fate::passes) << "the device itself, again";
+}
+
+// Sticks at rest for hours: whoever listens to them must not take their sender for lost.
+TEST_F(Guarded, sticks_that_rest_are_never_withheld_for_long) {
+    Said sticks = host(1);
+    sticks.state = true;
+    TimePoint now{1h}, left = now;
+    std::uint32_t came = 0, went = 0;
+    for (std::uint32_t n = 0; n < 300'000; ++n, now += 20ms) {
+        const auto judgement = guard.judge(sticks, channel(0), now);
+        ++came;
+        if (judgement.fate != Fate::passes) continue;
+        guard.remember(sticks, channel(0), channels({1, 2}), now);
+        went += judgement.copies;
+        ASSERT_LE(now - left, LoopGuard::longest_state_withheld + 20ms) << n;
+        left = now;
+    }
+    EXPECT_LE(came - went, 6u) << "none is lost";
+}
+
+// A second host moves its sticks like the first: neither waits for the answer of the probe.
+TEST_F(Guarded, sticks_of_a_second_host_do_not_wait) {
+    Said sticks = host(1);
+    sticks.state = true;
+    for (int n = 0; n < 100; ++n) {
+        EXPECT_EQ(pass(sticks, 0, channels({1, 2}), TimePoint{1h} + n * 20ms), Fate::passes) << n;
+        EXPECT_EQ(pass(sticks, 1, channels({0, 2}), TimePoint{1h} + n * 20ms + 8ms), Fate::passes) << n;
+    }
+}
+
 TEST_F(Guarded, a_ring_that_began_elsewhere_ends_and_its_last_is_counted) {
     auto now = start;
     int turns = 0;

@@ -1,0 +1,86 @@
+#include <daemon/log_writer.hpp>
+
+#include <csignal>
+#include <iostream>
+
+namespace anogate {
+namespace {
+
+// Signals are the loop's. And a terminal that may stop those who write to it in the background (SIGTTOU) lets this one.
+void leave_signals_to_others() {
+    sigset_t all;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+}
+
+void write(spdlog::logger& log, const LogQueue::Batch& batch) {
+    for (const LogMessage& message : batch.messages) {
+        if (message.plain) std::cerr << message.text;
+        else log.log(message.at, spdlog::source_loc{}, message.level, message.text);
+    }
+    if (batch.lost == 1) log.warn("1 line was lost: the log could not take it");
+    else if (batch.lost > 1) log.warn("{} lines were lost: the log could not take them", batch.lost);
+    log.flush();
+}
+
+}  // namespace
+
+LogWriter::LogWriter(Open open)
+    : thread_{[shared = shared_, open = std::move(open)] {
+          leave_signals_to_others();
+          run(*shared, open);
+      }} {}
+
+void LogWriter::run(Shared& shared, const Open& open) {
+    auto log = open();
+    std::unique_lock lock{shared.mutex};
+    for (;;) {
+        shared.changed.wait(lock, [&] { return shared.ending || !shared.queue.empty(); });
+        if (shared.queue.empty()) break;
+        const LogQueue::Batch batch = shared.queue.take();
+        lock.unlock();
+        write(*log, batch);
+        lock.lock();
+    }
+    lock.unlock();
+    log.reset();    // a file is closed, which may wait too
+    lock.lock();
+    shared.ended = true;
+    shared.changed.notify_all();
+}
+
+// The thread holds the lock while it takes the queue, never while it writes.
+template <class Change>
+void LogWriter::change(Change change) noexcept {
+    {
+        const std::lock_guard lock{shared_->mutex};
+        change(*shared_);
+    }
+    shared_->changed.notify_all();
+}
+
+void LogWriter::log(const spdlog::details::log_msg& message) {
+    change([&](Shared& s) { s.queue.push(message.level, message.time, {message.payload.data(), message.payload.size()}); });
+}
+
+void LogWriter::say(std::string_view text) noexcept {
+    change([&](Shared& s) { s.queue.push(spdlog::level::err, {}, text, true); });
+}
+
+void LogWriter::lose() noexcept {
+    change([](Shared& s) { s.queue.lose(); });
+}
+
+bool LogWriter::finish() {
+    if (!thread_.joinable()) return finished_;
+    change([](Shared& s) { s.ending = true; });
+    {
+        std::unique_lock lock{shared_->mutex};
+        finished_ = shared_->changed.wait_for(lock, patience, [&] { return shared_->ended; });
+    }
+    if (finished_) thread_.join();
+    else thread_.detach();
+    return finished_;
+}
+
+}  // namespace anogate

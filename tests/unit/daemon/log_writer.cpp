@@ -1,0 +1,98 @@
+#include <daemon/log_writer.hpp>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/base_sink.h>
+
+#include <semaphore>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A log that takes a line when it is let.
+class Gate final : public spdlog::sinks::base_sink<std::mutex> {
+public:
+    void open(int lines) { may_.release(lines); }
+    void await_a_writer() { came_.acquire(); }
+    std::vector<std::string> lines() {
+        const std::lock_guard lock{mutex_};
+        return lines_;
+    }
+
+private:
+    void sink_it_(const spdlog::details::log_msg& message) override {
+        came_.release();
+        may_.acquire();
+        lines_.emplace_back(message.payload.data(), message.payload.size());
+    }
+    void flush_() override {}
+
+    std::counting_semaphore<> came_{0}, may_{0};
+    std::vector<std::string> lines_;
+};
+
+struct Log {
+    std::shared_ptr<Gate> gate = std::make_shared<Gate>();
+    std::shared_ptr<LogWriter> writer =
+        std::make_shared<LogWriter>([gate = gate] { return std::make_shared<spdlog::logger>("behind", gate); });
+    spdlog::logger front{"front", writer};
+};
+
+TEST(LogWriter, has_written_all_in_its_order_when_it_is_finished) {
+    Log log;
+    log.gate->open(1000);
+    std::vector<std::string> said;
+    for (int i = 0; i < 100; ++i) log.front.info(said.emplace_back(std::to_string(i)));
+    EXPECT_TRUE(log.writer->finish());
+    EXPECT_EQ(log.gate->lines(), said);
+    EXPECT_TRUE(log.writer->finish()) << "again";
+}
+
+TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
+    Log log;
+    log.front.info("first");
+    log.gate->await_a_writer();
+    log.front.info("second");
+    log.front.info(std::string(LogQueue::room, 'x'));
+    log.front.info("lost");
+    log.writer->lose();
+    log.gate->open(3);    // and no more: what was said before is being written, the loss told
+    for (int i = 0; i < 3; ++i) log.gate->await_a_writer();
+    log.front.info("last");
+    log.gate->open(2);
+    EXPECT_TRUE(log.writer->finish());
+    const std::vector<std::string> lines = log.gate->lines();
+    ASSERT_EQ(lines.size(), 5u);
+    EXPECT_EQ(lines[1], "second");
+    EXPECT_EQ(lines[3], "2 lines were lost: the log could not take them");
+    EXPECT_EQ(lines[4], "last");
+}
+
+TEST(LogWriter, has_no_patience_without_end) {
+    Log log;
+    log.front.info("nobody takes this");
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_FALSE(log.writer->finish());
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, LogWriter::patience);
+    log.front.info("nor this");
+    EXPECT_FALSE(log.writer->finish());
+    log.gate->open(2);    // and the thread ends
+}
+
+TEST(LogWriter, a_log_that_opens_late_has_what_was_said_before) {
+    const auto gate = std::make_shared<Gate>();
+    std::binary_semaphore there{0};
+    LogWriter writer{[&] {
+        there.acquire();
+        return std::make_shared<spdlog::logger>("behind", gate);
+    }};
+    writer.log({"front", spdlog::level::info, "early"});
+    gate->open(1);
+    there.release();
+    EXPECT_TRUE(writer.finish());
+    EXPECT_EQ(gate->lines(), std::vector<std::string>{"early"});
+}
+
+}  // namespace
+}  // namespace anogate
