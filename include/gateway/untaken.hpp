@@ -16,9 +16,11 @@ public:
         if (!lasts(now)) since_ = now;
         last_ = now;
     }
-    /// Since the first of them that were no pause apart; nothing: there was none lately.
+    /// One that had a taker.
+    void taken() noexcept { last_ = ano::TimePoint::min(); }
+    /// From the first to the last of them that were no pause apart; nothing: there was none lately, or one was taken since.
     std::optional<ano::Duration> duration(ano::TimePoint now) const noexcept {
-        return lasts(now) ? std::optional{now - since_} : std::nullopt;
+        return lasts(now) ? std::optional{last_ - since_} : std::nullopt;
     }
 
 private:

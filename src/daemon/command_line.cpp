@@ -2,6 +2,7 @@
 #include <daemon/config.hpp>
 #include <daemon/control_socket.hpp>
 #include <daemon/help.hpp>
+#include <daemon/judge_paths.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
 #include <daemon/read_file.hpp>
@@ -14,7 +15,7 @@
 namespace anogate {
 namespace {
 
-constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333";
+constexpr char ad_hoc[] = "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333";
 
 /// What stands on the command line, not looked into yet.
 struct Arguments {
@@ -157,6 +158,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     finish(draft);
     if (arguments.check && is_for_service(file, default_file)) judge_for_service(draft);
     else if (!arguments.print_config) judge_control(draft);
+    if (arguments.check) warn_of_paths(draft);
     if (!draft.errors.empty()) return failure(draft.errors);
     return CommandLine{std::move(draft.settings), file,          !arguments.links.empty(), lines(draft.warnings),
                        arguments.check,           arguments.print_config};

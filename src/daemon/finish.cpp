@@ -120,7 +120,7 @@ private:
             error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
         if (link.queue < least)
             error(draft_.links[i], "queue",
-                  "'queue' must be at least " + bound_out(link) + " + 8, here " + std::to_string(least) + ", to hold one frame, not " +
+                  "'queue' must be at least max_data_out + 8, here " + std::to_string(least) + ", to hold one frame, not " +
                       std::to_string(link.queue));
         if (link.id != 0 && link.id == draft_.settings.gateway.id)
             error(draft_.links[i], "id", "'id' " + std::to_string(link.id) + " is the gateway's own id");
@@ -153,11 +153,6 @@ private:
                             ", frames to it go there; give one of them another");
     }
 
-    // The key that bounds what leaves.
-    static std::string bound_out(const LinkSettings& link) {
-        return link.most_data_out() != link.max_data ? "max_data_out" : "max_data";
-    }
-
     void hello(std::size_t i) {
         const LinkSettings& link = links_[i];
         if (!link.hello || *link.hello == Duration{}) return;
@@ -181,7 +176,7 @@ private:
         if (milliseconds <= slow_frame) return;
         const std::uint64_t fits = rate * slow_frame / 1000;
         const std::string limit = std::to_string(slow_frame) + " ms";
-        const std::string bound = bound_out(link);
+        const std::string bound = "max_data_out";    // max_data would refuse what comes in as well
         warning(draft_.links[i].key(bound),
                 "a frame of " + bound + " " + std::to_string(link.most_data_out()) + " takes " + std::to_string(milliseconds) + " ms at " +
                     std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +

@@ -230,9 +230,12 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     for (; copies > 0; --copies)
         for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
+    const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
         ++from.routed.no_route;
-        if (ano::address::is_host(frame.destination())) links_[index(from.link)].untaken.note(now_);
+        if (to_host) links_[index(from.link)].untaken.note(now_);
+    } else if (to_host && !route.channels.empty()) {
+        links_[index(from.link)].untaken.taken();
     }
     if (route.new_conflict) log_conflict();
 }

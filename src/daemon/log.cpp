@@ -26,6 +26,11 @@ bool stderr_is_journal() {
            std::to_string(info.st_dev) + ":" + std::to_string(info.st_ino) == stream;
 }
 
+bool no_color() {
+    const char* said = std::getenv("NO_COLOR");
+    return said != nullptr && *said != '\0';
+}
+
 Priority priority_of(spdlog::level::level_enum level) {
     switch (level) {
         case spdlog::level::critical:
@@ -71,7 +76,8 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     std::string fault;
     auto log = open_file(settings, fault);
     const bool journal = !log && stderr_is_journal();
-    if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>());
+    const auto color = no_color() ? spdlog::color_mode::never : spdlog::color_mode::automatic;
+    if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>(color));
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
     log->set_level(spdlog::level::trace);    // what comes here has been chosen

@@ -21,6 +21,13 @@ std::string no_kind(std::string_view text) {
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
+/// What an input method for Chinese puts in the place of a separator; empty: nothing of that.
+std::string full_width(std::string_view text) {
+    for (const auto& [wide, narrow] : {std::pair{"\uFF0C", ","}, {"\uFF1A", ":"}, {"\uFF1D", "="}})
+        if (text.find(wide) != text.npos) return std::string{"full-width '"} + wide + "': write '" + narrow + "'";
+    return {};
+}
+
 /// One LINK text, piece by piece.
 class LinkText {
 public:
@@ -32,6 +39,8 @@ public:
         const LinkKind* kind = colon != text.npos ? find_link_kind(text.substr(0, colon)) : nullptr;
         if (!is_utf8(text)) {
             error("not text in UTF-8");
+        } else if (std::string wide = full_width(text); !wide.empty()) {
+            error(std::move(wide));
         } else if (colon == text.npos || text.starts_with('/') || WrittenEndpoint::parse(text)) {
             error(no_kind(text));
         } else if (kind == nullptr) {

@@ -15,6 +15,11 @@ std::string seconds(ano::Duration d) {
     return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
 }
 
+std::string hex(std::uint8_t address) {
+    constexpr char digits[] = "0123456789ABCDEF";
+    return {'0', 'x', digits[address >> 4], digits[address & 15]};
+}
+
 // For a link to a device that may be waiting for the same.
 std::string or_hello(const LinkFigures& link) {
     const bool device = link.kind == "serial" || link.kind == "udp" || link.kind == "can";
@@ -58,7 +63,7 @@ std::string hint_of_trouble(const LinkFigures& link) {
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
     if (link.hidden != 0) {
-        const std::string device = "device " + std::to_string(link.hidden);
+        const std::string device = "device " + hex(link.hidden);
         return device + " can't be reached: its address is the port id of a link, change one of them";
     }
     if (link.untaken_for && *link.untaken_for >= patience)

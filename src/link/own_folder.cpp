@@ -12,6 +12,11 @@ bool is_at_or_below(const fs::path& path, const fs::path& folder) {
     return !step.empty() && *step.begin() != "..";
 }
 
+bool is_own(const fs::path& folder) {
+    const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
+    return is_own_folder(folder, runtime_dir ? runtime_dir : "");
+}
+
 }  // namespace
 
 bool is_own_folder(const fs::path& folder, const std::string& runtime_dir) {
@@ -27,12 +32,26 @@ fs::path folder_of(const fs::path& path) {
 
 std::string make_folder_of(const fs::path& path) {
     const fs::path folder = folder_of(path);
-    const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
     std::error_code ec;
-    if (is_own_folder(folder, runtime_dir ? runtime_dir : "")) fs::create_directories(folder, ec);
+    if (is_own(folder)) fs::create_directories(folder, ec);
     if (ec) return error_text(path.string(), ec.value());
     if (!fs::exists(folder, ec) && !ec) return path.string() + ": there is no folder " + folder.string();
     return {};
+}
+
+std::string fault_of_folder(const fs::path& path) {
+    const fs::path folder = folder_of(path);
+    std::error_code ec;
+    const fs::file_type there = fs::status(folder, ec).type();
+    if (is_own(folder) || there == fs::file_type::directory || there == fs::file_type::none || there == fs::file_type::unknown) return {};
+    return there == fs::file_type::not_found ? "there is no folder " + folder.string() : folder.string() + " is no folder";
+}
+
+bool is_taken(const fs::path& path) {
+    std::error_code ec;
+    const fs::file_status there = fs::symlink_status(path, ec);
+    if (!fs::exists(there)) return false;
+    return !fs::is_symlink(there) || fs::read_symlink(path, ec).parent_path() != "/dev/pts";
 }
 
 }  // namespace anogate

@@ -14,4 +14,10 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 /// Makes that folder when it is missing and our own. Otherwise says what is wrong with it; empty: it is there.
 std::string make_folder_of(const std::filesystem::path& path);
 
+/// The same words where that would make none and `path` has no folder; looks only.
+std::string fault_of_folder(const std::filesystem::path& path);
+
+/// Something is at `path`, and no link to a pseudo-terminal, which an earlier run may have left.
+bool is_taken(const std::filesystem::path& path);
+
 }  // namespace anogate

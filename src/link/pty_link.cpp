@@ -27,14 +27,6 @@ void let_dialout_in(const std::string& device) {
         ::chmod(device.c_str(), 0660);
 }
 
-// A path that is taken by something else than a link to a pseudo-terminal (which an earlier run may have left).
-bool belongs_to_others(const fs::path& path) {
-    std::error_code ec;
-    const fs::file_status there = fs::symlink_status(path, ec);
-    if (!fs::exists(there)) return false;
-    return !fs::is_symlink(there) || fs::read_symlink(path, ec).parent_path() != "/dev/pts";
-}
-
 }  // namespace
 
 StreamLink::Opened PtyLink::open_wire() {
@@ -66,7 +58,7 @@ std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
     std::error_code ec;
     if (std::string error = make_folder_of(path); !error.empty()) return error;
-    if (belongs_to_others(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
+    if (is_taken(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
     if (std::string error = claim_path(); !error.empty()) return error;
     const fs::path fresh = path.string() + ".anogate-new";
     fs::remove(fresh, ec);

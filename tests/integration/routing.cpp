@@ -211,7 +211,7 @@ TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
     c_link.id = 6;
     start();
     ASSERT_TRUE(say(a, "a", frame(5, 0xFE, 0x01)) && say(c, "c", frame(6, 0xFE, 0x01)));
-    EXPECT_EQ(daemon->link("a").at("hint"), "device 5 can't be reached: its address is the port id of a link, change one of them");
+    EXPECT_EQ(daemon->link("a").at("hint"), "device 0x05 can't be reached: its address is the port id of a link, change one of them");
     EXPECT_EQ(daemon->link("b").at("hint"), "");
     EXPECT_EQ(daemon->link("c").at("hint"), "") << "it is behind its port";
 }

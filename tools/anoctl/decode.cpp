@@ -63,6 +63,7 @@ public:
             put_in(n == 0 ? input.finish() : input.read({buffer.data(), static_cast<std::size_t>(n)}));
             streams_.out.flush();
             look();
+            if (input.raw_line() != 0) no_hex_ = name + ": line " + std::to_string(input.raw_line());
             if (n == 0) return;
         }
     }
@@ -73,6 +74,8 @@ public:
         const std::uint64_t end = parser_.counters().bytes_in;
         gap_until(end);
         if (parser_.counters().frames_in == 0 && end == 0) complain() << "no bytes\n";
+        if (parser_.counters().frames_in == 0 && !no_hex_.empty())
+            complain() << no_hex_ << " is no hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
         return damaged_ || parser_.counters().frames_in == 0 ? failed : fine;
     }
 
@@ -129,6 +132,7 @@ private:
     std::uint64_t good_ = 0;    // bytes of good frames
     ParserCounters before_;     // at the last gap
     bool damaged_ = false;
+    std::string no_hex_;        // where text was read as bytes
 };
 
 struct Decode {
@@ -160,18 +164,26 @@ private:
         const std::unique_ptr<const int, void (*)(const int*)> closer{&fd, [](const int* p) { close(*p); }};
         decoder.read_all(fd, path);
     }
+    /// `c` is the first of `word` that can't stand in hex text.
+    static std::string neither(const std::string& word, char c) {
+        const bool separates = std::string_view{":-;_"}.find(c) != std::string_view::npos;
+        if (separates && word.find_first_not_of("0123456789abcdefABCDEF:-;_") == word.npos)
+            return std::string{": bytes are not separated by '"} + c + "': write spaces, commas or nothing between them";
+        return " is neither hex digits nor a file (a byte is two digits)";
+    }
     std::string complaint() const {
         std::size_t digits = 0;
         for (const std::string& word : input) {
+            char last = 0;
             for (const char c : word) {
                 if (std::isxdigit(static_cast<unsigned char>(c)))
                     ++digits;
-                else if ((c == 'x' || c == 'X') && digits > 0)
+                else if ((c == 'x' || c == 'X') && last == '0')
                     --digits;    // the 0 of 0x
                 else if (!std::isspace(static_cast<unsigned char>(c)) && c != ',')
-                    return input.size() > 1 || errno == ENOENT
-                               ? in_quotes(word) + " is neither hex digits nor a file (a byte is two digits)"
-                               : in_quotes(word) + ": " + std::strerror(errno);
+                    return input.size() > 1 || errno == ENOENT ? in_quotes(word) + neither(word, c)
+                                                               : in_quotes(word) + ": " + std::strerror(errno);
+                last = c;
             }
         }
         return digits % 2 == 1 ? "odd number of hex digits (" + std::to_string(digits) + "): a byte is two"

@@ -2,10 +2,14 @@
 
 #include <ano/frame.hpp>
 
+#include <algorithm>
+
 namespace anoctl {
 namespace {
 
 constexpr std::size_t most_held = 1 << 20;    // nobody writes so much text before the first frame
+
+constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it before a text
 
 int digit(char c) noexcept {
     if (c >= '0' && c <= '9') return c - '0';
@@ -13,6 +17,9 @@ int digit(char c) noexcept {
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
     return -1;
 }
+
+/// What people write has no control characters; of what is not ASCII nothing can be said.
+bool is_of_text(std::uint8_t c) noexcept { return (c >= ' ' && c != 0x7F) || (c >= '\t' && c <= '\r'); }
 
 }    // namespace
 
@@ -25,6 +32,11 @@ bool HexText::read(std::string_view text, std::vector<std::uint8_t>& bytes) {
 }
 
 bool HexText::read(char c, std::vector<std::uint8_t>& bytes) {
+    if (mark_ < mark.size()) {
+        if (c == mark[mark_]) return ++mark_, true;
+        if (mark_ > 0) return false;
+        mark_ = mark.size();    // there is none
+    }
     if (c == ' ' || (c >= '\t' && c <= '\r') || c == ',') return end_word(bytes);
     if ((c == 'x' || c == 'X') && digits_ == 1 && high_ == 0 && !prefixed_) {
         prefixed_ = true;
@@ -55,6 +67,7 @@ bool HexText::end_word(std::vector<std::uint8_t>& bytes) {
 }
 
 bool HexText::finish(std::vector<std::uint8_t>& bytes) {
+    if (mark_ > 0 && mark_ < mark.size()) return false;
     return end_word(bytes);
 }
 
@@ -93,6 +106,7 @@ std::span<const std::uint8_t> BytesOrText::finish() {
 
 std::span<const std::uint8_t> BytesOrText::all_raw() {
     kind_ = Kind::raw;
+    if (!held_.empty() && held_.front() != ano::head && std::all_of(held_.begin(), held_.end(), is_of_text)) raw_line_ = text_.line();
     return held_;
 }
 

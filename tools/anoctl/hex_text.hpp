@@ -10,7 +10,7 @@
 namespace anoctl {
 
 /// Reads hex digits in pairs, 0x before them or not, with white space or commas between bytes; a single digit behind 0x is
-/// a byte as well. Takes text in pieces.
+/// a byte as well. A UTF-8 byte order mark before all of it is skipped. Takes text in pieces.
 class HexText {
 public:
     /// Appends to `bytes` what `text` says. False: it is something else; what stands before that was appended.
@@ -24,6 +24,7 @@ private:
     bool read(char c, std::vector<std::uint8_t>& bytes);
     bool end_word(std::vector<std::uint8_t>& bytes);
 
+    std::size_t mark_ = 0;    // how much of the UTF-8 byte order mark was read, which may stand first
     int high_ = -1;           // a digit that waits for its second; -1: none
     std::size_t digits_ = 0;  // of this word
     bool prefixed_ = false;   // this word began with 0x
@@ -43,6 +44,8 @@ public:
     std::span<const std::uint8_t> finish();
     /// Text went over into something else, in this line; 0: it did not.
     std::size_t bad_line() const noexcept { return bad_line_; }
+    /// The line where text turned out to be no hex text and was read as raw bytes; 0: that was none, or no text at all.
+    std::size_t raw_line() const noexcept { return raw_line_; }
 
 private:
     enum class Kind { unknown, raw, text };
@@ -54,6 +57,7 @@ private:
     std::vector<std::uint8_t> held_;     // as it came, while unknown
     std::vector<std::uint8_t> bytes_;    // what the text says
     std::size_t bad_line_ = 0;
+    std::size_t raw_line_ = 0;
 };
 
 }    // namespace anoctl

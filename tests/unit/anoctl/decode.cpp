@@ -162,6 +162,24 @@ TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
     EXPECT_EQ(broken.err, "anoctl: standard input: line 3: it began as hex digits and goes on as something else\n");
 }
 
+TEST(Decode, says_which_character_is_not_hex) {
+    EXPECT_EQ(anoctl({"decode", "AB", "FX"}).err, "anoctl: 'FX' is neither hex digits nor a file (a byte is two digits)\n");
+    for (const char separator : {':', '-'}) {
+        const std::string word = std::string{"AB"} + separator + "FE";
+        EXPECT_EQ(anoctl({"decode", word}).err, "anoctl: '" + word + "': bytes are not separated by '" + separator +
+                                                    "': write spaces, commas or nothing between them\n");
+    }
+}
+
+TEST(Decode, says_when_text_was_read_as_raw_bytes) {
+    const auto words = anoctl({"decode", "-"}, "AB FE\nsome words\n");
+    EXPECT_EQ(words.exit, 1);
+    EXPECT_NE(words.err.find("anoctl: standard input: line 2 is no hex text"), std::string::npos) << words.err;
+    EXPECT_EQ(anoctl({"decode", "-"}, "some words\n" + raw(log_hex)).err.find("no hex text"), std::string::npos) << "frames were in it";
+    EXPECT_EQ(anoctl({"decode", "-"}, std::string("\1\2\3", 3)).err.find("no hex text"), std::string::npos) << "no text";
+    EXPECT_EQ(anoctl({"decode", "-"}, std::string(100, '\xAB')).err.find("no hex text"), std::string::npos) << "headers of frames";
+}
+
 TEST(Decode, takes_text_for_gbk_where_it_is_not_utf8) {
     const std::string gbk = "AB DC FE A0 05 00 00 BD E2 CB F8 8C 2A";
     EXPECT_EQ(anoctl({"decode", gbk}).out, "0xDC 0xFE 0xA0 log color=0 str=\"解锁\" data=\"00bde2cbf8\"\n");

@@ -52,6 +52,9 @@ TEST(BytesOrText, is_known_however_it_is_cut) {
         EXPECT_EQ(read("abc", size), raw("abc"));
         EXPECT_EQ(read(" \n", size), raw(" \n"));
         EXPECT_EQ(read("12", size), Bytes{0x12});
+        EXPECT_EQ(read("\xEF\xBB\xBF" + frame, size), bytes) << "a byte order mark";
+        EXPECT_EQ(read("\xEF\xBB\xBF" + raw_frame, size), raw("\xEF\xBB\xBF" + raw_frame));
+        EXPECT_EQ(read("\xEF\xBB", size), raw("\xEF\xBB"));
         EXPECT_EQ(read("", size), Bytes{});
     }
 }

@@ -100,6 +100,30 @@ TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) 
     EXPECT_TRUE(line_of({"--check", "--config", file.c_str()}).check) << "not the service's: that has its own in /proc/nonexistent";
 }
 
+TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
+    const support::TemporaryFolder folder;
+    const std::string there = folder.path(), file = folder.write("file", "words");
+    const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
+    EXPECT_EQ(warnings("pty:" + there + "/none/app"), "anogated: LINK 'pty:" + there + "/none/app': warning: 'path' '" + there +
+                                                          "/none/app': there is no folder " + there + "/none: it is waited for, not made\n");
+    EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is no folder"), std::string::npos);
+    EXPECT_NE(warnings("pty:" + file).find("something else is there"), std::string::npos);
+    EXPECT_EQ(warnings("pty:" + there + "/app"), "");
+    EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";
+    EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder: name the port in it"), std::string::npos);
+    EXPECT_NE(warnings("serial:" + file + ",baud=500000").find("': is an ordinary file, no serial port"), std::string::npos);
+    EXPECT_EQ(warnings("serial:/dev/null,baud=500000"), "");
+    EXPECT_EQ(warnings("serial:/dev/nonexistent,baud=500000"), "") << "it is waited for";
+    const auto of_log = [&](const std::string& path) {
+        const std::string config = folder.write("log.json", R"({"links": ["sim:fc"], "log": {"file": ")" + path + "\"}}");
+        return line_of({"--check", "--config", config.c_str()}).warnings;
+    };
+    EXPECT_NE(of_log(there + "/none/a.log").find("/log/file: warning: 'file' '" + there + "/none/a.log': there is no folder"), std::string::npos);
+    EXPECT_NE(of_log(there).find("is a folder: the log goes to standard error"), std::string::npos);
+    EXPECT_EQ(of_log(there + "/a.log"), "");
+    EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
+}
+
 TEST(CommandLine, the_default_file_is_where_the_program_was_installed) {
     const support::TemporaryFolder folder;
     const std::filesystem::path prefix = folder.path();
@@ -123,7 +147,7 @@ TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) 
 TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
     EXPECT_EQ(error_of({}),
               "anogated: /proc/nonexistent/anogate.json: No such file or directory; write it, or name links, for example: "
-              "anogated serial:/dev/ttyUSB0 udp-listen:0.0.0.0:12333\n");
+              "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333\n");
 }
 
 TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {

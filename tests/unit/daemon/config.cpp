@@ -357,9 +357,11 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data=1140"), "");
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,pace=off"), "");
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("takes 356 ms at 11520 bytes/s"), std::string::npos);
-    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data 1144 keeps it under 100 ms"), std::string::npos);
-    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data 492"), std::string::npos);
-    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data 0 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("a frame of max_data_out 4096 takes"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=4096").find("max_data_out 1144 keeps"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data_out 1144 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data_out 492"), std::string::npos);
+    EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data_out 0 keeps it under 100 ms"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,profile=vendor"), "") << "what leaves is meant, not what comes in";
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=1140"), "");
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("a frame of max_data_out 198 takes 214 ms"), std::string::npos);

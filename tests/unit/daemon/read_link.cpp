@@ -53,6 +53,12 @@ TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
         EXPECT_EQ(link_of("serial:" + device).serial.device, device);
 }
 
+TEST(LinkText, a_full_width_separator_is_named) {
+    EXPECT_EQ(fault_of("serial:/dev/ttyUSB0，baud=500000"), "full-width '，': write ','");
+    EXPECT_EQ(fault_of("serial：/dev/ttyUSB0"), "full-width '：': write ':'");
+    EXPECT_EQ(fault_of("serial:/dev/ttyUSB0,baud＝500000"), "full-width '＝': write '='");
+}
+
 TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
     const std::string told = " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
     EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
@@ -241,7 +247,7 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("serial:/dev/x,baud=fast"), "'baud' must be a whole number from 1 to 4294967295, not 'fast'");
     EXPECT_EQ(fault_of("sim:fc,max_data=65536"), "'max_data' must be a whole number from 0 to 65535, not '65536'");
     EXPECT_EQ(fault_of("sim:fc,queue=4103"),
-              "'queue' must be at least max_data + 8, here 4104, to hold one frame, not 4103");
+              "'queue' must be at least max_data_out + 8, here 4104, to hold one frame, not 4103");
     EXPECT_EQ(fault_of("sim:fc,id=21"), "'id' must be an address from 1 to 20 (or in hex such as 0x05), not '21'");
     EXPECT_EQ(fault_of("sim:fc,flood=maybe"), "'flood' must be true or false, not 'maybe'");
     EXPECT_EQ(fault_of("serial:/dev/x,parity=evn"),

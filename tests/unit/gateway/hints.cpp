@@ -44,7 +44,7 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
 TEST(Hint, a_device_behind_the_wrong_port_id_is_named) {
     LinkFigures link = line_that_sent(1000);
     link.hidden = 5;
-    EXPECT_EQ(hint(link), "device 5 can't be reached: its address is the port id of a link, change one of them");
+    EXPECT_EQ(hint(link), "device 0x05 can't be reached: its address is the port id of a link, change one of them");
 }
 
 TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {

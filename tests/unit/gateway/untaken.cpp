@@ -12,8 +12,27 @@ TEST(Untaken, lasts_as_long_as_it_flows) {
     untaken.note(now);
     EXPECT_EQ(untaken.duration(now), 0s);
     for (int n = 0; n < 5; ++n) untaken.note(now += 2s);
-    EXPECT_EQ(untaken.duration(now + 1s), 11s);
+    EXPECT_EQ(untaken.duration(now + 1s), 10s);
     EXPECT_EQ(untaken.duration(now + Untaken::pause), std::nullopt);
     untaken.note(now += Untaken::pause);
+    untaken.note(now += 1s);
     EXPECT_EQ(untaken.duration(now + 1s), 1s) << "it began again";
+}
+
+TEST(Untaken, is_no_longer_than_the_flow_was) {
+    Untaken untaken;
+    const ano::TimePoint now{1h};
+    untaken.note(now);
+    untaken.note(now + 400ms);
+    EXPECT_EQ(untaken.duration(now + 3s), 400ms);
+}
+
+TEST(Untaken, ends_when_somebody_takes) {
+    Untaken untaken;
+    ano::TimePoint now{1h};
+    for (int n = 0; n < 5; ++n) untaken.note(now += 1s);
+    untaken.taken();
+    EXPECT_EQ(untaken.duration(now), std::nullopt);
+    untaken.note(now += 1s);
+    EXPECT_EQ(untaken.duration(now), 0s) << "it began again";
 }

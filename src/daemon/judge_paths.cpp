@@ -1,0 +1,53 @@
+#include <daemon/judge_paths.hpp>
+#include <daemon/key_facts.hpp>
+#include <link/own_folder.hpp>
+
+#include <filesystem>
+
+namespace anogate {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::file_type type_of(const std::string& path) {
+    std::error_code ec;
+    return fs::status(path, ec).type();
+}
+
+std::string fault_of_pty(const std::string& path) {
+    if (std::string fault = fault_of_folder(path); !fault.empty()) return fault + ": it is waited for, not made";
+    return is_taken(path) ? "something else is there, and is left alone: choose another path" : "";
+}
+
+std::string fault_of_log(const std::string& path) {
+    constexpr char instead[] = ": the log goes to standard error";
+    if (std::string fault = fault_of_folder(path); !fault.empty()) return fault + instead;
+    const fs::file_type there = type_of(path);
+    if (there == fs::file_type::directory) return std::string{"is a folder"} + instead;
+    return there == fs::file_type::fifo ? std::string{"is a pipe"} + instead : "";
+}
+
+std::string fault_of_port(const std::string& device) {
+    const fs::file_type there = type_of(device);
+    if (there == fs::file_type::directory) return "is a folder: name the port in it";
+    return there == fs::file_type::regular ? "is an ordinary file, no serial port" : "";
+}
+
+void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {
+    if (!fault.empty()) draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
+}
+
+}  // namespace
+
+void warn_of_paths(Draft& draft) {
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const LinkSettings& link = draft.settings.links[i];
+        const Origin& origin = draft.links[i];
+        if (origin.broken) continue;
+        if (link.kind == "pty") warn(draft, origin, "path", link.pty.path, fault_of_pty(link.pty.path));
+        if (link.kind == "serial") warn(draft, origin, "device", link.serial.device, fault_of_port(link.serial.device));
+    }
+    if (const std::string& file = draft.settings.log.file; !file.empty()) warn(draft, draft.log, "file", file, fault_of_log(file));
+}
+
+}  // namespace anogate
