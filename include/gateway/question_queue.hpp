@@ -5,8 +5,10 @@
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
 //          if (questions.release(now)) ...          // at next_look(); true: flush it
 #pragma once
+#include <gateway/fair_queue.hpp>
 #include <gateway/in_flight.hpp>
 #include <gateway/outbox.hpp>
+#include <gateway/waiting_frame.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -15,8 +17,9 @@
 
 namespace anogate {
 
-/// Questions leave in the order in which they came. One that waits is as bounded and ages as in the outbox; what is
-/// dropped here is counted here. Neither throws nor allocates after construction.
+/// Questions that wait take turns by the channel they came by; those of one channel leave in the order in which they came.
+/// When full, the oldest of the channel with the most bytes waiting gives way. They age as in the outbox; what is dropped
+/// here is counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
 class QuestionQueue {
 public:
     struct Options {
@@ -39,29 +42,30 @@ public:
     /// What waits is counted link_down. The outbox is closed by others.
     void close() noexcept;
 
-    std::size_t waiting() const noexcept { return frames_; }
+    std::size_t waiting() const noexcept { return turns_.count(); }
     std::size_t in_flight() const noexcept { return in_flight_.size(); }
     /// Of what waits here or was dropped here; what went into the outbox is counted there.
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    struct Head {
-        ano::TimePoint arrived;
-        std::size_t size;    // of the frame behind it
-        ChannelId from;      // by which it came
-    };
-    Head first() const noexcept;
     void store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept;
-    void pop() noexcept;
-    void drop(std::uint64_t SendCounters::*cause) noexcept;
+    FrameIndex oldest() const noexcept { return in_room_.first; }
+    ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
+    void hand_over(FrameIndex i) noexcept;
+    void drop(FrameIndex i, std::uint64_t SendCounters::*cause) noexcept;
+    void forget(FrameIndex i) noexcept;
+    void compact() noexcept;
 
     Outbox& outbox_;
     InFlight in_flight_;
     Options options_;
-    std::unique_ptr<std::uint8_t[]> room_;    // twice the bound; a head and its frame, one behind the other
-    std::size_t begin_ = 0;
-    std::size_t end_ = 0;
-    std::size_t frames_ = 0;
+    std::unique_ptr<std::uint8_t[]> room_;      // twice the bound, so that compacting is rare
+    std::size_t end_ = 0;                       // where the next one's bytes go
+    std::unique_ptr<WaitingFrame[]> frames_;    // both left uninitialised: pages never used cost nothing
+    FrameIndex used_ = 0;                       // frames_[0, used_) have been used since nothing waited last
+    FrameIndex free_ = no_frame;                // of those, the free ones
+    FrameList in_room_ = no_frames;             // all, in the order in which they came and of their bytes
+    FairQueue turns_;
     SendCounters counters_;
 };
 

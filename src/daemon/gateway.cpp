@@ -401,7 +401,7 @@ void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatm
     channel.questions->push(frame, treatment, now_, from);
     to_flush_.insert(channel.id);
     const auto due = channel.questions->next_look(now_);
-    if (due && !on_stopped_ && (!questions_due_.is_set() || *due < questions_due_at_)) questions_due_.set(questions_due_at_ = *due);
+    if (due && !on_stopped_) questions_due_.set_no_later(*due);
 }
 
 // What was not answered in time makes room for what waits.
@@ -414,7 +414,7 @@ void Gateway::look_at_questions() {
         if (questions->release(now_)) to_flush_.insert(id);
         if (const auto due = questions->next_look(now_)) next = std::min(next.value_or(TimePoint::max()), *due);
     }
-    if (next && !on_stopped_) questions_due_.set(questions_due_at_ = *next);
+    if (next && !on_stopped_) questions_due_.set(*next);
     flush();
 }
 

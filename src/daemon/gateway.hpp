@@ -152,7 +152,6 @@ private:
     std::function<void(const std::string&)> on_required_missing_;
     std::function<void()> on_stopped_;
     TimePoint stop_by_{};
-    TimePoint questions_due_at_{};
 };
 
 }  // namespace anogate

@@ -5,8 +5,20 @@
 
 namespace anogate {
 
+namespace {
+
+constexpr std::int32_t one_by_one = ano::overhead;    // of how many bytes channels take turns: less than any question has
+
+std::size_t most_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
+
+}    // namespace
+
 QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
-    : outbox_{outbox}, options_{options}, room_{new std::uint8_t[2 * options.bytes]} {
+    : outbox_{outbox},
+      options_{options},
+      room_{new std::uint8_t[2 * options.bytes]},
+      frames_{new WaitingFrame[most_frames(options)]},
+      turns_{frames_.get(), most_frames(options), one_by_one} {
     outbox_.tell(&in_flight_);
 }
 
@@ -23,17 +35,13 @@ bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept {
 
 bool QuestionQueue::release(ano::TimePoint now) noexcept {
     bool released = false;
-    while (frames_ > 0) {
-        const Head head = first();
-        if (now - head.arrived >= options_.age) {
-            drop(&SendCounters::stale);
+    while (!turns_.empty()) {
+        if (now >= stale_at(oldest())) {
+            drop(oldest(), &SendCounters::stale);
             continue;
         }
         if (!in_flight_.has_room(now)) break;
-        const ano::FrameView frame{{room_.get() + begin_ + sizeof head, head.size}};
-        --counters_.offered;    // the outbox counts it from here on
-        outbox_.push(frame, treatment_of(frame.id()), head.arrived, head.from);
-        pop();
+        hand_over(turns_.next());
         released = true;
     }
     return released;
@@ -41,47 +49,68 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
 
 // Those that wait in the outbox may be dropped there, which nobody tells: another look after a while.
 std::optional<ano::TimePoint> QuestionQueue::next_look(ano::TimePoint now) const noexcept {
-    if (frames_ == 0) return std::nullopt;
+    if (turns_.empty()) return std::nullopt;
     const ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);
-    return std::min(room_at, first().arrived + options_.age);
+    return std::min(room_at, stale_at(oldest()));
 }
 
 void QuestionQueue::close() noexcept {
-    while (frames_ > 0) drop(&SendCounters::link_down);
+    while (!turns_.empty()) drop(oldest(), &SendCounters::link_down);
     in_flight_.clear();
-}
-
-QuestionQueue::Head QuestionQueue::first() const noexcept {
-    Head head;
-    std::memcpy(&head, room_.get() + begin_, sizeof head);
-    return head;
 }
 
 void QuestionQueue::store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept {
     ++counters_.offered;
-    const Head head{now, frame.bytes().size(), from};
-    const std::size_t size = sizeof head + head.size;
-    if (size > options_.bytes) return void(++counters_.queue_full);
-    while (end_ - begin_ + size > options_.bytes) drop(&SendCounters::queue_full);
-    if (end_ + size > 2 * options_.bytes) {
-        std::memmove(room_.get(), room_.get() + begin_, end_ - begin_);
-        end_ -= begin_;
-        begin_ = 0;
-    }
-    std::memcpy(room_.get() + end_, &head, sizeof head);
-    std::memcpy(room_.get() + end_ + sizeof head, frame.bytes().data(), head.size);
-    end_ += size;
-    ++frames_;
+    const auto bytes = frame.bytes();
+    if (bytes.size() > options_.bytes) return void(++counters_.queue_full);
+    while (turns_.bytes() + bytes.size() > options_.bytes) drop(turns_.gives_way(), &SendCounters::queue_full);
+    if (end_ + bytes.size() > 2 * options_.bytes) compact();
+    const FrameIndex i = free_ != no_frame ? free_ : used_++;
+    WaitingFrame& entry = frames_[i];
+    if (i == free_) free_ = entry.in_flow.behind;
+    entry = {};
+    entry.at = static_cast<std::uint32_t>(end_);
+    entry.size = static_cast<std::uint32_t>(bytes.size()) & 0xFFFFFFFu;
+    entry.stale_at = (now + options_.age).time_since_epoch();
+    std::memcpy(room_.get() + end_, bytes.data(), bytes.size());
+    end_ += bytes.size();
+    append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
+    turns_.push(i, from, 0);    // whoever asks by the channel
 }
 
-void QuestionQueue::pop() noexcept {
-    begin_ += sizeof(Head) + first().size;
-    if (--frames_ == 0) begin_ = end_ = 0;
+void QuestionQueue::hand_over(FrameIndex i) noexcept {
+    const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
+    --counters_.offered;    // the outbox counts it from here on
+    outbox_.push(frame, treatment_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
+    turns_.take();
+    forget(i);
 }
 
-void QuestionQueue::drop(std::uint64_t SendCounters::*cause) noexcept {
+void QuestionQueue::drop(FrameIndex i, std::uint64_t SendCounters::*cause) noexcept {
     ++(counters_.*cause);
-    pop();
+    turns_.remove(i);
+    forget(i);
+}
+
+// It has no turn any more.
+void QuestionQueue::forget(FrameIndex i) noexcept {
+    unlink<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
+    frames_[i].in_flow.behind = free_;
+    free_ = i;
+    if (!turns_.empty()) return;
+    free_ = no_frame;
+    used_ = 0;
+    end_ = 0;
+}
+
+void QuestionQueue::compact() noexcept {
+    std::size_t to = 0;
+    for (FrameIndex i = in_room_.first; i != no_frame; i = frames_[i].in_arena.behind) {
+        std::memmove(room_.get() + to, room_.get() + frames_[i].at, frames_[i].size);
+        frames_[i].at = static_cast<std::uint32_t>(to);
+        to += frames_[i].size;
+    }
+    end_ = to;
 }
 
 }    // namespace anogate

@@ -42,6 +42,10 @@ public:
     Alarm& operator=(const Alarm&) = delete;
 
     void set(ano::TimePoint at);
+    /// Leaves it as it is when it is set to an earlier time.
+    void set_no_later(ano::TimePoint at) {
+        if (!at_ || at < *at_) set(at);
+    }
     void cancel() noexcept { at_.reset(); }
     bool is_set() const noexcept { return at_.has_value(); }
 

@@ -258,7 +258,7 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
     channel->heard_at = now;         // the frame it is here for may wait behind a false header
     context_.host.link_up(*this);    // for the new channel
     book_.add(channel->id, endpoint, near, now);
-    if (!look_.is_set()) look_.set(book_.next_look(now));
+    look_.set_no_later(book_.next_look(now));
     return peers_.back().get();
 }
 

@@ -119,6 +119,22 @@ TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
     EXPECT_FALSE(daemon.route("0xFE").is_null());
 }
 
+// With the host alone, nobody was to be looked at for an hour.
+TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 200ms;
+    RunningGateway daemon{link};
+    UdpPeer host, device, later;
+    host.send(daemon.port("ground"), vendor::who_are_you);
+    device.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 1; })) << "the device was silent for too long";
+    later.send(daemon.port("ground"), vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
+    EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    EXPECT_EQ(daemon.link("ground").at("channels").at(0).at("peer"), host.local().text());
+}
+
 TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
     auto link = udp_listen("ground");
     link.udp_listen.peer_timeout = 200ms;

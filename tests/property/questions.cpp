@@ -1,5 +1,6 @@
 // A queue of questions before an outbox, whatever comes, leaves, is answered, fails or ages: at most eight questions are
-// unanswered, commands and all else never wait for them, questions keep their order, and every frame is accounted for.
+// unanswered, commands and all else never wait for them, the questions of one channel keep their order, channels take turns,
+// and every frame is accounted for.
 #include <gateway/question_queue.hpp>
 
 #include <support/allocations.hpp>
@@ -41,11 +42,15 @@ struct Device {
     std::map<std::uint16_t, ano::TimePoint> unanswered;
     std::deque<Bytes> others;
     int last = -1;
+    int channels = 1;    // that questions come by, which their numbers tell
+    std::map<int, int> left, last_of;    // by channel
 
     void hear(const Bytes& frame, ano::TimePoint now) {
         if (!question_in(ano::FrameView{frame})) return others.push_back(frame);
-        ASSERT_GT(number(frame), last) << "in the order in which they were asked";
         last = number(frame);
+        const int channel = last % channels;
+        ASSERT_TRUE(left[channel]++ == 0 || last > last_of[channel]) << "in the order in which the channel asked them";
+        last_of[channel] = last;
         for (auto it = unanswered.begin(); it != unanswered.end();)
             it = now >= it->second + InFlight::patience ? unanswered.erase(it) : std::next(it);
         unanswered[number(frame)] = now;
@@ -57,12 +62,16 @@ class Line {
 public:
     explicit Line(const QuestionQueue::Options& options) : queue{outbox, options} { outbox.open(); }
 
-    void push(const Bytes& frame) {
+    // The `n`th question of a channel.
+    void ask(int channel, int n) {
+        push(question(static_cast<std::uint16_t>(n * device.channels + channel)), static_cast<ChannelId>(channel));
+    }
+    void push(const Bytes& frame, ChannelId from = ourselves) {
         ++offered;
         const std::size_t before = outbox.waiting();
         const bool waits = question_in(ano::FrameView{frame}).has_value();
         const auto allocated = support::allocations;
-        queue.push(ano::FrameView{frame}, treatment_of(frame[3]), now);
+        queue.push(ano::FrameView{frame}, treatment_of(frame[3]), now, from);
         ASSERT_EQ(support::allocations, allocated);
         if (!waits && !tight) {
             ASSERT_EQ(outbox.waiting(), before + 1) << "only questions wait";
@@ -114,11 +123,16 @@ TEST(Questions, whatever_happens) {
         Random random{seed};
         Line line{{.bytes = 400, .age = 5s}};
         line.tight = true;
-        std::uint16_t asked = 0;
+        line.device.channels = 4;
+        std::array<int, 4> asked{};
         for (int step = 0; step < 600; ++step) {
             switch (random.below(8)) {
                 case 0:
-                case 1: line.push(question(asked++)); break;
+                case 1: {
+                    const std::size_t channel = random.one_in(2) ? 0u : random.below(4u);
+                    line.ask(static_cast<int>(channel), asked[channel]++);
+                    break;
+                }
                 case 2: line.push(other_frame(random)); break;
                 case 3: line.send(random.below(16u)); break;
                 case 4: line.reply(random); break;
@@ -148,6 +162,76 @@ TEST(Questions, all_are_asked_when_the_device_answers) {
     }
     EXPECT_EQ(line.queue.waiting() + line.outbox.waiting(), 0u);
     EXPECT_EQ(line.outbox.counters().frames_out, 300u) << "nothing lost";
+}
+
+// Three channels flood, the fourth asks one question at a time.
+TEST(Questions, who_asks_little_is_served_in_turn_whoever_floods) {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        Random random{seed};
+        Line line{{.bytes = 4096}};
+        line.tight = true;
+        line.device.channels = 4;
+        std::array<int, 4> asked{};
+        std::map<int, int> left_before;
+        for (int step = 0; step < 600; ++step) {
+            for (int n = 0; n < 3; ++n) {
+                const std::size_t channel = random.below(3u);
+                line.ask(static_cast<int>(channel), asked[channel]++);
+            }
+            if (line.device.left[3] == asked[3] && random.one_in(20)) {
+                line.ask(3, asked[3]++);
+                left_before = line.device.left;
+            }
+            line.send(16);
+            line.reply(random);
+            line.send(16);
+            line.now += 5ms;
+            line.expect_accounted();
+            if (HasFatalFailure()) FAIL() << "seed " << seed << ", step " << step;
+            if (line.device.left[3] == asked[3]) continue;
+            for (int other = 0; other < 3; ++other)
+                ASSERT_LE(line.device.left[other] - left_before[other], 2) << "seed " << seed << ", step " << step;
+        }
+        EXPECT_GT(asked[3], 10) << "seed " << seed;
+        EXPECT_GT(line.queue.counters().queue_full, 500u);
+    }
+}
+
+TEST(Questions, who_has_most_waiting_gives_way_with_its_oldest) {
+    Line line{{.bytes = 1000}};
+    line.device.channels = 2;
+    for (int n = 0; n < 8; ++n) line.ask(0, n);    // on their way
+    for (int n = 0; n < 5; ++n) line.ask(1, n);
+    for (int n = 8; n < 400; ++n) line.ask(0, n);
+    const std::uint64_t full = line.queue.counters().queue_full;
+    EXPECT_GT(full, 0u);
+    Random random{1};
+    int first = -1;
+    while (line.send(16), !line.device.unanswered.empty()) {
+        if (first < 0 && line.device.left[0] > 8) first = line.device.last_of[0];
+        line.reply(random);
+    }
+    EXPECT_EQ(line.device.left[1], 5);
+    EXPECT_EQ(line.device.left[0] + static_cast<int>(full), 400);
+    EXPECT_EQ(line.device.last_of[0], 399 * 2);
+    EXPECT_EQ(first, (8 + static_cast<int>(full)) * 2) << "its oldest gave way";
+    line.expect_accounted();
+}
+
+TEST(Questions, large_ones_give_way_before_the_few_small_ones_of_another) {
+    Line line{{.bytes = 1000}};
+    line.device.channels = 2;
+    for (int n = 0; n < 8 + 10; ++n) line.ask(1, n);
+    Bytes data(150);
+    data[0] = 2;
+    for (std::uint8_t n = 0; n < 100; ++n) {
+        data[1] = static_cast<std::uint8_t>(2 * (n % 100));
+        line.push(support::frame(host, fc, 0xE0, data), ChannelId{0});
+    }
+    Random random{1};
+    while (line.send(16), !line.device.unanswered.empty()) line.reply(random);
+    EXPECT_EQ(line.device.left[1], 18);
+    EXPECT_GT(line.device.left[0], 2);
 }
 
 TEST(Questions, the_ninth_leaves_half_a_second_later_when_nobody_answers) {
