@@ -18,10 +18,10 @@ namespace {
 using namespace std::chrono_literals;
 using namespace support;
 
-/// A pipe with a name, full from the start.
 // Not the program: without it, and with AddressSanitizer, it ends.
 constexpr char no_end_with_it[] = "a program that ThreadSanitizer watches does not end while a thread of it hangs in a write";
 
+/// A pipe with a name, full from the start.
 class FullPipe {
 public:
     explicit FullPipe(std::string path) : path_{std::move(path)} {
