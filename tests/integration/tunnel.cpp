@@ -246,6 +246,14 @@ TEST_F(TwoGateways, the_short_form_of_a_sender_in_another_network_is_not_for_us)
     EXPECT_TRUE(until([&] { return b->device.heard() == command; }));
 }
 
+// What says the same again is asked by a probe (0xFB) whether it is a ring, and who is joined gets to hear it.
+Bytes but_probes(const Bytes& heard) {
+    Bytes rest;
+    for (const Bytes& one : split(heard).frames)
+        if (one[3] != 0xFB) rest.insert(rest.end(), one.begin(), one.end());
+    return rest;
+}
+
 TEST_F(TwoGateways, tunnel_frames_to_somebody_else_are_forwarded) {
     a->settings.gateway.id = 199;
     start();
@@ -260,7 +268,7 @@ TEST_F(TwoGateways, tunnel_frames_to_somebody_else_are_forwarded) {
         a->device.write(b1("10.77.0.2", port, command, "0.0.0.0", to));
     EXPECT_TRUE(until([&] { return a->count("out") == 3; }));
     let_pass(20ms);
-    EXPECT_EQ(listener->heard(), for_another) << "what the tunnel takes ends there, also what is for everybody";
+    EXPECT_EQ(but_probes(listener->heard()), for_another) << "what the tunnel takes ends there, also what is for everybody";
 }
 
 TEST_F(TwoGateways, tunnel_frames_from_other_links_are_forwarded) {

@@ -370,10 +370,11 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
     RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
     UdpPeer air, host4, host6{"[::1]:0"}, host_both;
     const std::pair<const char*, UdpPeer*> listening[] = {{"four", &host4}, {"six", &host6}, {"both", &host_both}};
-    for (const auto& [link, host] : listening) {
-        UdpPeer closed{link == std::string{"six"} ? "[::1]:0" : "127.0.0.1:0"};
+    for (const auto& each : listening) {
+        const std::string link = each.first;
+        UdpPeer closed{link == "six" ? "[::1]:0" : "127.0.0.1:0"};
         closed.send(daemon.port(link), vendor::who_are_you);
-        host->send(daemon.port(link), vendor::who_are_you);
+        each.second->send(daemon.port(link), vendor::who_are_you);
         ASSERT_TRUE(daemon.until([&] { return peers(daemon, link) == 2; }));
     }
     const auto began = anogate::Clock::now();
