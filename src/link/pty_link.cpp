@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr Duration between_looks = std::chrono::milliseconds{100};    // where nobody tells when a program comes
+
 // So that the people who may use serial ports may use this one.
 void let_dialout_in(const std::string& device) {
     if (const group* dialout = ::getgrnam("dialout"); dialout && ::chown(device.c_str(), uid_t(-1), dialout->gr_gid) == 0)
@@ -36,16 +38,18 @@ StreamLink::Opened PtyLink::open_wire() {
         ::ptsname_r(ours.get(), name, sizeof name) != 0)
         return {{}, error_text("no pseudo-terminal", errno)};
     device_ = name;
-    user_side_ = open_user_side();
-    if (!user_side_) return {{}, error_text(device_, errno)};
-    terminal::make_raw(user_side_.get());
+    {
+        const UniqueFd user_side = open_user_side();    // from its first close on, our side knows when nobody is there
+        if (!user_side) return {{}, error_text(device_, errno)};
+        terminal::make_raw(user_side.get());
+    }
     let_dialout_in(device_);
-    const bool watched = watch_users();
+    watch_users();
     std::string error = link_path(device_);
-    if (watched) watch_path();
-    if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
+    watch_path();
     if (error.empty()) return {std::move(ours), {}};
     claim_ = UniqueFd{};
+    look_.cancel();
     watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
     return {{}, std::move(error)};
 }
@@ -85,11 +89,12 @@ std::string PtyLink::claim_path() {
     return errno == EADDRINUSE ? path.string() + " is in use by another gateway" : error_text(path.string(), errno);
 }
 
-// The events only say when to look: equal ones are merged, so they can't be counted.
-bool PtyLink::watch_users() {
+// The events only say when to look: equal ones are merged, so they can't be counted. A user of the system has few instances of
+// inotify; while there is none for us, we look from time to time.
+void PtyLink::watch_users() {
     watch_.close();
     UniqueFd notify{::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)};
-    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN) < 0) return false;
+    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN) < 0) return look_.set(context_.host.now() + between_looks);
     watch_.open(std::move(notify));
     watch_.read_with([this] {
         alignas(inotify_event) char events[4096];
@@ -97,11 +102,18 @@ bool PtyLink::watch_users() {
         keep_path();
         if (watch_.is_open()) look_for_users();
     });
-    return true;
+}
+
+void PtyLink::look() {
+    watch_users();
+    watch_path();
+    keep_path();
+    if (fd() >= 0) look_for_users();
 }
 
 // Whose link it is just now: that of another program that took the path is watched until it is gone.
 void PtyLink::watch_path() {
+    if (!watch_.is_open()) return;
     constexpr std::uint32_t gone = IN_DELETE_SELF | IN_MOVE_SELF | IN_ATTRIB;
     ::inotify_add_watch(watch_.fd(), settings().pty.path.c_str(), gone | IN_DONT_FOLLOW);
 }
@@ -119,11 +131,7 @@ void PtyLink::keep_path() {
     if (!up_) context_.host.link_down(*this, nobody_there());
 }
 
-void PtyLink::came_up() {
-    up_ = static_cast<bool>(user_side_);    // unwatched: as if there always were a user
-    if (up_) context_.host.link_up(*this);
-    else context_.host.link_down(*this, nobody_there());
-}
+void PtyLink::came_up() { context_.host.link_down(*this, nobody_there()); }
 
 // While nobody has the other side open, ours says so; what the last user wrote is read first.
 void PtyLink::look_for_users() {
@@ -134,6 +142,7 @@ void PtyLink::look_for_users() {
         up_ = true;
         context_.host.link_up(*this);
     }
+    if (ours.revents & POLLIN) judge_what_waits();
     if (used || ours.revents & POLLIN) resume_reading();
 }
 
@@ -157,21 +166,23 @@ void PtyLink::users_gone() {
 }
 
 void PtyLink::leave_wire(int) {
+    look_.cancel();
     watch_.close();
     up_ = false;
     std::error_code ec;
     if (fs::read_symlink(settings().pty.path, ec) == device_) fs::remove(settings().pty.path, ec);
-    user_side_ = UniqueFd{};
     claim_ = UniqueFd{};
 }
 
 void PtyLink::stop_reading() {
     StreamLink::stop_reading();
+    look_.cancel();
     watch_.stop_reading();
 }
 
 void PtyLink::stop() {
     StreamLink::stop();
+    look_.cancel();
     watch_.close();
 }
 

@@ -8,7 +8,7 @@ namespace anogate {
 class PtyLink final : public StreamLink {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
-        : StreamLink{id, std::move(settings), context}, watch_{context.io} {}
+        : StreamLink{id, std::move(settings), context}, watch_{context.io}, look_{context.alarms, [this] { look(); }} {}
     void stop_reading() override;
     void stop() override;
     std::size_t unsent() const override;
@@ -24,9 +24,10 @@ private:
 
     std::string link_path(const std::string& device);
     std::string claim_path();
-    bool watch_users();
+    void watch_users();
     void watch_path();
     void keep_path();
+    void look();
     void look_for_users();
     void users_gone();
     UniqueFd open_user_side() const;
@@ -35,7 +36,7 @@ private:
     std::string device_;     // /dev/pts/N
     UniqueFd claim_;         // on the path, among gateways
     Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
-    UniqueFd user_side_;     // held open only where it can't be watched
+    Alarm look_;             // where that can't be had: at whether somebody has it open, and at the path
     bool up_ = false;
 };
 

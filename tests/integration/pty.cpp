@@ -8,14 +8,31 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/syscall.h>
+
 #include <fstream>
 #include <optional>
+
+// In place of libc's: a user of the system has some 128 instances, and others may have taken them all.
+static bool inotify_instances_left = true;
+
+extern "C" int inotify_init1(int flags) noexcept {
+    if (inotify_instances_left) return static_cast<int>(::syscall(SYS_inotify_init1, flags));
+    errno = EMFILE;
+    return -1;
+}
 
 namespace {
 
 using namespace std::chrono_literals;
 using namespace support;
 namespace fs = std::filesystem;
+
+class WithoutInotify {
+public:
+    WithoutInotify() { inotify_instances_left = false; }
+    ~WithoutInotify() { inotify_instances_left = true; }
+};
 
 TEST(PtyLink, a_program_at_the_path_and_a_peer_hear_each_other) {
     const TempDir dir;
@@ -35,7 +52,7 @@ TEST(PtyLink, a_program_at_the_path_and_a_peer_hear_each_other) {
     EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::write_parameter; }));
 }
 
-TEST(PtyLink, its_user_closes_and_opens_again_and_hears_nothing_stale) {
+void close_and_open_again() {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
     UdpPeer ground;
@@ -61,6 +78,38 @@ TEST(PtyLink, its_user_closes_and_opens_again_and_hears_nothing_stale) {
         EXPECT_EQ(daemon.link("app").at("device"), device) << "the same terminal";
     }
     EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(PtyLink, its_user_closes_and_opens_again_and_hears_nothing_stale) { close_and_open_again(); }
+
+TEST(PtyLink, its_user_hears_nothing_stale_without_inotify) {
+    const WithoutInotify without;
+    close_and_open_again();
+}
+
+TEST(PtyLink, is_not_up_without_a_user_nor_without_inotify) {
+    const WithoutInotify without;
+    const TempDir dir;
+    RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
+    EXPECT_EQ(daemon.link("app").at("error"), "no program has " + (dir / "app") + " open");
+    UdpPeer ground;
+    ground.send(daemon.port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "link_down") == 1; }));
+    { PortUser{dir / "app"}.write(vendor::i_am_an_mcu); }    // here and gone between two looks
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 1; }));
+    fs::remove(dir / "app");
+    EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
+}
+
+TEST(PtyLink, watches_again_when_there_is_inotify) {
+    const TempDir dir;
+    std::optional<WithoutInotify> without{std::in_place};
+    RunningGateway daemon{pty("app", dir / "app")};
+    without.reset();
+    daemon.run_for(150ms);
+    without.emplace();    // what it has it keeps
+    PortUser app{dir / "app"};
+    EXPECT_TRUE(daemon.until_up("app"));
 }
 
 TEST(PtyLink, what_its_user_wrote_before_closing_is_heard) {
