@@ -26,6 +26,8 @@ struct Channel {
 
     std::unique_ptr<QuestionQueue> questions{};    // before the outbox, where the device takes few; nullptr: none
 
+    ano::TimePoint arrived_at{};    // what was read last; its link sets it before the parser sees it
+
     /// Of all parsers, and ours.
     ReceiveCounters received() const noexcept;
     /// Of the outbox and what stands before it.

@@ -17,12 +17,13 @@ public:
     static constexpr std::size_t most = 32, largest = 64;
 
     /// False: there is no room, or the frame is too long.
-    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due) noexcept {
+    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, ano::TimePoint arrived_at = {}) noexcept {
         const auto bytes = frame.bytes();
         if (!fits(frame)) return false;
         Frame& held = frames_[(first_ + count_++) % most];
         held.from = from;
         held.due = due;
+        held.arrived_at = arrived_at;
         held.size = bytes.size();
         std::copy(bytes.begin(), bytes.end(), held.bytes.begin());
         return true;
@@ -45,6 +46,7 @@ public:
     struct Frame {
         ChannelId from{};
         ano::TimePoint due{};
+        ano::TimePoint arrived_at{};
         std::size_t size = 0;
         std::array<std::uint8_t, largest> bytes{};
         ano::FrameView view() const noexcept { return ano::FrameView{std::span{bytes}.first(size)}; }

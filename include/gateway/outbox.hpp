@@ -1,6 +1,6 @@
 // What waits to leave by one channel: bounded, whole frames only, every drop counted by cause.
 //
-// Flow:    outbox.push(frame, treatment, now)              // from the router
+// Flow:    outbox.push(frame, treatment, arrived_at)       // from the router
 //          outbox.gather(pieces, now, budget)              // when the wire can take something
 //          outbox.sent(bytes), or outbox.sent_frame() / outbox.drop_frame(cause) for datagrams
 //          outbox.set_congested()                          // when the wire took no more and frames still wait
@@ -37,12 +37,16 @@ public:
     };
     explicit Outbox(const Options& options);
 
-    /// A frame to leave, that came by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
+    /// A frame to leave, that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
     /// full, the oldest of who has most waiting gives way, in the lowest class that has more than is kept for each: a tenth
     /// of the room, or one frame of up to a quarter. That may be the frame itself.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept;
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that never grows stale.
     void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
+    /// Whether a frame of this age is to leave no more.
+    bool is_stale(Treatment treatment, ano::Duration age) const noexcept;
+    /// The clock by which ages are told has stood still for `time`, though it passed: all that waits is that much older.
+    void grow_older(ano::Duration time) noexcept;
     /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
     void refuse(std::uint64_t SendCounters::*cause) noexcept {
         ++counters_.offered;

@@ -32,13 +32,19 @@ public:
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
     /// Into the outbox, but a question that finds InFlight::most before it waits.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept;
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept {
+        push(frame, treatment, now, from, now);
+    }
+    /// The same for one that had arrived before.
+    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
     /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.
     bool release(ano::TimePoint now) noexcept;
     /// When release() may do something by itself; nothing while nothing waits.
     std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
+    /// As Outbox::grow_older(), of what waits here.
+    void grow_older(ano::Duration time) noexcept;
     /// What waits is counted link_down. The outbox is closed by others.
     void close() noexcept;
 
@@ -48,7 +54,7 @@ public:
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    void store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept;
+    void store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
     FrameIndex oldest() const noexcept { return in_room_.first; }
     ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
     void hand_over(FrameIndex i) noexcept;

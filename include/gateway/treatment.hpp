@@ -32,6 +32,15 @@ struct AgeLimits {
     bool operator==(const AgeLimits&) const = default;
 };
 
+constexpr ano::Duration limit(const AgeLimits& limits, AgeKind kind) noexcept {
+    switch (kind) {
+        case AgeKind::control: return limits.control;
+        case AgeKind::telemetry: return limits.telemetry;
+        case AgeKind::rest: break;
+    }
+    return limits.rest;
+}
+
 struct Treatment {
     TrafficClass traffic = TrafficClass::bulk;
     Replaces replaces = Replaces::nothing;

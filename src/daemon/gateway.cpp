@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <daemon/gateway.hpp>
 #include <gateway/pacer.hpp>
+#include <link/clocks.hpp>
 #include <link/kinds.hpp>
 
 #include <spdlog/spdlog.h>
@@ -17,6 +18,10 @@ constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
 constexpr std::uint8_t firmware_id = 0xF0;
+constexpr Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
+constexpr Duration calm_beat = std::chrono::milliseconds{500};
+constexpr Duration beat_slack = std::chrono::milliseconds{20};
+constexpr Duration calm_after = std::chrono::seconds{2};    // without a byte of a stream: who sends nothing is to cost nothing
 
 // Of what hosts say, sticks alone overtake.
 bool keeps_order(ano::FrameView frame) {
@@ -32,6 +37,8 @@ ano::FrameParser::Options parser_options(const LinkSettings& s) {
     const bool datagrams = s.kind == "udp" || s.kind == "udp-listen" || s.kind == "tunnel";
     return {s.max_data, line_rate(s), datagrams ? datagram_quiet : stream_quiet};
 }
+
+bool is_stream(const LinkSettings& s) { return s.kind == "serial" || s.kind == "pty"; }
 
 // Whether a probe may leave by it: never to devices, nor to those who do not take broadcasts.
 bool takes_probes(const LinkSettings& s) { return s.broadcast && s.kind != "serial" && s.kind != "can" && s.kind != "sim"; }
@@ -51,6 +58,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
       router_{settings_.gateway},
       loop_guard_{number_of_its_own()},
       release_{alarms_, [this] { release_held(); }},
+      beat_{alarms_, [this] { beat(); }, beat_slack},
       hello_due_{alarms_, [this] { look_at_hellos(); }, hello_slack},
       questions_due_{alarms_, [this] { look_at_questions(); }},
       required_check_{alarms_, [this] {
@@ -146,7 +154,8 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
 
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
     on_required_missing_ = std::move(on_required_missing);
-    started_at_ = now();
+    started_at_ = turn().now();
+    beat();
     for (LinkState& s : links_) s.since = started_at_;
     gpio_->start();
     for (LinkState& s : links_) s.link->start();
@@ -161,6 +170,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     }
     on_stopped_ = std::move(on_stopped);
     required_check_.cancel();
+    beat_.cancel();
     hello_due_.cancel();
     questions_due_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
@@ -169,6 +179,42 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     flush();
     stop_by_ = now() + patience;
     stop_check_.set(now_ + stop_look);    // what was written just now shows in the kernel's counts a moment later
+}
+
+const LoopWatch& Gateway::turn() {
+    const ClockReading clocks = read_clocks();
+    now_ = clocks.now;
+    if (const LoopWatch::Turn turn = loop_.turn(clocks); turn.stood > Duration::zero()) stood_still(turn);
+    return loop_;
+}
+
+// Where it has stood still, the beat comes behind all that was to be read then: but not when it is the one to notice.
+void Gateway::beat() {
+    noticed_ = false;
+    turn();
+    if (!noticed_) loop_.end_standstill();
+    const Duration period = noticed_ || streams_speak() ? beat_of_streams : calm_beat;
+    loop_.beat(period + beat_slack);
+    beat_.set(now_ + period);
+}
+
+bool Gateway::streams_speak() const {
+    for (const ChannelId id : used_) {
+        const Channel& channel = *channels_[index(id)];
+        if (now_ - channel.arrived_at < calm_after && is_stream(links_[index(channel.link)].link->settings())) return true;
+    }
+    return false;
+}
+
+void Gateway::stood_still(const LoopWatch::Turn& turn) {
+    noticed_ = true;
+    if (beat_.is_set()) beat_.set_no_later(now_ + beat_of_streams);
+    standstill_log_.stood(turn, now_);
+    if (turn.suspended == Duration::zero()) return;
+    for (const ChannelId id : used_) {
+        channels_[index(id)]->outbox.grow_older(turn.suspended);
+        if (auto& questions = channels_[index(id)]->questions) questions->grow_older(turn.suspended);
+    }
 }
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
@@ -208,6 +254,7 @@ void Gateway::close_channel(Channel& channel) {
 void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
+    arrived_at_ = std::min(from.arrived_at, now_);
     from.heard_at = now_;
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
@@ -228,7 +275,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
-        for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
+        for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment, arrived_at_);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
@@ -282,7 +329,7 @@ void Gateway::end_loop(Channel& from, ano::FrameView frame) {
 // Ahead of the frame that it is about: in a ring it is back before that.
 void Gateway::send_probe(ChannelId channel) {
     ++frame_number_;
-    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_treatment);
+    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_treatment, now_);
     ++frame_number_;
 }
 
@@ -291,11 +338,11 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
     if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news) return void(++from.routed.looped);
     const std::uint8_t group = links_[index(from.link)].group;
     for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
-        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment);
+        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment, now_);
 }
 
 bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
-    if (!held_.put(from.id, brought, due)) return false;
+    if (!held_.put(from.id, brought, due, arrived_at_)) return false;
     if (!release_.is_set()) release_.set(*held_.due());
     return true;
 }
@@ -308,7 +355,12 @@ void Gateway::release_held() {
 
 void Gateway::release_held_until(TimePoint due) {
     releasing_ = true;
-    while (const auto held = held_.take(due)) receive(*channels_[index(held->from)], held->view());
+    while (const auto held = held_.take(due)) {
+        Channel& from = *channels_[index(held->from)];
+        const TimePoint latest = std::exchange(from.arrived_at, held->arrived_at);
+        receive(from, held->view());
+        from.arrived_at = latest;
+    }
     releasing_ = false;
     if (const auto next = held_.due()) release_.set(*next);
 }
@@ -328,6 +380,7 @@ void Gateway::keep_from_tunnel(Route& route) {
 }
 
 bool Gateway::admit(Channel& from, ano::FrameView frame) {
+    arrived_at_ = std::min(from.arrived_at, now_);
     from.heard_at = now_;
     LinkState& link = links_[index(from.link)];
     if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
@@ -356,11 +409,16 @@ bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
 }
 
 bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
+    if (is_stale(to, frame)) return refuse(to, &SendCounters::stale), false;
     Rules* rules = links_[index(to)].rules.get();
     const auto cause = rules ? rules->refusal(frame, ++frame_number_, now_) : nullptr;
     if (cause) refuse(to, cause);
     if (auto& hello = links_[index(to)].hello; hello && frame.id() == firmware_id) hello->saw_firmware(now_);
     return !cause;
+}
+
+bool Gateway::is_stale(LinkId to, ano::FrameView frame) const {
+    return now_ - arrived_at_ >= limit(links_[index(to)].link->settings().age, treatment_of(frame.id()).age);
 }
 
 void Gateway::learn(Channel& from, ano::FrameView frame) {
@@ -371,16 +429,18 @@ void Gateway::learn(Channel& from, ano::FrameView frame) {
 void Gateway::send(LinkId to, ano::FrameView frame) {
     ++frame_number_;
     if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
-    for (const ChannelId channel : links_[index(to)].channels) offer(ourselves, channel, frame, treatment_of(frame.id()));
+    for (const ChannelId channel : links_[index(to)].channels) offer(ourselves, channel, frame, treatment_of(frame.id()), arrived_at_);
 }
 
 void Gateway::say(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
-    offer(ourselves, to, frame, treatment_of(frame.id()));
+    offer(ourselves, to, frame, treatment_of(frame.id()), now_);
 }
 
-void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment) {
+void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment, TimePoint arrived_at) {
     Channel& channel = *channels_[index(to)];
+    if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(treatment, now_ - arrived_at))
+        return channel.outbox.refuse(&SendCounters::stale);    // it counts for no limit, and awaits no answer
     channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
     if (ruled_.contains(channel.link)) {
         LinkState& link = links_[index(channel.link)];
@@ -391,14 +451,14 @@ void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatmen
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
         if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
-        if (channel.questions) return ask(from, channel, frame, treatment);
+        if (channel.questions) return ask(from, channel, frame, treatment, arrived_at);
     }
-    channel.outbox.push(frame, treatment, now_, from);
+    channel.outbox.push(frame, treatment, arrived_at, from);
     to_flush_.insert(to);
 }
 
-void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment) {
-    channel.questions->push(frame, treatment, now_, from);
+void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at) {
+    channel.questions->push(frame, treatment, now_, from, arrived_at);
     to_flush_.insert(channel.id);
     const auto due = channel.questions->next_look(now_);
     if (due && !on_stopped_) questions_due_.set_no_later(*due);
@@ -540,6 +600,7 @@ bool Gateway::nothing_waits() const {
 
 void Gateway::finish_stop() {
     stop_check_.cancel();
+    beat_.cancel();
     peer_log_.finish();
     for (LinkState& s : links_) s.link->stop();
     release_.cancel();

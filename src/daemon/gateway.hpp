@@ -2,6 +2,7 @@
 #pragma once
 #include <daemon/gpio.hpp>
 #include <daemon/peer_log.hpp>
+#include <daemon/standstill_log.hpp>
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/held.hpp>
@@ -64,6 +65,7 @@ public:
     void link_down(Link& link, std::string why) override;
     void doubt(Link& link) override { router_.doubt(link.id()); }
     TimePoint now() override { return now_ = Clock::now(); }
+    const LoopWatch& turn() override;
 
     bool admit(Channel& from, ano::FrameView frame) override;
     bool admit_unopened(Channel& from, ano::FrameView frame) override;
@@ -80,6 +82,8 @@ public:
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
     const SameDevice& same_device() const noexcept { return same_device_; }
+    /// Whether the loop stood still.
+    const LoopWatch& loop() const noexcept { return loop_; }
     const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
@@ -108,8 +112,12 @@ private:
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
     void keep_from_tunnel(Route& route);
-    void offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment);
-    void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment);
+    void offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
+    void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
+    bool is_stale(LinkId to, ano::FrameView frame) const;
+    void beat();
+    bool streams_speak() const;
+    void stood_still(const LoopWatch::Turn& turn);
     void look_at_questions();
     void look_at_hellos();
     void await_hellos();
@@ -144,6 +152,11 @@ private:
     LinkSet ruled_;                   // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
     std::uint64_t frame_number_ = 0;
     TimePoint now_{};
+    TimePoint arrived_at_{};    // what is being received had come then
+    LoopWatch loop_;
+    StandstillLog standstill_log_;
+    Alarm beat_;
+    bool noticed_ = false;    // a standstill, since the beat was due
     TimePoint started_at_{};
     Alarm hello_due_;
     Alarm questions_due_;

@@ -164,6 +164,8 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["name"] = settings.name;
     json["version"] = ANOGATE_VERSION;
     json["uptime_s"] = seconds(now - gateway.started_at());
+    json["standstills"] = gateway.loop().standstills();
+    json["longest_standstill_s"] = seconds(gateway.loop().longest());
     json["own_frames"] = gateway.router().own_frames();
     return json;
 }

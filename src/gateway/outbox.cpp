@@ -17,15 +17,6 @@ constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 25
 // How many frames of one bucket are looked at: an attacker's choice of addresses must not make push() slow.
 constexpr int longest_search = 16;
 
-ano::Duration limit(const AgeLimits& limits, AgeKind kind) noexcept {
-    switch (kind) {
-        case AgeKind::control: return limits.control;
-        case AgeKind::telemetry: return limits.telemetry;
-        case AgeKind::rest: break;
-    }
-    return limits.rest;
-}
-
 std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
     const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
     return static_cast<std::uint32_t>(frame.source() | frame.destination() << 8 | frame.id() << 16) | first_byte << 24;
@@ -46,8 +37,15 @@ Outbox::Outbox(const Options& options)
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }
 
-void Outbox::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from) noexcept {
-    store(frame, treatment, now + limit(options_.age, treatment.age), from);
+void Outbox::push(ano::FrameView frame, Treatment treatment, ano::TimePoint arrived_at, ChannelId from) noexcept {
+    store(frame, treatment, arrived_at + limit(options_.age, treatment.age), from);
+}
+
+bool Outbox::is_stale(Treatment treatment, ano::Duration age) const noexcept { return age >= limit(options_.age, treatment.age); }
+
+void Outbox::grow_older(ano::Duration time) noexcept {
+    for (Index i = in_arena_.first; i != none; i = entries_[i].in_arena.behind)
+        if (entries_[i].stale_at != ano::Duration::max()) entries_[i].stale_at -= time;
 }
 
 void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at, ChannelId from) noexcept {

@@ -22,11 +22,16 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
     outbox_.tell(&in_flight_);
 }
 
-void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from) noexcept {
-    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, now, from);
+void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from,
+                         ano::TimePoint arrived_at) noexcept {
+    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, arrived_at, from);
     release(now);    // what waits goes first
-    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, now, from);
-    store(frame, now, from);
+    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, arrived_at, from);
+    store(frame, arrived_at, from);
+}
+
+void QuestionQueue::grow_older(ano::Duration time) noexcept {
+    for (FrameIndex i = in_room_.first; i != no_frame; i = frames_[i].in_arena.behind) frames_[i].stale_at -= time;
 }
 
 bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept {
@@ -59,7 +64,7 @@ void QuestionQueue::close() noexcept {
     in_flight_.clear();
 }
 
-void QuestionQueue::store(ano::FrameView frame, ano::TimePoint now, ChannelId from) noexcept {
+void QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept {
     ++counters_.offered;
     const auto bytes = frame.bytes();
     if (bytes.size() > options_.bytes) return void(++counters_.queue_full);
@@ -71,7 +76,7 @@ void QuestionQueue::store(ano::FrameView frame, ano::TimePoint now, ChannelId fr
     entry = {};
     entry.at = static_cast<std::uint32_t>(end_);
     entry.size = static_cast<std::uint32_t>(bytes.size()) & 0xFFFFFFFu;
-    entry.stale_at = (now + options_.age).time_since_epoch();
+    entry.stale_at = (arrived_at + options_.age).time_since_epoch();
     std::memcpy(room_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);

@@ -50,14 +50,16 @@ void CanIsotpLink::read() {
         if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error_text(can(), error));
         return transfer_failed(error);
     }
-    const TimePoint now = context_.host.now();
+    const LoopWatch& loop = context_.host.turn();
     const auto on_frame = [this](ano::FrameView frame) { context_.host.receive(channel(), frame); };
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-        feed_datagram(channel().parser, context_.batch.datagram(i), now, on_frame);
+        channel().arrived_at = context_.batch.arrived_at(i, arrival_, loop);
+        feed_datagram(channel().parser, context_.batch.datagram(i), loop.now(), on_frame);
         channel().parser.finish();    // a PDU is a whole frame or none
         while (const auto frame = channel().parser.next()) on_frame(*frame);
         trouble_.clear();
     }
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
     context_.host.flush();
 }
 

@@ -49,6 +49,7 @@ protected:
 
     LinkContext context_;
     Descriptor descriptor_;
+    Arrival arrival_;
     Pacing pacing_;    // where a `rate` is given
 
 private:

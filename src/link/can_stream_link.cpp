@@ -15,6 +15,7 @@ struct CanStreamLink::Batch {
 
     int receive(int fd) noexcept {
         prepare(sizeof(canfd_frame));
+        for (std::size_t i = 0; i < most; ++i) stamps[i].prepare(messages[i].msg_hdr);
         const int count = ::recvmmsg(fd, messages.data(), most, MSG_DONTWAIT, nullptr);
         return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
     }
@@ -47,6 +48,7 @@ struct CanStreamLink::Batch {
     std::array<canfd_frame, most> frames;
     std::array<iovec, most> rooms;
     std::array<mmsghdr, most> messages;
+    std::array<Stamp, most> stamps;
 };
 
 CanStreamLink::CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
@@ -68,10 +70,13 @@ OpenedSocket CanStreamLink::open_wire() { return open_can_stream(can()); }
 void CanStreamLink::read() {
     const int count = batch_->receive(fd());
     if (count < 0) return fail(can_error_text(can(), errno));
-    const TimePoint now = context_.host.now();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
-        streams_.receive(batch_->frames[i].can_id & CAN_EFF_MASK, batch_->data(i), now,
+    const LoopWatch& loop = context_.host.turn();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        channel().arrived_at = arrival(batch_->messages[i].msg_hdr, arrival_, loop);
+        streams_.receive(batch_->frames[i].can_id & CAN_EFF_MASK, batch_->data(i), loop.now(),
                          [this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
+    }
+    if (static_cast<std::size_t>(count) < Batch::most) arrival_.found_empty(loop);
     batch_ends();
 }
 

@@ -1,14 +1,50 @@
 // Room to receive many datagrams with one system call. One for the whole loop: it is empty again when a read ends.
 #pragma once
+#include <link/clocks.hpp>
+
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace anogate {
+
+/// The kernel's stamp of when a message arrived, on sockets that have been asked for it: keep_stamps().
+class Stamp {
+public:
+    void prepare(msghdr& message) noexcept {
+        message.msg_control = room_.data();
+        message.msg_controllen = room_.size();
+    }
+    /// Of `message`, which has been received.
+    static std::optional<ano::Duration> of(const msghdr& message) noexcept {
+        for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
+            if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+            timespec time;
+            std::memcpy(&time, CMSG_DATA(c), sizeof time);
+            return duration_of(time);
+        }
+        return std::nullopt;
+    }
+
+private:
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> room_;
+};
+
+inline ano::TimePoint arrival(const msghdr& message, Arrival& wire, const LoopWatch& loop) noexcept {
+    const auto stamp = Stamp::of(message);
+    return stamp ? wire.stamped(*stamp, loop) : wire.unstamped(loop);
+}
+
+inline void keep_stamps(int fd) noexcept {
+    const int on = 1;
+    ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+}
 
 class DatagramBatch {
 public:
@@ -26,6 +62,7 @@ public:
             messages_[i].msg_hdr.msg_namelen = sizeof senders_[i];
             messages_[i].msg_hdr.msg_iov = &pieces_[i];
             messages_[i].msg_hdr.msg_iovlen = 1;
+            stamps_[i].prepare(messages_[i].msg_hdr);
         }
         const int count = ::recvmmsg(fd, messages_.data(), most, MSG_DONTWAIT, nullptr);
         return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
@@ -34,12 +71,17 @@ public:
         return {bytes_.get() + i * room, messages_[i].msg_len};
     }
     const sockaddr_storage& sender(std::size_t i) const noexcept { return senders_[i]; }
+    /// When it had arrived.
+    ano::TimePoint arrived_at(std::size_t i, Arrival& wire, const LoopWatch& loop) const noexcept {
+        return arrival(messages_[i].msg_hdr, wire, loop);
+    }
 
 private:
     std::unique_ptr<std::uint8_t[]> bytes_;
     std::array<mmsghdr, most> messages_;
     std::array<iovec, most> pieces_;
     std::array<sockaddr_storage, most> senders_;
+    std::array<Stamp, most> stamps_;
 };
 
 }  // namespace anogate

@@ -1,5 +1,6 @@
 // What the gateway asks of a link, and what a link tells the gateway. No Asio here.
 #pragma once
+#include <gateway/arrival.hpp>
 #include <gateway/channel.hpp>
 #include <gateway/settings.hpp>
 
@@ -22,7 +23,7 @@ public:
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
     virtual void close_channel(Channel& channel) = 0;
 
-    /// A good frame came in by `channel`.
+    /// A good frame came in by `channel`, whose `arrived_at` says when.
     virtual void receive(Channel& channel, ano::FrameView frame) = 0;
     /// The batch ends: every channel that was given frames is flushed, by Link::flush().
     virtual void flush() = 0;
@@ -40,6 +41,8 @@ public:
 
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;
+    /// The same where something has been read: what tells when that had arrived.
+    virtual const LoopWatch& turn() = 0;
 
 protected:
     ~LinkHost() = default;

@@ -26,7 +26,8 @@ void SimLink::tick() {
 
 // What it says takes the way of every byte: through the parser, counted there.
 void SimLink::say(ano::FrameView frame) {
-    feed_datagram(channel_->parser, frame.bytes(), context_.host.now(),
+    channel_->arrived_at = context_.host.now();
+    feed_datagram(channel_->parser, frame.bytes(), channel_->arrived_at,
                   [this](ano::FrameView f) { context_.host.receive(*channel_, f); });
 }
 
@@ -35,7 +36,7 @@ void SimLink::deliver() { context_.host.flush(); }
 // It hears at once; its answers leave in a turn of their own, so that two devices can't call each other without end.
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
-    while (channel.outbox.gather(next) == 1) {
+    while (channel.outbox.gather(next, context_.host.now()) == 1) {
         fc_.receive(ano::FrameView{next[0]}, [this](ano::FrameView answer) {
             asio::post(context_.io, [this, bytes = std::vector(answer.bytes().begin(), answer.bytes().end())] {
                 if (!tick_.is_set()) return;    // stopped meanwhile

@@ -45,6 +45,7 @@ void StreamLink::try_open() {
     }
     backoff_.came_up(now);
     descriptor_.open(std::move(opened.fd));
+    arrival_.found_empty(context_.host.turn());
     pacing_.start(settings().rate != 0 ? settings().rate : line_rate(), settings().latency);
     resume_reading();
     came_up();
@@ -73,13 +74,18 @@ void StreamLink::read() {
     for (int i = 0; i < reads_per_turn; ++i) {
         const auto room = channel_->parser.prepare();
         const ssize_t n = ::read(descriptor_.fd(), room.data(), room.size());
-        if (n < 0 && (errno == EAGAIN || errno == EINTR)) break;
-        if (n <= 0) return wire_ended(n == 0 ? 0 : errno);
-        channel_->parser.commit(static_cast<std::size_t>(n), context_.host.now());
+        const int error = n < 0 ? errno : 0;
+        if (error == EINTR) break;
+        if (n <= 0) arrival_.found_empty(context_.host.turn());
+        if (error == EAGAIN) break;
+        if (n <= 0) return wire_ended(error);
+        const LoopWatch& loop = context_.host.turn();
+        channel_->arrived_at = arrival_.unstamped(loop);
+        channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
         deliver();
-        if (!descriptor_.is_open() || static_cast<std::size_t>(n) < room.size()) break;
+        if (!descriptor_.is_open()) return;
+        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives by 4 KB what waits
     }
-    if (!descriptor_.is_open()) return;
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
 }
 

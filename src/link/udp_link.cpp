@@ -52,6 +52,7 @@ void UdpLink::try_open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
+    arrival_.found_empty(context_.host.turn());
     descriptor_.read_with([this] { read(); });
     const UdpSettings& udp = settings().udp;
     interface_watch_.start(udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer);
@@ -159,14 +160,17 @@ void UdpLink::read() {
         }
         return fail(error_text(settings().udp.peer.text(), error));
     }
-    const TimePoint now = context_.host.now();
+    const LoopWatch& loop = context_.host.turn();
+    const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
         if (!connected_ && own(context_.batch.sender(at), now)) continue;
         trouble_.clear();
+        channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
         feed_datagram(channel_->parser, context_.batch.datagram(at), now,
                       [&](ano::FrameView frame) { take(frame); });
     }
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
 }

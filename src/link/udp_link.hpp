@@ -35,6 +35,7 @@ private:
 
     LinkContext context_;
     Descriptor descriptor_;
+    Arrival arrival_;
     Channel* channel_ = nullptr;
     Backoff backoff_;
     Alarm retry_;

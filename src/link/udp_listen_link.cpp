@@ -16,6 +16,7 @@ constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration networks_age = std::chrono::seconds{1};    // a sender outside makes us look again this often
 constexpr Duration look_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
+constexpr Duration read_first = std::chrono::seconds{1};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
 
 PeerBook::Options book_options(const UdpListenSettings& udp) {
@@ -92,6 +93,7 @@ void UdpListenLink::try_open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
     descriptor_.open(std::move(socket.fd));
+    arrival_.found_empty(context_.host.turn());
     opened(local_);
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(settings().udp_listen.local);
@@ -129,20 +131,24 @@ void UdpListenLink::read() {
         if (take_reports() || error == 0 || error == ENOMEM || may_be_reported(error)) return;
         return fail(error_text(local_.text(), error));
     }
-    const TimePoint now = context_.host.now();
+    const LoopWatch& loop = context_.host.turn();
+    const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        take(context_.batch.sender(at), context_.batch.datagram(at), now);
+        take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
     context_.host.flush();
 }
 
-void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
+void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at,
+                         TimePoint now) {
     const Endpoint endpoint = endpoint_of(sender);
     Peer* peer = find(endpoint);
     if (!peer) peer = admit(endpoint, datagram, now);
     if (!peer) return;
     latest_ = peer;
+    peer->channel.arrived_at = arrived_at;
     if (peer->far) peer->far->came(datagram.size(), now);
     feed_datagram(peer->channel.parser, datagram, now, [&](ano::FrameView frame) { take(*peer, frame, now); });
     delivered();
@@ -328,7 +334,9 @@ void UdpListenLink::forget(Peer& peer) {
 }
 
 void UdpListenLink::forget_overdue_peers() {
-    const TimePoint now = context_.host.now();
+    const LoopWatch& loop = context_.host.turn();
+    const TimePoint now = loop.now();
+    if (now < loop.last_standstill() + read_first) return look_.set(now + read_first);    // what they said meanwhile may wait
     const ChannelSet overdue = book_.overdue(now);
     for (std::size_t i = peers_.size(); i-- > 0;)
         if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);

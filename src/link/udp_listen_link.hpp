@@ -49,7 +49,7 @@ private:
     void try_open();
     void fail(std::string why);
     void read();
-    void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint now);
+    void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
     void take(Peer& peer, ano::FrameView frame, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
@@ -71,6 +71,7 @@ private:
 
     LinkContext context_;
     Descriptor descriptor_;
+    Arrival arrival_;
     Backoff backoff_;
     Alarm retry_;
     Alarm look_;    // at who is overdue

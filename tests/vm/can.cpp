@@ -178,6 +178,25 @@ TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
     EXPECT_EQ(gateway.count("vcan0", "frames_in"), 0u);    // own frames do not come back
 }
 
+TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
+    for (const std::string can : {"can:vcan0", "can:vcan0,framing=isotp,tx=0x101,rx=0x102"}) {
+        RunningGateway gateway{loop, {can, app.link("app")}};
+        EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
+        const auto say = [&](std::uint8_t n) {
+            const Bytes sticks = frame(0xFE, 0xDC, 0x41, Bytes(14, n));
+            if (can == "can:vcan0") return BusSocket{"vcan0"}.send(sticks);
+            std::string spaced;
+            for (const std::uint8_t byte : sticks) spaced += hex({&byte, 1}) + " ";
+            EXPECT_EQ(run("echo " + spaced + "| isotpsend -s 102 -d 101 vcan0"), 0);
+        };
+        say(1);
+        std::this_thread::sleep_for(600ms);    // the loop does not run
+        say(2);
+        EXPECT_EQ(received(app, 1), Frames{frame(0xFE, 0xDC, 0x41, Bytes(14, 2))}) << can;
+        EXPECT_EQ(gateway.count("app", "stale"), 1u) << can;
+    }
+}
+
 TEST_F(Can, base_moves_the_ids) {
     RunningGateway gateway{loop, {"can:vcan0,base=0x100", app.link("app")}};
     auto bus = dump();

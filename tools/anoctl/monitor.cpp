@@ -5,6 +5,7 @@
 #include <daemon/config.hpp>
 #include <gateway/hints.hpp>
 #include <link/asio.hpp>
+#include <link/clocks.hpp>
 #include <link/kinds.hpp>
 
 #include <CLI/CLI.hpp>
@@ -113,6 +114,11 @@ private:
         why_ = std::move(why);
     }
     TimePoint now() override { return now_ = Clock::now(); }
+    const LoopWatch& turn() override {
+        loop_.turn(read_clocks());
+        now_ = loop_.now();
+        return loop_;
+    }
 
     // As long as there was no frame: what a gateway's status would say of the link.
     void look_later() {
@@ -180,6 +186,7 @@ private:
     std::vector<std::unique_ptr<Channel>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
+    LoopWatch loop_;    // not asked how old a frame is
     asio::steady_timer look_{io_};
     std::string hint_;
     bool up_ = false;

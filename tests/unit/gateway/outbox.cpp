@@ -332,6 +332,29 @@ TEST(Outbox, no_kind_starves_and_what_leaves_is_fresh) {
     EXPECT_LE(outbox.waiting(), 40u) << "two of a kind at the most";
 }
 
+TEST(Outbox, ages_while_the_machine_sleeps) {
+    Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
+    outbox.open();
+    push(outbox, numbered(1), command);
+    push(outbox, numbered(3), attitude);
+    outbox.push(ano::FrameView{numbered(4)});    // never stale
+    outbox.grow_older(1s);
+    EXPECT_EQ(gathered(outbox, start), joined({numbered(1), numbered(4)}));
+    EXPECT_EQ(gathered(outbox, start + 4s), numbered(4));
+    outbox.grow_older(1h);
+    EXPECT_EQ(gathered(outbox, start + 4s), numbered(4));
+    EXPECT_EQ(outbox.counters().stale, 2u);
+    expect_balanced(outbox);
+}
+
+TEST(Outbox, knows_what_has_come_too_late_to_leave) {
+    const Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
+    EXPECT_FALSE(outbox.is_stale(treatment_of(0x41), 200ms - 1ns));
+    EXPECT_TRUE(outbox.is_stale(treatment_of(0x41), 200ms));
+    EXPECT_FALSE(outbox.is_stale(treatment_of(0xC0), 5s - 1ns));
+    EXPECT_TRUE(outbox.is_stale(treatment_of(0xC0), 5s));
+}
+
 TEST(Outbox, waits_no_longer_than_its_age_limit) {
     Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
     outbox.open();

@@ -1,0 +1,33 @@
+// That the loop stood still, in few lines.
+#pragma once
+#include <gateway/arrival.hpp>
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+namespace anogate {
+
+/// At most a line in ten seconds: on a machine that is too slow for what it has to do, it stands still all the time.
+class StandstillLog {
+public:
+    void stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
+        if (turn.stood <= LoopWatch::told) return;
+        if (now < next_) return void(++unsaid_);
+        next_ = now + spacing;
+        const double seconds = std::chrono::duration<double>(turn.stood).count();
+        const char* why = turn.suspended > ano::Duration::zero() ? "the machine slept" : "stopped, or the machine was too busy";
+        const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";
+        spdlog::warn("stood still for {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
+    }
+
+private:
+    static constexpr ano::Duration spacing = std::chrono::seconds{10};
+
+    ano::TimePoint next_ = ano::TimePoint::min();
+    std::uint64_t unsaid_ = 0;
+};
+
+}  // namespace anogate

@@ -1,0 +1,257 @@
+#include <gateway/arrival.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using ano::Duration;
+using ano::TimePoint;
+
+namespace {
+
+/// A loop with its clocks, and one wire.
+class ArrivalTest : public testing::Test {
+protected:
+    static constexpr Duration period = 100ms;
+
+    ArrivalTest() {
+        turn();
+        loop.beat(period);
+        wire.found_empty(loop);
+    }
+
+    void pass(Duration time) {
+        clocks.now += time;
+        clocks.boot += time;
+        clocks.real += time;
+    }
+    void suspend(Duration time) {
+        clocks.boot += time;
+        clocks.real += time;
+    }
+    void set_clock(Duration by) { clocks.real += by; }
+    LoopWatch::Turn turn() { return loop.turn(clocks); }
+    void beat() {
+        if (turn().stood == 0s) loop.end_standstill();
+        loop.beat(period);
+    }
+    /// As a loop does that has nothing else to do.
+    void idle(Duration time) {
+        for (Duration end{}; end < time; end += period) {
+            pass(period);
+            beat();
+        }
+    }
+    /// A stamp of just now.
+    Duration stamp() const { return clocks.real; }
+
+    Duration age_by(Duration stamp) {
+        turn();
+        return clocks.now - wire.stamped(stamp, loop);
+    }
+    Duration age() {
+        turn();
+        return clocks.now - wire.unstamped(loop);
+    }
+
+    ClockReading clocks{TimePoint{1h}, 2h, 490'000h};
+    LoopWatch loop;
+    Arrival wire;
+};
+
+}    // namespace
+
+using Stamped = ArrivalTest;
+
+TEST_F(Stamped, counts_from_the_stamp) {
+    idle(5s);
+    const Duration came = stamp();
+    pass(7ms);
+    EXPECT_EQ(age_by(came), 7ms);
+}
+
+TEST_F(Stamped, counts_through_a_standstill) {
+    idle(5s);
+    pass(2s);
+    const Duration early = stamp();
+    pass(7s);
+    const Duration late = stamp();
+    pass(1ms);
+    EXPECT_EQ(age_by(early), 7001ms);
+    EXPECT_EQ(age_by(late), 1ms);
+}
+
+TEST_F(Stamped, counts_while_the_machine_sleeps) {
+    idle(1s);
+    pass(10ms);
+    const Duration came = stamp();
+    suspend(8h);
+    pass(1ms);
+    EXPECT_EQ(age_by(came), 8h + 1ms);
+}
+
+TEST_F(Stamped, of_the_future_is_now) {
+    idle(1s);
+    EXPECT_EQ(age_by(stamp() + 10ms), 0s);
+}
+
+TEST_F(Stamped, is_no_older_than_the_wire_was_empty) {
+    idle(1s);
+    wire.found_empty(loop);
+    pass(30ms);
+    EXPECT_EQ(age_by(stamp() - 49ms), 30ms);
+}
+
+TEST_F(Stamped, means_nothing_when_the_clock_was_set) {
+    for (const Duration step : {Duration{1h}, Duration{-1h}, Duration{200ms}, Duration{-200ms}}) {
+        idle(5s);
+        const Duration came = stamp();
+        set_clock(step);
+        pass(1ms);
+        EXPECT_EQ(age_by(came), 0s) << step.count();    // the loop ran: it can't have waited
+        wire.found_empty(loop);
+    }
+}
+
+TEST_F(Stamped, is_as_old_as_the_standstill_when_the_clock_was_set_meanwhile) {
+    for (const Duration step : {Duration{1h}, Duration{-1h}}) {
+        idle(5s);
+        const Duration came = stamp();
+        pass(4s);
+        set_clock(step);
+        pass(5s);
+        const Duration after = stamp();
+        EXPECT_EQ(age_by(came), 9s) << step.count();
+        EXPECT_EQ(age_by(after), 9s) << step.count();
+        wire.found_empty(loop);
+        pass(1ms);
+        EXPECT_EQ(age_by(stamp()), 0s) << step.count();
+        wire.found_empty(loop);
+        beat();
+    }
+}
+
+TEST_F(Stamped, follows_a_clock_that_is_pulled_slowly) {
+    idle(5s);
+    for (int i = 0; i < 1000; ++i) {
+        set_clock(49ms);
+        idle(1s);
+        const Duration came = stamp();
+        pass(3ms);
+        EXPECT_EQ(age_by(came), 3ms);
+        wire.found_empty(loop);
+    }
+}
+
+using Unstamped = ArrivalTest;
+
+TEST_F(Unstamped, is_of_now_while_the_loop_runs) {
+    EXPECT_EQ(age(), 0s);
+    idle(1h);
+    pass(90ms);
+    EXPECT_EQ(age(), 0s);
+    pass(10ms + LoopWatch::lateness);
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(Unstamped, is_as_old_as_a_standstill) {
+    idle(1s);
+    pass(9s);
+    EXPECT_EQ(age(), 9s);
+    pass(1ms);
+    EXPECT_EQ(age(), 9001ms);    // more of it
+    beat();
+    EXPECT_TRUE(wire.is_behind());
+    pass(1ms);
+    EXPECT_EQ(age(), 9002ms);
+    wire.found_empty(loop);
+    EXPECT_FALSE(wire.is_behind());
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
+    idle(1s);
+    pass(50ms);
+    turn();
+    wire.found_empty(loop);
+    pass(9s);
+    EXPECT_EQ(age(), 9s);
+}
+
+TEST_F(Unstamped, is_of_now_where_nothing_waited) {
+    idle(1s);
+    pass(9s);
+    beat();    // who noticed it says nothing of what others have to read
+    EXPECT_TRUE(loop.is_behind());
+    pass(period);
+    beat();
+    EXPECT_FALSE(loop.is_behind());
+    pass(20ms);
+    EXPECT_EQ(age(), 0s);
+    idle(1h);
+    EXPECT_EQ(age(), 0s);
+}
+
+TEST_F(Unstamped, is_as_old_as_the_sleep_of_the_machine) {
+    idle(1s);
+    pass(10ms);
+    suspend(3s);
+    pass(10ms);
+    EXPECT_EQ(age(), 3020ms);
+}
+
+TEST_F(Unstamped, keeps_the_first_standstill_until_it_is_read) {
+    idle(1s);
+    pass(9s);
+    EXPECT_EQ(age(), 9s);
+    pass(2s);
+    EXPECT_EQ(age(), 11s);
+}
+
+using Watch = ArrivalTest;
+
+TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
+    idle(10s);
+    EXPECT_EQ(loop.standstills(), 0u);
+    pass(period + LoopWatch::told);
+    EXPECT_EQ(turn().stood, LoopWatch::told);
+    EXPECT_EQ(loop.standstills(), 0u);
+    beat();
+    pass(period + LoopWatch::told + 1ms);
+    EXPECT_EQ(turn().stood, LoopWatch::told + 1ms);
+    EXPECT_EQ(turn().stood, 0s);    // once
+    EXPECT_EQ(loop.standstills(), 1u);
+    beat();
+    pass(9s);
+    beat();
+    EXPECT_EQ(loop.standstills(), 2u);
+    EXPECT_EQ(loop.longest(), 9s - period);
+}
+
+TEST_F(Watch, tells_how_long_the_machine_slept) {
+    idle(1s);
+    suspend(8h);
+    pass(1ms);
+    const LoopWatch::Turn woken = turn();
+    EXPECT_EQ(woken.suspended, 8h);
+    EXPECT_EQ(woken.stood, 8h);
+    EXPECT_EQ(loop.standstills(), 1u);
+    pass(1ms);
+    EXPECT_EQ(turn().suspended, 0s);
+}
+
+TEST_F(Watch, takes_no_reading_of_two_clocks_for_sleep) {
+    idle(1s);
+    clocks.boot += 20us;
+    EXPECT_EQ(turn().suspended, 0s);
+    clocks.boot -= 20us;
+    EXPECT_EQ(turn().suspended, 0s);
+}
+
+TEST_F(Watch, does_not_begin_before_the_first_beat) {
+    LoopWatch fresh;
+    EXPECT_EQ(fresh.turn(clocks).stood, 0s);
+    pass(1h);
+    EXPECT_EQ(fresh.turn(clocks).stood, 0s);
+    EXPECT_EQ(fresh.standstills(), 0u);
+}
