@@ -180,7 +180,7 @@ TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
 
 TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
     for (const std::string can : {"can:vcan0", "can:vcan0,framing=isotp,tx=0x101,rx=0x102"}) {
-        RunningGateway gateway{loop, {can, app.link("app")}};
+        RunningGateway gateway{loop, {can, app.link("app") + ",age.control=2s"}};
         EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
         const auto say = [&](std::uint8_t n) {
             const Bytes sticks = frame(0xFE, 0xDC, 0x41, Bytes(14, n));
@@ -190,7 +190,7 @@ TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
             EXPECT_EQ(run("echo " + spaced + "| isotpsend -s 102 -d 101 vcan0"), 0);
         };
         say(1);
-        std::this_thread::sleep_for(600ms);    // the loop does not run
+        std::this_thread::sleep_for(2500ms);    // the loop does not run
         say(2);
         EXPECT_EQ(received(app, 1), Frames{frame(0xFE, 0xDC, 0x41, Bytes(14, 2))}) << can;
         EXPECT_EQ(gateway.count("app", "stale"), 1u) << can;
