@@ -356,13 +356,15 @@ TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
     OpenNetworkBeside t;
     const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
+    const Inside inside{t.vehicle};
     for (const bool bound : {false, true}) {
         const auto daemon = t.gateway(bound ? "wg0" : "");
         ASSERT_TRUE(daemon->until_up("ground"));
         for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
         ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
         const std::uint64_t heard = bound ? 1 : 4;
-        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; })) << bound;
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; }))
+            << (bound ? "bound: " : "not bound: ") << daemon->link("ground").dump();
         EXPECT_EQ(daemon->count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
         EXPECT_EQ(peers(*daemon), bound ? 1u : 2u);
         EXPECT_EQ(daemon->link("ground").at("kernel_drops"), 0);
