@@ -63,14 +63,14 @@ unsigned asked(unsigned usual) {
     return number ? static_cast<unsigned>(std::atoi(number)) / 2 : usual;
 }
 
-// A watchdog of 1 ms is due all the time, and what is due just when it is stopped is the difficult case.
+// A watchdog of 50 us is due all the time, and what is due just when it is stopped is the difficult case.
 TEST(Ends, whenever_the_signal_comes) {
     const support::TempDir dir;
     support::Random random{1};
     const unsigned tries = asked(100);
     unsigned lost = 0;
     for (unsigned i = 0; i < tries; ++i) {
-        const pid_t pid = start(dir / "control", {"WATCHDOG_USEC=2000"});
+        const pid_t pid = start(dir / "control", {"WATCHDOG_USEC=100"});
         std::this_thread::sleep_for(std::chrono::microseconds{random.below(25'000)});
         ::kill(pid, SIGTERM);
         lost += !ends(pid);
