@@ -155,10 +155,10 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
     on_required_missing_ = std::move(on_required_missing);
     started_at_ = turn().now();
-    beat();
     for (LinkState& s : links_) s.since = started_at_;
     gpio_->start();
     for (LinkState& s : links_) s.link->start();
+    beat();    // to open them may take long
     if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.link->settings().required; }))
         required_check_.set(started_at_ + required_within);
 }
