@@ -101,9 +101,10 @@ private:
     void end_loop(Channel& from, ano::FrameView frame);
     void send_probe(ChannelId channel);
     void take_probe(Channel& from, ano::FrameView probe);
-    bool hold(Channel& from, ano::FrameView brought, TimePoint due);
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due, std::uint32_t repeats = 0);
     void release_held();
     void release_held_until(TimePoint due);
+    void release_held_of(ChannelId from);
     void make_room_for(const Channel& from, ano::FrameView frame);
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);

@@ -1,5 +1,6 @@
 // Two gateways joined by two links, each direction with its own delay: every broadcast arrives everywhere, nothing goes
 // round, and with the links in one group a command arrives exactly once, while a link fails as well.
+#include <gateway/held.hpp>
 #include <gateway/loop_guard.hpp>
 #include <gateway/router.hpp>
 
@@ -44,21 +45,39 @@ struct Node {
             channels.insert(channel);
         }
     }
-    std::vector<Leaves> receive(unsigned channel, const Bytes& bytes, TimePoint now, bool waited) {
+    std::vector<Leaves> receive(unsigned channel, const Bytes& bytes, TimePoint now) {
         std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
-        const Said said = said_by(frame);
+        const bool host = ano::address::is_host(frame.source()) && !is_probe(frame);
+        if (held.goes_on(from, frame) || (host && held.due(from) && !held.fits(frame)))
+            while (const auto first = held.take(from)) append(leave, judge(channel, bytes_of(*first), now, true));
+        if (const auto due = held.due(from); due && host && replace_of(bytes) == Replaces::nothing && held.put(from, frame, *due))
+            return leave;
+        append(leave, judge(channel, bytes, now, false));
+        return leave;
+    }
+    std::vector<Leaves> release(TimePoint now) {
+        std::vector<Leaves> leave;
+        while (const auto first = held.take(now)) append(leave, judge(static_cast<unsigned>(index(first->from)), bytes_of(*first), now, true));
+        return leave;
+    }
+    static Bytes bytes_of(const Held::Frame& frame) { return {frame.view().bytes().begin(), frame.view().bytes().end()}; }
+    static void append(std::vector<Leaves>& to, const std::vector<Leaves>& more) { to.insert(to.end(), more.begin(), more.end()); }
+    std::vector<Leaves> judge(unsigned channel, const Bytes& bytes, TimePoint now, bool waited) {
+        std::vector<Leaves> leave;
+        const ano::FrameView frame{bytes};
+        const auto from = static_cast<ChannelId>(channel);
+        Said said = said_by(frame);
+        said.waited = waited;
         const auto judgement = loops.judge(said, from, now);
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();
             leave.push_back({from, {probe.begin(), probe.end()}});
             ++probes;
         }
-        if (judgement.fate == LoopGuard::Fate::waits && !waited) {
-            waiting.push_back({now + RingWatch::patience, channel, bytes});
+        if (judgement.fate == LoopGuard::Fate::waits && !waited && held.put(from, frame, now + judgement.wait, judgement.repeats))
             return leave;
-        }
         if (judgement.fate == LoopGuard::Fate::ends) {
             ++looped;
             if (ano::address::is_host(frame.source()) && !loops.rings().is_ring(from, now))
@@ -83,17 +102,12 @@ struct Node {
         return leave;
     }
 
-    struct Waiting {
-        TimePoint due;
-        unsigned channel;
-        Bytes bytes;
-    };
     std::uint8_t group_of_links;
     std::unique_ptr<Router> router;
     LoopGuard loops;
     DuplicateGuard copies;
     ChannelSet channels;
-    std::vector<Waiting> waiting;
+    Held held;
     int looped = 0;
     int duplicates = 0;
     int probes = 0;
@@ -104,8 +118,7 @@ struct World {
         TimePoint at;
         std::uint64_t number;
         unsigned node, channel;
-        Bytes bytes;
-        bool waited;
+        Bytes bytes;    // none: something is due that was held
         bool operator>(const Event& other) const { return std::tie(at, number) > std::tie(other.at, other.number); }
     };
     /// Where a way leads from a channel of a node.
@@ -128,9 +141,7 @@ struct World {
         ways[{b.node, b.channel}] = {a, back};
     }
 
-    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at, bool waited = false) {
-        events.push({at, ++numbers, node, channel, bytes, waited});
-    }
+    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at) { events.push({at, ++numbers, node, channel, bytes}); }
     void run() {
         while (!events.empty()) {
             const Event event = events.top();
@@ -138,7 +149,7 @@ struct World {
             ASSERT_LT(++handled, most) << "a storm";
             now = event.at;
             Node& node = nodes[event.node];
-            for (const Node::Leaves& out : node.receive(event.channel, event.bytes, now, event.waited)) {
+            for (const Node::Leaves& out : event.bytes.empty() ? node.release(now) : node.receive(event.channel, event.bytes, now)) {
                 const unsigned channel = static_cast<unsigned>(index(out.to));
                 const auto way = ways.find({event.node, channel});
                 if (way == ways.end())
@@ -147,7 +158,7 @@ struct World {
                     send(way->second.first.node, way->second.first.channel, out.bytes,
                          now + way->second.second + delay_of(event.node, channel));
             }
-            for (const Node::Waiting& held : std::exchange(node.waiting, {})) send(event.node, held.channel, held.bytes, held.due, true);
+            if (const auto due = node.held.due()) send(event.node, 0, {}, *due);
         }
     }
     Duration delay_of(unsigned node, unsigned channel) const {
