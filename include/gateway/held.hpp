@@ -18,8 +18,13 @@ class Held {
 public:
     static constexpr std::size_t most = 32, largest = 64;
 
-    /// False: there is no room, or the frame is too long. `repeats`: with so many of the same bytes waiting, one more and it goes_on().
-    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, std::uint32_t repeats = 0) noexcept {
+    /// How many of the same bytes its channel may bring while it waits, and until when; 0: as many as it likes.
+    struct Repeats {
+        std::uint32_t most;
+        ano::TimePoint until;
+    };
+    /// False: there is no room, or the frame is too long.
+    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, Repeats repeats = {}) noexcept {
         const auto bytes = frame.bytes();
         if (!fits(frame)) return false;
         Frame& held = frames_[count_++];
@@ -32,15 +37,16 @@ public:
     }
     /// Whether there is room for it.
     bool fits(ano::FrameView frame) const noexcept { return count_ < most && frame.bytes().size() <= largest; }
-    /// Whether the channel need not wait any longer: it brings the same once more than it may while that waits.
-    bool goes_on(ChannelId from, ano::FrameView frame) const noexcept {
-        std::uint32_t repeats = 0, same = 0;
+    /// Whether the channel brings the same once more than it may, so that it need not wait.
+    bool goes_on(ChannelId from, ano::FrameView frame, ano::TimePoint now) const noexcept {
+        Repeats repeats{};
+        std::uint32_t same = 0;
         for (const Frame& held : std::span{frames_}.first(count_)) {
             if (held.from != from || !std::ranges::equal(held.view().bytes(), frame.bytes())) continue;
-            repeats = std::max(repeats, held.repeats);
+            if (held.repeats.most > repeats.most) repeats = held.repeats;
             ++same;
         }
-        return repeats > 0 && same >= repeats;
+        return repeats.most > 0 && (same >= repeats.most || now > repeats.until);
     }
     /// When the last of a channel is due; nothing when none waits.
     std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
@@ -60,7 +66,7 @@ public:
     struct Frame {
         ChannelId from{};
         ano::TimePoint due{};
-        std::uint32_t repeats = 0;
+        Repeats repeats{};
         std::size_t size = 0;
         std::array<std::uint8_t, largest> bytes{};
         ano::FrameView view() const noexcept { return ano::FrameView{std::span{bytes}.first(size)}; }

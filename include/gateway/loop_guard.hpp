@@ -38,7 +38,8 @@ struct Said {
     bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
     bool to_all = false;    // everybody is meant
     bool command = false;   // of a host, or what hosts say
-    bool waited = false;    // it was told to wait, and did
+    bool waited = false;    // it was told to wait, and did,
+    bool hurried = false;   // until the channel brought the next of the same
 };
 inline Said said_by(ano::FrameView frame) noexcept {
     const Treatment treatment = treatment_of(frame.id());
@@ -72,6 +73,8 @@ public:
     static constexpr std::uint32_t first_test = 16, most_tests = 6;
     static constexpr std::array<Duration, 3> tested_for{longest_withheld, std::chrono::milliseconds{300}, std::chrono::milliseconds{400}};
     static constexpr std::uint8_t enough = 3;
+    /// What goes round together, sent late at once, comes within this time.
+    static constexpr Duration come_together = std::chrono::milliseconds{100};
     /// Of states that a ring may have multiplied; commands wait for RingWatch::patience.
     static constexpr Duration longest_state_wait = std::chrono::milliseconds{250};
 
@@ -209,8 +212,7 @@ private:
         const bool probe = rings_.is_due(from, now);
         if (is_clear(known, from, now)) {
             const bool may_be_answered = rings_.is_new(from, now) && now - sent_at < RingWatch::by_hand;
-            const bool other_end = !rings_.is_probed(from) && known.times > 0 && rings_.is_asking(now);
-            if (may_be_answered || other_end) return waiting(said, sent_at, probe, now);
+            if (may_be_answered || may_be_its_other_end(known, from, sent_at, now)) return waiting(said, sent_at, probe, now);
             return with_probe(paced(known, said, from, sent_at, now), probe);
         }
         if (!known.again) {
@@ -250,7 +252,7 @@ private:
     Judgement tested(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
         Test& test = known.test;
         if (said.waited) {
-            if (now < known.withheld_until) end_test(known);    // the next came
+            if (said.hurried && test.sent_late > 0) end_test(known);
             return {};
         }
         if (now >= known.withheld_until) {
@@ -258,13 +260,14 @@ private:
             const bool steady = std::abs(way - test.way) <= std::min(20 + way / 8, 60);
             test.way = way;
             if (test.sent_late == 0) {
-                const bool due = test.number < most_tests && known.times >= first_test << test.number;
-                if (!said.command || !due || !steady) return {};
+                const std::uint32_t turns = (known.times / first_test) >> test.number;    // of several that go round none is steady
+                if (!said.command || test.number == most_tests || turns < (steady ? 1u : 2u)) return {};
             } else if (steady) {
                 if (++test.steady >= enough) return came_round(known, from, now);
-            } else if (test.steady = 0; ++test.strays > 1) {
-                end_test(known);
-                return {};
+            } else {
+                const bool ended = test.steady == enough;    // and yet it goes on
+                test.steady = 0;
+                if (ended || ++test.strays > 1) return end_test(known), Judgement{};
             }
             known.withheld_until = now + tested_for[test.sent_late++ % tested_for.size()];
         }
@@ -284,6 +287,11 @@ private:
     static constexpr Judgement waiting(const Said& said, TimePoint sent_at, bool probe, TimePoint now) noexcept {
         const bool waits = !said.state || now - sent_at < faster_than_senders;
         return {.fate = waits ? Fate::waits : Fate::passes, .probe = probe, .wait = said.state ? longest_state_wait : RingWatch::patience};
+    }
+    // Of a ring by bridges that keep what devices say: there a probe tells, by its other end.
+    bool may_be_its_other_end(const Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
+        if (rings_.is_probed(from) || known.times == 0) return false;
+        return rings_.is_asking(now) || (now - sent_at < RingWatch::by_hand && !rings_.are_clear(known.channels - from, now));
     }
     // No ring that it can have come by.
     bool is_clear(const Sent& known, ChannelId from, TimePoint now) noexcept {

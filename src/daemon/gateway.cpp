@@ -216,6 +216,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     Said said = said_by(frame);
     said.waited = releasing_;
+    said.hurried = hurrying_;
     std::uint32_t copies = 1;
     if (came_before(from, frame, brought, treatment, said, copies)) return;
     compare(from, frame, said.key);
@@ -262,7 +263,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
     if (judgement.probe) send_probe(from.id);
-    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + judgement.wait, judgement.repeats)) return true;
+    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + judgement.wait, {judgement.repeats, now_ + LoopGuard::come_together})) return true;
     if (judgement.fate == LoopGuard::Fate::ends) {
         if (judgement.elsewhere) compare(from, frame, said.key);
         return end_loop(from, frame), true;
@@ -295,7 +296,7 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
         if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment);
 }
 
-bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due, std::uint32_t repeats) {
+bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats) {
     if (!held_.put(from.id, brought, due, repeats)) return false;
     release_.set_no_later(due);
     return true;
@@ -314,16 +315,16 @@ void Gateway::release_held_until(TimePoint due) {
     if (const auto next = held_.due()) release_.set(*next);
 }
 
-void Gateway::release_held_of(ChannelId from) {
-    releasing_ = true;
+void Gateway::hurry(ChannelId from) {
+    releasing_ = hurrying_ = true;
     while (const auto held = held_.take(from)) receive(*channels_[index(from)], held->view());
-    releasing_ = false;
+    releasing_ = hurrying_ = false;
 }
 
 // A host whose frames wait says more than there is room for: what waits goes first, it must not be overtaken. Or what waits for
 // the next of the same bytes has it here.
 void Gateway::make_room_for(const Channel& from, ano::FrameView frame) {
-    if (!releasing_ && held_.goes_on(from.id, frame)) release_held_of(from.id);
+    if (!releasing_ && held_.goes_on(from.id, frame, now_)) hurry(from.id);
     if (!releasing_ && keeps_order(frame) && held_.due(from.id) && !held_.fits(frame)) release_held_until(TimePoint::max());
 }
 

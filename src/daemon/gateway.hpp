@@ -101,10 +101,10 @@ private:
     void end_loop(Channel& from, ano::FrameView frame);
     void send_probe(ChannelId channel);
     void take_probe(Channel& from, ano::FrameView probe);
-    bool hold(Channel& from, ano::FrameView brought, TimePoint due, std::uint32_t repeats = 0);
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats = {});
     void release_held();
     void release_held_until(TimePoint due);
-    void release_held_of(ChannelId from);
+    void hurry(ChannelId from);
     void make_room_for(const Channel& from, ano::FrameView frame);
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
@@ -132,6 +132,7 @@ private:
     Held held_;    // for what the guard waits
     Alarm release_;
     bool releasing_ = false;
+    bool hurrying_ = false;
     DuplicateGuard duplicates_;
     SameDevice same_device_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;

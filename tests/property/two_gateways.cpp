@@ -45,13 +45,18 @@ struct Node {
             channels.insert(channel);
         }
     }
+    /// Anew, as one that may be probed, or not.
+    void open(unsigned channel, bool probed) {
+        loops.open(static_cast<ChannelId>(channel), static_cast<LinkId>(channel), 0, probed, TimePoint::min());
+    }
     std::vector<Leaves> receive(unsigned channel, const Bytes& bytes, TimePoint now) {
         std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
         const bool host = ano::address::is_host(frame.source()) && !is_probe(frame);
-        if (held.goes_on(from, frame) || (host && held.due(from) && !held.fits(frame)))
-            while (const auto first = held.take(from)) append(leave, judge(channel, bytes_of(*first), now, true));
+        const bool goes_on = held.goes_on(from, frame, now);
+        if (goes_on || (host && held.due(from) && !held.fits(frame)))
+            while (const auto first = held.take(from)) append(leave, judge(channel, bytes_of(*first), now, true, goes_on));
         if (const auto due = held.due(from); due && host && replace_of(bytes) == Replaces::nothing && held.put(from, frame, *due))
             return leave;
         append(leave, judge(channel, bytes, now, false));
@@ -64,19 +69,20 @@ struct Node {
     }
     static Bytes bytes_of(const Held::Frame& frame) { return {frame.view().bytes().begin(), frame.view().bytes().end()}; }
     static void append(std::vector<Leaves>& to, const std::vector<Leaves>& more) { to.insert(to.end(), more.begin(), more.end()); }
-    std::vector<Leaves> judge(unsigned channel, const Bytes& bytes, TimePoint now, bool waited) {
+    std::vector<Leaves> judge(unsigned channel, const Bytes& bytes, TimePoint now, bool waited, bool hurried = false) {
         std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
         Said said = said_by(frame);
         said.waited = waited;
+        said.hurried = hurried;
         const auto judgement = loops.judge(said, from, now);
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();
             leave.push_back({from, {probe.begin(), probe.end()}});
             ++probes;
         }
-        if (judgement.fate == LoopGuard::Fate::waits && !waited && held.put(from, frame, now + judgement.wait, judgement.repeats))
+        if (judgement.fate == LoopGuard::Fate::waits && !waited && held.put(from, frame, now + judgement.wait, {judgement.repeats, now + LoopGuard::come_together}))
             return leave;
         if (judgement.fate == LoopGuard::Fate::ends) {
             ++looped;
@@ -188,6 +194,11 @@ Bytes command(int n) {
 }
 Bytes attitude(int n) {
     return support::frame(0xDC, 0xFE, 0x03, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
+}
+
+// What one device says to everybody.
+Bytes telemetry(int n) {
+    return support::frame(0xDC, 0xFF, 0x03, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)});
 }
 
 constexpr Duration delays[] = {0ms, 60ms, 500ms};
@@ -322,7 +333,7 @@ TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
     for (int i = 0; i < 100; ++i) {
         const unsigned count = 1 + random.below(3u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
-        World world = ring_of(count, random, RingWatch::patience / (2 * count + 1));
+        World world = ring_of(count, random, 500ms / count);
         if (random.one_in(2)) world.carries = vendors_bridge;
         const unsigned from = random.below(count);
         for (int n = 0; n < 20; ++n) world.send(from, device, order(n), TimePoint{1h} + n * 1s);
@@ -334,6 +345,38 @@ TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
                 EXPECT_LE(world.times(node, order(n)) + own, n == 0 ? 2 : 1) << node << ' ' << n;
             }
         EXPECT_LT(world.handled, 1000u);
+    }
+}
+
+// A cable at one end, where no probe may go, and what devices say does not come back, for such a bridge keeps it.
+TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_twice_while_devices_speak) {
+    support::Random random{5};
+    for (int i = 0; i < 20; ++i) {
+        SCOPED_TRACE(i);
+        World world{1, 3};
+        world.nodes[0].open(1, false);
+        world.join({0, 1}, {0, 2}, random.below(250) * 1ms, random.below(100) * 1ms);
+        world.carries = vendors_bridge;
+        for (int n = 0; n < 200; ++n) world.send(0, device, telemetry(n), TimePoint{1h} + n * 50ms);
+        for (int n = 0; n < 5; ++n) world.send(0, 3, order(n), TimePoint{1h} + 5s + n * 1s);
+        world.run();
+        for (int n = 0; n < 5; ++n) {
+            EXPECT_GE(world.times(0, order(n)), 1) << n;
+            EXPECT_LE(world.times(0, order(n)), n == 0 ? 1 + 2 : 1) << n << ": what returned goes to the host as well";
+        }
+    }
+}
+
+TEST(Ring, that_filters_the_probe_lets_a_command_pass_a_few_dozen_times) {
+    support::Random random{6};
+    for (int i = 0; i < 100; ++i) {
+        const unsigned count = 1 + random.below(3u);
+        SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
+        World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 200ms}));
+        world.carries = lets_no_probe_through;
+        world.send(random.below(count), device, order(0), TimePoint{1h});
+        world.run();
+        for (unsigned node = 0; node < count; ++node) EXPECT_LE(world.times(node, order(0)), 80) << node;
     }
 }
 
@@ -429,4 +472,40 @@ TEST(Hosts, one_that_repeats_itself_loses_nothing) {
     EXPECT_EQ(world.times(0, order(0)), 2 * times);
     EXPECT_EQ(world.times(0, support::frame(0xDC, 0xFF, 0x01, {1})), 2 * times);
     EXPECT_EQ(world.looped(), 0);
+}
+
+// At any pace, and wherever it stops: what is withheld from it is sent late at the latest.
+TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
+    for (const Duration pace : {0ms, 1ms, 4ms, 20ms, 100ms, 250ms, 400ms, 490ms, 510ms, 700ms, 1000ms, 1900ms})
+        for (const int times : {15, 16, 17, 18, 19, 20, 31, 33, 40, 64, 200}) {
+            World world{1, 2};
+            for (int n = 0; n < times; ++n) world.send(0, 1, order(0), TimePoint{1h} + n * pace);
+            world.run();
+            EXPECT_EQ(world.times(0, order(0)), 2 * times) << pace / 1ms << " ms";
+            EXPECT_LE(world.now - (TimePoint{1h} + (times - 1) * pace), LoopGuard::longest_withheld) << pace / 1ms << " ms";
+        }
+}
+
+// One host on a cable, where no probe may go, the other not. Devices speak, or the hosts spoke before.
+TEST(Hosts, one_behind_a_cable_loses_nothing) {
+    support::Random random{7};
+    for (const bool devices_speak : {true, false})
+        for (const int frequency : {1, 5, 50})
+            for (int i = 0; i < 10; ++i) {
+                SCOPED_TRACE(testing::Message() << devices_speak << ' ' << frequency << ' ' << i);
+                World world{1, 2};
+                world.nodes[0].open(1, false);
+                if (devices_speak)
+                    for (int n = 0; n < 50; ++n) world.send(0, device, telemetry(n), TimePoint{1h} + n * 200ms);
+                else
+                    world.send(0, 2, order(1), TimePoint{1h});
+                const Duration lag = random.below(1'000'000 / frequency) * 1us;
+                for (int n = 0; n < 6 * frequency; ++n) {
+                    world.send(0, 2, order(0), TimePoint{1h} + 4s + n * 1s / frequency);
+                    world.send(0, 1, order(0), TimePoint{1h} + 4s + n * 1s / frequency + lag);
+                }
+                world.run();
+                EXPECT_EQ(world.times(0, order(0)), 2 * 12 * frequency);
+                EXPECT_EQ(world.looped(), 0);
+            }
 }
