@@ -10,8 +10,8 @@
 //   a device said. While nothing of that is known, one return passes within the window.
 // - What enters by the ring itself comes again by the channel that brought it first, as from a sender that repeats itself. A
 //   probe tells them apart as well; for a device only where repeats are faster than a device speaks.
-// - A ring that lets no probe through looks like a sender that repeats itself. So after 16 repeats, 32, 64 and so on a command is
-//   tested, which costs a sender nothing: it is withheld for a while. When the next comes meanwhile, it is a sender's, and goes
+// - A ring that lets no probe through looks like a sender that repeats itself. So after 64 repeats, 128 and so on a command is
+//   tested, which costs nobody anything who does not wait for its answer to say it again: it is withheld for a while. When the next comes meanwhile, it is a sender's, and goes
 //   on with it. Else it is sent late: in a ring it comes back as long after that as ever, whenever it was sent; a sender says
 //   it by its own clock. When it came back so three times in a row, withheld for three different times, it ends.
 // - What that can't tell: of the thousandth repeat on, the frame is withheld, and sent together with the next: a sender loses
@@ -70,7 +70,7 @@ public:
     static constexpr std::uint32_t fast_repeats = 32;
     /// After so many repeats a command is tested first, and after twice as many each time then; how long it is withheld, in
     /// turn; and how often it comes round as it would in a ring until it is taken for that.
-    static constexpr std::uint32_t first_test = 16, most_tests = 6;
+    static constexpr std::uint32_t first_test = 64, most_tests = 4;
     static constexpr std::array<Duration, 3> tested_for{longest_withheld, std::chrono::milliseconds{300}, std::chrono::milliseconds{400}};
     static constexpr std::uint8_t enough = 3;
     /// What goes round together, sent late at once, comes within this time.

@@ -367,7 +367,7 @@ TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_twice_while_dev
     }
 }
 
-TEST(Ring, that_filters_the_probe_lets_a_command_pass_a_few_dozen_times) {
+TEST(Ring, that_filters_the_probe_ends_long_before_a_thousand) {
     support::Random random{6};
     for (int i = 0; i < 100; ++i) {
         const unsigned count = 1 + random.below(3u);
@@ -376,7 +376,7 @@ TEST(Ring, that_filters_the_probe_lets_a_command_pass_a_few_dozen_times) {
         world.carries = lets_no_probe_through;
         world.send(random.below(count), device, order(0), TimePoint{1h});
         world.run();
-        for (unsigned node = 0; node < count; ++node) EXPECT_LE(world.times(node, order(0)), 80) << node;
+        for (unsigned node = 0; node < count; ++node) EXPECT_LE(world.times(node, order(0)), 200) << node;
     }
 }
 
@@ -477,7 +477,7 @@ TEST(Hosts, one_that_repeats_itself_loses_nothing) {
 // At any pace, and wherever it stops: what is withheld from it is sent late at the latest.
 TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
     for (const Duration pace : {0ms, 1ms, 4ms, 20ms, 100ms, 250ms, 400ms, 490ms, 510ms, 700ms, 1000ms, 1900ms})
-        for (const int times : {15, 16, 17, 18, 19, 20, 31, 33, 40, 64, 200}) {
+        for (const int times : {60, 63, 64, 65, 66, 67, 68, 70, 127, 130, 300}) {
             World world{1, 2};
             for (int n = 0; n < times; ++n) world.send(0, 1, order(0), TimePoint{1h} + n * pace);
             world.run();
