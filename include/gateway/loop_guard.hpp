@@ -11,9 +11,10 @@
 // - What enters by the ring itself comes again by the channel that brought it first, as from a sender that repeats itself. A
 //   probe tells them apart as well; for a device only where repeats are faster than a device speaks.
 // - A ring that lets no probe through looks like a sender that repeats itself. So after 64 repeats, 128 and so on a command is
-//   tested, which costs nobody anything who does not wait for its answer to say it again: it is withheld for a while. When the next comes meanwhile, it is a sender's, and goes
-//   on with it. Else it is sent late: in a ring it comes back as long after that as ever, whenever it was sent; a sender says
-//   it by its own clock. When it came back so three times in a row, withheld for three different times, it ends.
+//   tested: it is withheld for a while. When the next comes meanwhile, it is a sender's, and goes on with it. Else it is sent
+//   late: in a ring it comes back as long after that as ever, whenever it was sent; a sender says it by its own clock. When it
+//   came back so three times in a row, withheld for three different times, it ends. So does, once in a test, what is said
+//   again only when it arrived, by a sender that waits longer for that.
 // - What that can't tell: of the thousandth repeat on, the frame is withheld, and sent together with the next: a sender loses
 //   nothing by that, while in a ring there is no next. After twice as many, twice as many are withheld, for as many may go
 //   round; but never for longer than `longest_withheld`.
@@ -21,6 +22,7 @@
 #pragma once
 #include <gateway/recent.hpp>
 #include <gateway/ring_watch.hpp>
+#include <gateway/said.hpp>
 
 #include <algorithm>
 #include <array>
@@ -30,26 +32,6 @@
 #include <utility>
 
 namespace anogate {
-
-/// What the guard has to know of a frame.
-struct Said {
-    std::uint64_t key;      // key_of()
-    bool by_host;           // others may say the very same
-    bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
-    bool to_all = false;    // everybody is meant
-    bool command = false;   // of a host, or what hosts say
-    bool waited = false;    // it was told to wait, and did,
-    bool hurried = false;   // until the channel brought the next of the same
-};
-inline Said said_by(ano::FrameView frame) noexcept {
-    const Treatment treatment = treatment_of(frame.id());
-    const bool host = ano::address::is_host(frame.source()), state = treatment.replaces != Replaces::nothing;
-    return {.key = key_of(frame),
-            .by_host = host,
-            .state = state,
-            .to_all = frame.destination() == ano::address::broadcast,
-            .command = !state && (host || treatment.traffic == TrafficClass::urgent)};
-}
 
 /// Constant time, no allocation after construction.
 class LoopGuard {
