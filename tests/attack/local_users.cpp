@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <poll.h>
+#include <sched.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -112,10 +113,8 @@ protected:
     std::size_t arrived() { return fc.heard().size() / frame(0xFE, 0xDC, 0xC0, {16, 0, 0}).size(); }
     void serve(std::size_t clients, int requests) {
         std::vector<std::unique_ptr<Client>> greedy;
-        for (std::size_t i = 0; i < clients; ++i) {
-            greedy.push_back(connect());
-            ASSERT_TRUE(greedy.back()->ask(requests));
-        }
+        for (std::size_t i = 0; i < clients; ++i) greedy.push_back(connect());
+        for (auto& client : greedy) ASSERT_TRUE(client->ask(requests));
         EXPECT_TRUE(gateway.until([&] {
             for (auto& client : greedy) client->heard();
             return sent == clients * static_cast<std::size_t>(requests);
@@ -256,19 +255,20 @@ protected:
         ::stat(precious.c_str(), &info);
         return info.st_mode & 0777;
     }
-    /// Whatever root makes at `path` becomes a link to the precious file.
+    std::string swap() { return theirs + "/swap"; }
+    /// Whatever root makes at `path` becomes a link to the precious file, as soon as it is there.
     int swap_for_ever(const std::string& path) {
         if (!become_nobody()) return 1;
-        const std::string link = theirs + "/link";
-        for (;;) {
-            struct stat info{};
-            if (::lstat(path.c_str(), &info) != 0) continue;
-            if (S_ISLNK(info.st_mode)) {
+        for (struct stat info{};;) {
+            if (::lstat(swap().c_str(), &info) != 0) {
                 ::unlink(path.c_str());
-            } else if (::symlink(precious.c_str(), link.c_str()) == 0) {
-                ::rename(link.c_str(), path.c_str());
+                if (::symlink(precious.c_str(), swap().c_str()) != 0) return 2;
             }
+            if (::lstat(path.c_str(), &info) == 0) ::rename(swap().c_str(), path.c_str());
         }
+    }
+    bool is_armed(const std::string& path) {
+        return fs::is_symlink(fs::symlink_status(swap())) && !fs::exists(fs::symlink_status(path));
     }
 
     TempDir dir;
@@ -281,6 +281,7 @@ TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
     const Child swapper{[&] { return swap_for_ever(socket); }};
     int changed = 0;
     for (int i = 0; i < 293; ++i) {
+        ASSERT_TRUE(wait_until([&] { return is_armed(socket); }, patience, [] { ::sched_yield(); }));
         Control control{io};
         control.start(socket);
         control.stop();
