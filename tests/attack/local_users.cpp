@@ -12,6 +12,7 @@
 
 #include <poll.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -258,6 +259,7 @@ protected:
     std::string swap() { return theirs + "/swap"; }
     /// Whatever root makes at `path` becomes a link to the precious file, as soon as it is there.
     int swap_for_ever(const std::string& path) {
+        ::setpriority(PRIO_PROCESS, 0, -20);    // on a machine that has other work, too
         if (!become_nobody()) return 1;
         for (struct stat info{};;) {
             if (::lstat(swap().c_str(), &info) != 0) {
