@@ -292,6 +292,24 @@ TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
     EXPECT_TRUE(fs::is_regular_file(precious));
 }
 
+TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
+    const std::string socket = theirs + "/control.sock";
+    {
+        Control control{io};
+        ASSERT_EQ(control.start(socket).error, "");
+        struct stat info{};
+        ASSERT_EQ(::lstat(socket.c_str(), &info), 0);
+        EXPECT_EQ(info.st_uid, 0u);
+        EXPECT_EQ(info.st_mode & 0007, 0u) << "nor is it everybody's";
+        const int fd = connect_unix(socket);
+        EXPECT_GE(fd, 0);
+        ::close(fd);
+        RunningGateway gateway{pty("app", theirs + "/app")};
+        EXPECT_EQ(fs::read_symlink(theirs + "/app"), gateway.link("app").at("device").get<std::string>());
+    }
+    EXPECT_TRUE(fs::is_empty(theirs));
+}
+
 TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
     ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
     ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
