@@ -1,6 +1,7 @@
 // Who shares the machine with the gateway: greedy and idle clients of the control socket, other users' clients, folders that belong to
 // others. tests/README.md has the figures.
 #include <daemon/control.hpp>
+#include <daemon/status.hpp>
 #include <link/path_claim.hpp>
 #include <support/child.hpp>
 #include <support/process.hpp>
@@ -11,9 +12,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/inotify.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
