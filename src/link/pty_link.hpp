@@ -1,5 +1,6 @@
 // Makes a pseudo-terminal and links a path to it, for programs that expect a serial port.
 #pragma once
+#include <link/path_claim.hpp>
 #include <link/stream_link.hpp>
 
 namespace anogate {
@@ -23,7 +24,6 @@ private:
     void came_up() override;
 
     std::string link_path(const std::string& device);
-    std::string claim_path();
     void watch_users();
     void watch_path();
     void keep_path();
@@ -34,7 +34,7 @@ private:
     std::string nobody_there() const;
 
     std::string device_;     // /dev/pts/N
-    UniqueFd claim_;         // on the path, among gateways
+    PathClaim claim_;        // on the path, among gateways
     Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
     Alarm look_;             // where that can't be had: at whether somebody has it open, and at the path
     bool up_ = false;
