@@ -56,6 +56,7 @@ std::string hint_of_trouble(const LinkFigures& link) {
         return "senders outside `allow` were refused: add their network to `allow`";
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
+    if (link.shared == SharedSource::two_peers) return "two peers speak as one device: `conflicts` in the status says who";
     if (link.hidden != 0) {
         const std::string device = "device " + std::to_string(link.hidden);
         return device + " can't be reached: its address is the port id of a link, change one of them";
