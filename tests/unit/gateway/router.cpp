@@ -216,6 +216,24 @@ TEST(Router, one_test_of_an_address_in_ten_seconds) {
     EXPECT_EQ(net.asked().size(), 1u) << "of another address at any time";
 }
 
+// 40 commands in 40 s, the thief speaks ten times a second, the device every 4 s and when it is asked.
+TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
+    Net net;
+    int reached = 0, stolen = 0;
+    for (int tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
+        if (tenth % 40 == 0) net.route(1, 0xDC, 0xFF);
+        net.route(2, 0xDC, 0xFF);
+        for (const auto& [address, by] : net.asked())
+            if (by.contains(channel(1))) net.route(1, 0xDC, 0xFE);
+        if (tenth % 10 != 0) continue;
+        const ChannelSet to = net.route(0, 0xFE, 0xDC).channels;
+        reached += to.contains(channel(1));
+        stolen += to.contains(channel(2));
+    }
+    EXPECT_EQ(reached, 40);
+    EXPECT_EQ(stolen, 0);
+}
+
 TEST(Router, what_has_no_wire_is_silent_at_once) {
     for (const bool closed : {false, true}) {
         for (const bool before : {false, true}) {
