@@ -96,7 +96,7 @@ TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
     }
     ASSERT_TRUE(daemon.until([&] { return count(fc, 0xC0) == 70 && count(pilot, 0x03) >= 70; })) << count(fc, 0xC0) << ' ' << count(pilot, 0x03);
     for (auto& port : ports) EXPECT_EQ(count(*port, 0xC0), 0u);
-    EXPECT_EQ(conflict().at("claimed_by").at("peer"), ports[0]->local().text());
+    EXPECT_EQ(conflict().at("claimed_by").at("link"), "ground");
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
@@ -106,6 +106,14 @@ TEST_F(Claims, what_is_dropped_as_looped_is_a_sign_of_life) {
     EXPECT_EQ(daemon.count("air", "looped"), 1u);
     EXPECT_EQ(conflict().at("count"), 1);
     EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"air"});
+}
+
+TEST_F(Claims, what_the_loop_guard_drops_is_no_claim) {
+    ASSERT_TRUE(say(attacker, vendor::who_are_you) && device_says(broadcast(200)) && say(attacker, broadcast(200)));
+    EXPECT_EQ(daemon.count("ground", "looped"), 1u);
+    EXPECT_EQ(questions(), 0u);
+    ASSERT_TRUE(device_says(broadcast(201)));
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
 }
 
 TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
