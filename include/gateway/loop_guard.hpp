@@ -1,7 +1,8 @@
 // Keeps what was spread to several channels from coming back and going round: two gateways joined by two links.
 //
 // What a peer says itself is never kept back, so returns are told from repeats:
-// - A device has an address of its own. Its bytes by another channel than they came by first are a copy, and end here.
+// - A device has an address of its own. Its bytes by another channel than they came by first are a copy, and end here. Who
+//   repeats them from elsewhere takes nothing from it: as many of its own end as were said in its name, and not one more.
 // - Many may be host. What one host said, another may say: it passes, and a probe leaves by the channel that brought it. In a
 //   ring the probe comes back: what comes back by that ring then ends here. What has passed twice waits until the probe is
 //   answered or `patience` is over.
@@ -34,6 +35,13 @@ struct Said {
 inline Said said_by(ano::FrameView frame) noexcept {
     return {key_of(frame), ano::address::is_host(frame.source()), treatment_of(frame.id()).replaces != Replaces::nothing};
 }
+
+/// Where a device speaks, as the Router knows it.
+enum class Speaks : std::uint8_t {
+    somewhere,
+    at_home,      // Router::holds()
+    elsewhere,    // Router::claims(): the device, or one who takes its name
+};
 
 /// Constant time, no allocation after construction.
 class LoopGuard {
@@ -77,11 +85,11 @@ public:
     void close(ChannelId channel) noexcept { rings_.close(channel); }
 
     /// A frame that came in by `from`.
-    Judgement judge(const Said& said, ChannelId from, TimePoint now) noexcept {
+    Judgement judge(const Said& said, ChannelId from, TimePoint now, Speaks speaks = Speaks::somewhere) noexcept {
         if (now >= quiet_at_) return {};
         Sent* known = sent_.find(said.key, now);
         if (!known) return {};
-        const Judgement judgement = judge(*known, said, from, now);
+        const Judgement judgement = judge(*known, said, from, now, speaks);
         if (judgement.fate == Fate::withheld) {    // its next is awaited as long as another
             sent_.put(said.key, *known, now);
             quiet_at_ = now + window_;
@@ -90,19 +98,26 @@ public:
     }
 
     /// A frame that came by `from` and passed went, or could come back, by each of `channels`: Route::guarded.
-    void remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now) noexcept {
+    void remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now, Speaks speaks = Speaks::somewhere) noexcept {
+        const bool claimed = speaks == Speaks::elsewhere;
         Sent sent;
+        sent.claimed = claimed;
         sent.channels = channels;
         sent.from = from;
         if (const Sent* known = sent_.find(said.key, now)) {
             sent = *known;
             if (same_place(sent.from, from) && !sent.channels.contains(from)) sent.from = from;
+            if (sent.claimed && speaks == Speaks::at_home) {
+                sent.from = from;
+                sent.claimed = false;
+            }
             sent.channels |= channels;
         } else if (said.by_host) {
             rings_.spread(channels, now);
         }
         if (const ChannelSet back = (channels - from) & rings_.rings(); !back.empty())
             sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), most_channels));
+        if (sent.claimed && claimed && sent.anticipated < most_anticipated) ++sent.anticipated;
         sent_.put(said.key, sent, now);
         quiet_at_ = now + window_;
     }
@@ -127,21 +142,28 @@ private:
         std::uint8_t owed = 0;        // went out by rings and may come back by `from`
         bool again : 1 = false;       // another channel brought it while nobody knew,
         bool blindly : 1 = false;     // and nobody could ask
+        bool claimed : 1 = false;     // `from` is not the home of its source,
+        std::uint8_t anticipated : 5 = 0;    // and brought it so often before that did
     };
     struct Withheld {
         std::uint32_t frames = 0;
         TimePoint since{};    // the first of a row
         TimePoint at{};       // the last
     };
-    static constexpr std::uint8_t most_withheld = 255;
+    static constexpr std::uint8_t most_withheld = 255, most_anticipated = 31;
 
-    Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
+    Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now, Speaks speaks) noexcept {
         const TimePoint sent_at = sent_.put_at(said.key);
         if (known.from == from) return repeated(known, said, from, sent_at, now);
         if (sent_at <= opened_at_[index(from)]) return {};
         const bool went = known.channels.contains(from);
         if (!went && same_place(known.from, from)) return {};    // a sender with a new port
         if (said.by_host) return said_again(known, said, from, sent_at, now);
+        if (known.claimed && speaks == Speaks::at_home) {
+            if (known.anticipated == 0) return {};
+            --known.anticipated;
+            return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
+        }
         if (!went) return {.fate = Fate::ends, .elsewhere = true};
         rings_.brought_back_ones_own(from, now);
         return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};

@@ -53,6 +53,12 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
       release_{alarms_, [this] { release_held(); }},
       hello_due_{alarms_, [this] { look_at_hellos(); }, hello_slack},
       questions_due_{alarms_, [this] { look_at_questions(); }},
+      claims_due_{alarms_,
+                  [this] {
+                      now();
+                      look_at_claims();
+                      flush();
+                  }},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
                               if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
@@ -163,6 +169,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     required_check_.cancel();
     hello_due_.cancel();
     questions_due_.cancel();
+    claims_due_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
     for (const ChannelId id : used_)    // nobody reads an answer any more
         if (auto& questions = channels_[index(id)]->questions) questions->close();
@@ -216,6 +223,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     const Said said = said_by(frame);
     std::uint32_t copies = 1;
+    if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
     if (came_before(from, frame, brought, treatment, said, copies)) return;
     compare(from, frame, said.key);
     PresentAs* const hosts = links_[index(from.link)].present_as;
@@ -224,9 +232,10 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     if (is_probe(frame)) return take_probe(from, frame);
+    const Speaks speaks = where(from, frame.source());
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_);
+    if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_, speaks);
     for (; copies > 0; --copies)
         for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
@@ -238,6 +247,27 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
         links_[index(from.link)].untaken.taken();
     }
     if (route.new_conflict) log_conflict();
+    if (router_.has_question(now_)) look_at_claims();
+}
+
+Speaks Gateway::where(const Channel& from, std::uint8_t source) const {
+    if (router_.claims(source, from.id)) return Speaks::elsewhere;
+    return router_.holds(source, from.id) ? Speaks::at_home : Speaks::somewhere;
+}
+
+// Asks those whose address is claimed by others. Such a question may come back by any link, like a hello.
+void Gateway::look_at_claims() {
+    while (const auto question = router_.take_question(now_)) {
+        const auto bytes = device_info_question(question->address);
+        const ano::FrameView frame{bytes};
+        for (const ChannelId to : question->channels) {
+            say(to, frame);
+            loop_guard_.remember(said_by(frame), to, to, now_);
+        }
+        ++frame_number_;
+    }
+    if (const auto next = router_.next_question(); next && !on_stopped_) claims_due_.set(*next);
+    else claims_due_.cancel();
 }
 
 // A source on two links is a conflict, whatever becomes of its copies.
@@ -247,7 +277,8 @@ void Gateway::compare(const Channel& from, ano::FrameView frame, std::uint64_t k
     const auto other = same_device_.heard(source, from.link, key, now_);
     const std::uint8_t group = links_[index(from.link)].group;
     if (!other || (group != 0 && group == links_[index(*other)].group)) return;
-    router_.note_conflict(source, LinkSet{from.link} | *other, now_);
+    const auto claimant = router_.claims(source, from.id) ? std::optional{from.id} : std::nullopt;
+    router_.note_conflict(source, LinkSet{from.link} | *other, claimant, now_);
     log_conflict();
 }
 
@@ -258,7 +289,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     if (!held_.empty() && !releasing_ && keeps_order(frame))    // what a host says stays in its order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_, where(from, frame.source()));
     copies = judgement.copies;
     if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
@@ -346,12 +377,13 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
 
 bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
     const Said said = said_by(frame);
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
+    const Speaks speaks = where(from, frame.source());
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_, speaks);
     if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
     if (judgement.fate == LoopGuard::Fate::withheld) return false;
     from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
-    loop_guard_.remember(said, from.id, links_[index(to)].channels, now_);
+    loop_guard_.remember(said, from.id, links_[index(to)].channels, now_, speaks);
     return true;
 }
 
@@ -366,6 +398,7 @@ bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
 void Gateway::learn(Channel& from, ano::FrameView frame) {
     router_.learn(from.id, frame.source(), now_);
     log_conflict();
+    if (router_.has_question(now_)) look_at_claims();
 }
 
 void Gateway::send(LinkId to, ano::FrameView frame) {
@@ -504,7 +537,7 @@ void Gateway::link_down(Link& link, std::string why) {
     for (const ChannelId id : s.channels) {
         channels_[index(id)]->outbox.close();
         if (auto& questions = channels_[index(id)]->questions) questions->close();
-        router_.went_down(id, now_);
+        router_.went_down(id);
     }
     if (s.up || s.error != why) spdlog::warn("{}: {}; waiting for it", link.name(), why);
     if (s.up) s.since = now_;
@@ -521,12 +554,20 @@ LinkId Gateway::link_named(const std::string& name) const {
 }
 
 void Gateway::log_conflict() {
+    Router::Claimant claims;
+    while (router_.take_claimant(claims)) {
+        const Channel& channel = *channels_[index(claims.channel)];
+        claimants_[claims.address] = {channel.link, channel.peer};
+    }
     Conflict conflict;
     while (router_.take_new_conflict(conflict)) {
-        std::string names;
+        std::string names, who;
         for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
-        spdlog::warn("0x{:02X} is heard on {}: the same device? give the links one `group`; two devices? give one of them another id",
-                     conflict.address, names);
+        if (const Claimant* by = claimant(conflict))
+            who = ", claimed by " + links_[index(by->link)].link->name() + (by->peer.empty() ? "" : " (" + by->peer + ")");
+        spdlog::warn("0x{:02X} is heard on {}{}: the same device? give the links one `group`; two devices? give one of them another "
+                     "id; neither? pin it: --route 0x{:02X}=LINK",
+                     conflict.address, names, who, conflict.address);
     }
 }
 

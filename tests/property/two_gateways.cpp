@@ -49,7 +49,12 @@ struct Node {
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
         const Said said = said_by(frame);
-        const auto judgement = loops.judge(said, from, now);
+        const auto where = [&] {
+            if (router->claims(frame.source(), from)) return Speaks::elsewhere;
+            return router->holds(frame.source(), from) ? Speaks::at_home : Speaks::somewhere;
+        };
+        if (!loops.rings().is_ring(from, now)) router->heard_again(from, frame.source(), now);
+        const auto judgement = loops.judge(said, from, now, where());
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();
             leave.push_back({from, {probe.begin(), probe.end()}});
@@ -76,8 +81,9 @@ struct Node {
                 for (const ChannelId to : loops.rings().probed() - from) leave.push_back({to, bytes});
             return leave;
         }
+        const Speaks speaks = where();
         const Route route = router->route(from, frame.source(), frame.destination(), now);
-        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now);
+        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now, speaks);
         for (std::uint32_t n = 0; n < judgement.copies; ++n)
             for (const ChannelId to : route.channels) leave.push_back({to, bytes});
         return leave;
