@@ -176,6 +176,7 @@ private:
     std::bitset<256> new_conflicts_;
     std::array<ChannelId, 256> claimants_{};
     std::bitset<256> new_claimants_;
+    bool untold_ = false;    // any of these two
     std::uint64_t own_frames_ = 0;
 };
 

@@ -251,8 +251,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 }
 
 Speaks Gateway::where(const Channel& from, std::uint8_t source) const {
-    if (router_.claims(source, from.id)) return Speaks::elsewhere;
-    return router_.holds(source, from.id) ? Speaks::at_home : Speaks::somewhere;
+    if (router_.holds(source, from.id)) return Speaks::at_home;
+    return router_.claims(source, from.id) ? Speaks::elsewhere : Speaks::somewhere;
 }
 
 // Asks those whose address is claimed by others. Such a question may come back by any link, like a hello.

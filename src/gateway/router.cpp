@@ -82,7 +82,7 @@ void Router::settle() {
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
     learn(from, source, now);
     Route route;
-    route.new_conflict = new_conflicts_.any() || new_claimants_.any();
+    route.new_conflict = untold_;
     decide(route, destination, now);
     route.channels.erase(from);
     if (grouped_) {
@@ -147,6 +147,7 @@ bool Router::take_new_conflict(Conflict& conflict) {
     std::size_t a = 0;
     while (!new_conflicts_[a]) ++a;
     new_conflicts_.reset(a);
+    untold_ = new_conflicts_.any() || new_claimants_.any();
     conflict = conflicts_[a];
     return true;
 }
@@ -156,17 +157,20 @@ bool Router::take_claimant(Claimant& claimant) {
     std::size_t a = 0;
     while (!new_claimants_[a]) ++a;
     new_claimants_.reset(a);
+    untold_ = new_conflicts_.any() || new_claimants_.any();
     claimant = {static_cast<std::uint8_t>(a), claimants_[a]};
     return true;
 }
 
 void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
-    if (source == address::unassigned || source == address::broadcast) return;
-    if (claims(source, from)) return claim(source, from, now);
     ChannelSet& known = known_[source];
-    const bool anywhere = address::is_host(source) || !pinned_[source].empty();
-    if (!anywhere && !known.contains(from) && !leads_to(known, from)) known.clear();    // all down
-    known.insert(from);
+    if (!known.contains(from)) {
+        if (source == address::unassigned || source == address::broadcast) return;
+        if (claims(source, from)) return claim(source, from, now);
+        const bool anywhere = address::is_host(source) || !pinned_[source].empty();
+        if (!anywhere && !leads_to(known, from)) known.clear();    // all down
+        known.insert(from);
+    }
     heard(source, from) = now;
     if (claims_.is_under_way(source)) refuse(source, now);
 }
@@ -226,10 +230,12 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, std::optional<Cha
         c.links.clear();
         c.claimed = false;
         new_conflicts_.set(source);
+        untold_ = true;
     }
     if (claimant) {
         claimants_[source] = *claimant;
         new_claimants_.set(source);
+        untold_ = true;
         c.claimed = true;
     }
     c.address = source;

@@ -1,11 +1,15 @@
 // Who speaks in the name of a device, and what it gets. tests/README.md has the figures.
+#include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include <memory>
+#include <sstream>
 
 namespace {
 
@@ -128,6 +132,49 @@ TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
     EXPECT_TRUE(daemon.until([&] { return count(elsewhere, 0xC0) == 1; }));
     EXPECT_EQ(count(fc, 0xC0), 0u);
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
+}
+
+TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
+    std::ostringstream told;
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("told", std::make_shared<spdlog::sinks::ostream_sink_st>(told)));
+    spdlog::default_logger()->set_pattern("%v");
+    for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
+    spdlog::set_default_logger(before);
+    EXPECT_EQ(told.str(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
+                              "): the same device? give the links one `group`; two devices? give one of them another id; neither? "
+                              "pin it: --route 0xDC=LINK\n");
+}
+
+TEST_F(Claims, host_is_reached_at_once_wherever_it_speaks) {
+    UdpPeer second;
+    ASSERT_TRUE(said(second, "air", frame(0xFE, 0xFF, 0xC1, {0, 0, 0})) && device_says(frame(0xDC, 0xFE, 0xE3, Bytes(15, 1))));
+    EXPECT_TRUE(daemon.until([&] { return count(second, 0xE3) == 1 && count(pilot, 0xE3) == 1; }));
+    EXPECT_EQ(questions(), 0u);
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+}
+
+// Its old port is gone: nobody is there to be asked.
+TEST(Replugged, device_is_reached_at_its_new_port_at_once) {
+    const TempDir dir;
+    PtyDevice fc{dir / "ttyUSB0"}, again{dir / "ttyUSB1"};
+    again.unplug();
+    RunningGateway daemon{serial("usb0", fc.path()), serial("usb1", again.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("usb0"));
+    UdpPeer pilot;
+    pilot.send(daemon.port("ground"), vendor::who_are_you);
+    fc.write(broadcast(0));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("usb0", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
+    fc.unplug();
+    again.plug();
+    ASSERT_TRUE(daemon.until_waiting("usb0") && daemon.until_up("usb1"));
+    again.write(broadcast(1));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("usb1", "frames_in") == 1; }));
+    EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"usb1"});
+    pilot.send(daemon.port("ground"), command(1));
+    EXPECT_TRUE(daemon.until([&] { return again.heard() == command(1); }));
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+    EXPECT_TRUE(daemon.counters_add_up());
 }
 
 TEST(PinnedAddress, never_moves) {

@@ -234,6 +234,22 @@ TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
     EXPECT_EQ(stolen, 0);
 }
 
+// Two cables of one device and no `group`: the first breaks when a test was just refused.
+TEST(Router, second_cable_takes_over_within_thirteen_seconds) {
+    Net net;
+    for (const unsigned cable : {1u, 2u, 1u}) {
+        net.route(cable, 0xDC, 0xFF);
+        net.asked();
+    }
+    const TimePoint broke = net.now;
+    while (net.route(0, 0xFE, 0xDC).channels != channels({2}) && net.now < broke + 60s) {
+        net.now += 100ms;
+        net.route(2, 0xDC, 0xFF);
+        net.asked();
+    }
+    EXPECT_EQ(net.now - broke, 13s);
+}
+
 TEST(Router, what_has_no_wire_is_silent_at_once) {
     for (const bool closed : {false, true}) {
         for (const bool before : {false, true}) {
