@@ -130,6 +130,9 @@ private:
     void claim(std::uint8_t source, ChannelId from, TimePoint now);
     void refuse(std::uint8_t source, TimePoint now);
     void settle();
+    void move(std::uint8_t source, ChannelId to);
+    void come_back(std::uint8_t source, ChannelId from, TimePoint now);
+    bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
     bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const;
@@ -170,6 +173,8 @@ private:
     // time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, most_channels>, 256> heard_{};
+    // Where it was at home before it moved, as long as it is elsewhere: when it speaks there, it is back.
+    std::array<ChannelSet, 256> first_{};
 
     Claims claims_;
     std::array<Conflict, 256> conflicts_{};

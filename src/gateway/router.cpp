@@ -57,6 +57,7 @@ void Router::close(ChannelId channel) {
     broadcast_.erase(channel);
     down_.erase(channel);
     for (ChannelSet& known : known_) known.erase(channel);
+    for (ChannelSet& first : first_) first.erase(channel);
     if (!claims_.next()) return;
     for (unsigned a = 0; a < known_.size(); ++a)
         if (const auto address = static_cast<std::uint8_t>(a); claims_.is_under_way(address) && claims_.claimant(address) == channel)
@@ -74,9 +75,21 @@ void Router::settle() {
     for (unsigned a = 0; a < known_.size(); ++a) {
         const auto address = static_cast<std::uint8_t>(a);
         if (!claims_.is_under_way(address) || !(known_[a] - down_).empty()) continue;
-        known_[a] = claims_.claimant(address);
+        move(address, claims_.claimant(address));
         claims_.end(address);
     }
+}
+
+// Who was silent or had no wire is believed when it speaks again: else who took its place meanwhile would keep it.
+void Router::move(std::uint8_t source, ChannelId to) {
+    ChannelSet& first = first_[source];
+    if (was_first(source, to)) first.clear();
+    else if (first.empty()) first = known_[source];
+    known_[source] = to;
+}
+
+bool Router::was_first(std::uint8_t source, ChannelId channel) const noexcept {
+    return first_[source].contains(channel) || leads_to(first_[source], channel);
 }
 
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
@@ -168,11 +181,20 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
         const bool anywhere = address::is_host(source) || !pinned_[source].empty();
-        if (!anywhere && !leads_to(known, from)) known.clear();    // all down
-        known.insert(from);
+        if (anywhere || known.empty() || leads_to(known, from)) known.insert(from);
+        else come_back(source, from, now);
     }
     heard(source, from) = now;
     if (claims_.is_under_way(source)) refuse(source, now);
+}
+
+// Where it was before, or its home is down. Who spoke there just now took its place, and is a conflict.
+void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
+    std::optional<ChannelId> other;
+    for (const ChannelId channel : known_[source] - down_)
+        if (now - heard(source, channel) < moved_after && (!other || heard(source, channel) > heard(source, *other))) other = channel;
+    move(source, from);
+    if (other) note_conflict(source, LinkSet{link_of_[index(from)]} | link_of_[index(*other)], other, now);
 }
 
 bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
@@ -195,7 +217,7 @@ bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
         return !pinned.contains(link) && (pinned & mates(link)).empty();
     }
     const ChannelSet known = known_[source];
-    if (known.contains(channel) || (known - down_).empty()) return false;
+    if (known.contains(channel) || (known - down_).empty() || was_first(source, channel)) return false;
     return !leads_to(known, channel);
 }
 
@@ -218,7 +240,7 @@ void Router::refuse(std::uint8_t source, TimePoint now) {
 std::optional<Router::Question> Router::take_question(TimePoint now) {
     while (const auto due = claims_.take(now)) {
         if (!due->silent) return Question{due->address, known_[due->address] - down_};
-        known_[due->address] = due->claimant;
+        move(due->address, due->claimant);
     }
     return std::nullopt;
 }

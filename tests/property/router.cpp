@@ -202,7 +202,7 @@ TEST(Router, decides_as_the_rules_say) {
     }
 }
 
-// An address has one home: the first that spoke, until it was silent for three questions or lost its wire.
+// An address has one home: the first that spoke, unless it was silent for three questions or lost its wire and did not speak since.
 TEST(Router, moves_an_address_after_silence_alone) {
     for (std::uint64_t seed = 1; seed <= 60 && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -210,32 +210,44 @@ TEST(Router, moves_an_address_after_silence_alone) {
         auto router = std::make_unique<Router>(GatewaySettings{});
         for (unsigned n = 0; n < 4; ++n) router->open(static_cast<ChannelId>(n), router->add_link({}));
         std::array<bool, 4> down{};
-        std::optional<unsigned> home, claimant;
+        std::optional<unsigned> home, claimant, first;
+        std::array<TimePoint, 4> heard{};
         TimePoint now{}, began = TimePoint::min(), refused_at{};
         std::uint64_t refused = 0;
+        const auto move = [&](unsigned to) {
+            if (first == to) first.reset();
+            else if (!first) first = home;
+            home = to;
+        };
+        const auto refuse = [&] {
+            ++refused;
+            refused_at = now;
+        };
         for (int step = 0; step < 300; ++step) {
             const TimePoint next = now + random.of<Duration>({1ms, 500ms, 500ms, 2s, 4s});
             while (router->next_question().value_or(TimePoint::max()) <= next) {    // the gateway looks in time
                 now = *router->next_question();
                 while (const auto question = router->take_question(now)) EXPECT_EQ(question->channels, ChannelSet{static_cast<ChannelId>(*home)});
-                if (claimant && now == began + 3s) home = std::exchange(claimant, std::nullopt);
+                if (claimant && now == began + 3s) move(*std::exchange(claimant, std::nullopt));
             }
             now = next;
             const unsigned n = random.below(4u);
             if (random.one_in(6)) {
                 down[n] = !down[n];
                 down[n] ? router->went_down(static_cast<ChannelId>(n)) : router->came_up(static_cast<ChannelId>(n));
-                if (claimant && down[*home]) home = std::exchange(claimant, std::nullopt);
+                if (claimant && down[*home]) move(*std::exchange(claimant, std::nullopt));
                 continue;
             }
             if (down[n]) continue;
-            if (!home || down[*home]) home = n;
+            if (!home) {
+                home = n;
+            } else if (n != home && (down[*home] || first == n)) {
+                if (!down[*home] && now - heard[*home] < 3s) refuse();
+                move(n);
+            }
+            if (n == home || !claimant || claimant == n) heard[n] = now;
             if (n == home) {
-                if (claimant) {
-                    ++refused;
-                    refused_at = now;
-                }
-                claimant.reset();
+                if (std::exchange(claimant, std::nullopt)) refuse();
             } else if (!claimant && (began == TimePoint::min() || now - began >= 10s)) {
                 claimant = n;
                 began = now;
