@@ -26,22 +26,23 @@
 
 namespace anogate {
 
-/// What the guard has to know of a frame.
-struct Said {
-    std::uint64_t key;      // key_of()
-    bool by_host;           // others may say the very same
-    bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
-};
-inline Said said_by(ano::FrameView frame) noexcept {
-    return {key_of(frame), ano::address::is_host(frame.source()), treatment_of(frame.id()).replaces != Replaces::nothing};
-}
-
 /// Where a device speaks, as the Router knows it.
 enum class Speaks : std::uint8_t {
     somewhere,
     at_home,      // Router::holds()
     elsewhere,    // Router::claims(): the device, or one who takes its name
 };
+
+/// What the guard has to know of a frame.
+struct Said {
+    std::uint64_t key;      // key_of()
+    bool by_host;           // others may say the very same
+    bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
+    Speaks speaks = Speaks::somewhere;
+};
+inline Said said_by(ano::FrameView frame) noexcept {
+    return {key_of(frame), ano::address::is_host(frame.source()), treatment_of(frame.id()).replaces != Replaces::nothing};
+}
 
 /// Constant time, no allocation after construction.
 class LoopGuard {
@@ -85,11 +86,11 @@ public:
     void close(ChannelId channel) noexcept { rings_.close(channel); }
 
     /// A frame that came in by `from`.
-    Judgement judge(const Said& said, ChannelId from, TimePoint now, Speaks speaks = Speaks::somewhere) noexcept {
+    Judgement judge(const Said& said, ChannelId from, TimePoint now) noexcept {
         if (now >= quiet_at_) return {};
         Sent* known = sent_.find(said.key, now);
         if (!known) return {};
-        const Judgement judgement = judge(*known, said, from, now, speaks);
+        const Judgement judgement = judge(*known, said, from, now);
         if (judgement.fate == Fate::withheld) {    // its next is awaited as long as another
             sent_.put(said.key, *known, now);
             quiet_at_ = now + window_;
@@ -98,8 +99,8 @@ public:
     }
 
     /// A frame that came by `from` and passed went, or could come back, by each of `channels`: Route::guarded.
-    void remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now, Speaks speaks = Speaks::somewhere) noexcept {
-        const bool claimed = speaks == Speaks::elsewhere;
+    void remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now) noexcept {
+        const bool claimed = said.speaks == Speaks::elsewhere;
         Sent sent;
         sent.claimed = claimed;
         sent.channels = channels;
@@ -107,7 +108,7 @@ public:
         if (const Sent* known = sent_.find(said.key, now)) {
             sent = *known;
             if (same_place(sent.from, from) && !sent.channels.contains(from)) sent.from = from;
-            if (sent.claimed && speaks == Speaks::at_home) {
+            if (sent.claimed && said.speaks == Speaks::at_home) {
                 sent.from = from;
                 sent.claimed = false;
             }
@@ -152,14 +153,14 @@ private:
     };
     static constexpr std::uint8_t most_withheld = 255, most_anticipated = 31;
 
-    Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now, Speaks speaks) noexcept {
+    Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
         const TimePoint sent_at = sent_.put_at(said.key);
         if (known.from == from) return repeated(known, said, from, sent_at, now);
         if (sent_at <= opened_at_[index(from)]) return {};
         const bool went = known.channels.contains(from);
         if (!went && same_place(known.from, from)) return {};    // a sender with a new port
         if (said.by_host) return said_again(known, said, from, sent_at, now);
-        if (known.claimed && speaks == Speaks::at_home) {
+        if (known.claimed && said.speaks == Speaks::at_home) {
             if (known.anticipated == 0) return {};
             --known.anticipated;
             return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};

@@ -221,9 +221,9 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const Treatment treatment = treatment_of(frame.id());
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
-    const Said said = said_by(frame);
-    std::uint32_t copies = 1;
     if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
+    Said said = said_at(from, frame);
+    std::uint32_t copies = 1;
     if (came_before(from, frame, brought, treatment, said, copies)) return;
     compare(from, frame, said.key);
     PresentAs* const hosts = links_[index(from.link)].present_as;
@@ -232,10 +232,10 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (tunnelled_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     if (is_probe(frame)) return take_probe(from, frame);
-    const Speaks speaks = where(from, frame.source());
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_, speaks);
+    if (hosts) said.key = key_of(frame);
+    if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
         for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
@@ -250,9 +250,12 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (router_.has_question(now_)) look_at_claims();
 }
 
-Speaks Gateway::where(const Channel& from, std::uint8_t source) const {
-    if (router_.holds(source, from.id)) return Speaks::at_home;
-    return router_.claims(source, from.id) ? Speaks::elsewhere : Speaks::somewhere;
+// Before route() learns from it.
+Said Gateway::said_at(const Channel& from, ano::FrameView frame) const {
+    Said said = said_by(frame);
+    if (router_.holds(frame.source(), from.id)) said.speaks = Speaks::at_home;
+    else if (router_.claims(frame.source(), from.id)) said.speaks = Speaks::elsewhere;
+    return said;
 }
 
 // Asks those whose address is claimed by others. Such a question may come back by any link, like a hello.
@@ -289,7 +292,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     if (!held_.empty() && !releasing_ && keeps_order(frame))    // what a host says stays in its order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_, where(from, frame.source()));
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
     if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
@@ -376,14 +379,13 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
 }
 
 bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
-    const Said said = said_by(frame);
-    const Speaks speaks = where(from, frame.source());
-    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_, speaks);
+    const Said said = said_at(from, frame);
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
     if (judgement.fate == LoopGuard::Fate::withheld) return false;
     from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
-    loop_guard_.remember(said, from.id, links_[index(to)].channels, now_, speaks);
+    loop_guard_.remember(said, from.id, links_[index(to)].channels, now_);
     return true;
 }
 

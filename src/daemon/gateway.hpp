@@ -124,7 +124,7 @@ private:
     void say_hello(ChannelId to);
     TimePoint heard_at(const LinkState& link) const;
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
-    Speaks where(const Channel& from, std::uint8_t source) const;
+    Said said_at(const Channel& from, ano::FrameView frame) const;
     void look_at_claims();
     void log_conflict();
     bool nothing_waits() const;

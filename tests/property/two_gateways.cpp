@@ -48,13 +48,11 @@ struct Node {
         std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
         const auto from = static_cast<ChannelId>(channel);
-        const Said said = said_by(frame);
-        const auto where = [&] {
-            if (router->claims(frame.source(), from)) return Speaks::elsewhere;
-            return router->holds(frame.source(), from) ? Speaks::at_home : Speaks::somewhere;
-        };
+        Said said = said_by(frame);
         if (!loops.rings().is_ring(from, now)) router->heard_again(from, frame.source(), now);
-        const auto judgement = loops.judge(said, from, now, where());
+        if (router->holds(frame.source(), from)) said.speaks = Speaks::at_home;
+        else if (router->claims(frame.source(), from)) said.speaks = Speaks::elsewhere;
+        const auto judgement = loops.judge(said, from, now);
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();
             leave.push_back({from, {probe.begin(), probe.end()}});
@@ -81,9 +79,8 @@ struct Node {
                 for (const ChannelId to : loops.rings().probed() - from) leave.push_back({to, bytes});
             return leave;
         }
-        const Speaks speaks = where();
         const Route route = router->route(from, frame.source(), frame.destination(), now);
-        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now, speaks);
+        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now);
         for (std::uint32_t n = 0; n < judgement.copies; ++n)
             for (const ChannelId to : route.channels) leave.push_back({to, bytes});
         return leave;

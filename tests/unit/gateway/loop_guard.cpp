@@ -95,8 +95,10 @@ TEST_F(Guarded, a_sender_with_a_new_port_goes_on_saying_the_same) {
 // A thief said it first, twice, and from a new port once more.
 TEST_F(Guarded, what_was_said_in_a_devices_name_takes_no_more_of_it_than_that) {
     const auto at = [&](unsigned from, TimePoint now, Speaks speaks) {
-        const auto fate = guard.judge(device(1), channel(from), now, speaks).fate;
-        if (fate == Fate::passes) guard.remember(device(1), channel(from), channels({0, 1, 2}) - channel(from), now, speaks);
+        Said said = device(1);
+        said.speaks = speaks;
+        const auto fate = guard.judge(said, channel(from), now).fate;
+        if (fate == Fate::passes) guard.remember(said, channel(from), channels({0, 1, 2}) - channel(from), now);
         return fate;
     };
     EXPECT_EQ(at(1, start, Speaks::elsewhere), Fate::passes);
