@@ -12,6 +12,13 @@
 
 namespace anogate {
 
+/// Where a device speaks, as the Router knows it.
+enum class Speaks : std::uint8_t {
+    somewhere,
+    at_home,      // where it was first
+    elsewhere,    // it has moved, or claims to; or one does who takes its name
+};
+
 /// The tests that are under way, one an address at the most: questions to the holder, then silence. Constant time but for
 /// take(), no allocation.
 class Claims {

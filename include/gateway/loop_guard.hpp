@@ -15,6 +15,7 @@
 //   as many, twice as many are withheld, for as many may go round; but never for longer than `longest_withheld`.
 // - More than RingWatch::storm in a second come from a ring whatever the probe said.
 #pragma once
+#include <gateway/claims.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/ring_watch.hpp>
 
@@ -25,13 +26,6 @@
 #include <utility>
 
 namespace anogate {
-
-/// Where a device speaks, as the Router knows it.
-enum class Speaks : std::uint8_t {
-    somewhere,
-    at_home,      // Router::holds()
-    elsewhere,    // Router::claims(): the device, or one who takes its name
-};
 
 /// What the guard has to know of a frame.
 struct Said {

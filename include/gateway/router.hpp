@@ -79,7 +79,8 @@ public:
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// A frame that goes no further is a sign of life all the same, where its source is known to be. True: that refuses a claim.
+    /// A frame that goes no further is a sign of life all the same, where its source is at home, or was first. True: that is a
+    /// conflict.
     bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);
 
     /// `source` is at home behind `channel`: pinned to its link, or learned there.
@@ -87,6 +88,9 @@ public:
     /// `source` is at home elsewhere, and that is not known to be down: what comes by `channel` is a claim. Links of one group
     /// are one place, hosts are at home everywhere.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
+
+    /// What the LoopGuard is to know of a frame, before route() learns from it.
+    Speaks speaks(std::uint8_t source, ChannelId channel) const noexcept;
 
     /// A holder to be asked whether it is still there; only it may answer.
     struct Question {

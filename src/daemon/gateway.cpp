@@ -250,11 +250,9 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (router_.has_question(now_)) look_at_claims();
 }
 
-// Before route() learns from it.
 Said Gateway::said_at(const Channel& from, ano::FrameView frame) const {
     Said said = said_by(frame);
-    if (router_.holds(frame.source(), from.id)) said.speaks = Speaks::at_home;
-    else if (router_.claims(frame.source(), from.id)) said.speaks = Speaks::elsewhere;
+    said.speaks = router_.speaks(frame.source(), from.id);
     return said;
 }
 

@@ -181,14 +181,14 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
         const bool anywhere = address::is_host(source) || !pinned_[source].empty();
-        if (anywhere || known.empty() || leads_to(known, from)) known.insert(from);
+        if (anywhere || leads_to(known, from)) known.insert(from);
         else come_back(source, from, now);
     }
     heard(source, from) = now;
     if (claims_.is_under_way(source)) refuse(source, now);
 }
 
-// Where it was before, or its home is down. Who spoke there just now took its place, and is a conflict.
+// Where it was first, or nobody else is. Who spoke elsewhere just now took its place, and is a conflict.
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;
     for (const ChannelId channel : known_[source] - down_)
@@ -198,11 +198,14 @@ void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
 }
 
 bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
-    if (!known_[source].contains(from)) return false;
-    heard(source, from) = now;
-    if (!claims_.is_under_way(source)) return false;
-    refuse(source, now);
-    return true;
+    if (!known_[source].contains(from) && !first_[source].contains(from)) return false;
+    learn(from, source, now);
+    return untold_;
+}
+
+Speaks Router::speaks(std::uint8_t source, ChannelId channel) const noexcept {
+    if (holds(source, channel)) return first_[source].empty() ? Speaks::at_home : Speaks::elsewhere;
+    return claims(source, channel) ? Speaks::elsewhere : Speaks::somewhere;
 }
 
 bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {

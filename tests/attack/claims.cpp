@@ -139,6 +139,7 @@ TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
     const auto before = spdlog::default_logger();
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("told", std::make_shared<spdlog::sinks::ostream_sink_st>(told)));
     spdlog::default_logger()->set_pattern("%v");
+    spdlog::default_logger()->set_level(spdlog::level::warn);
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
     spdlog::set_default_logger(before);
     EXPECT_EQ(told.str(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +

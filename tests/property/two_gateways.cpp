@@ -50,8 +50,7 @@ struct Node {
         const auto from = static_cast<ChannelId>(channel);
         Said said = said_by(frame);
         if (!loops.rings().is_ring(from, now)) router->heard_again(from, frame.source(), now);
-        if (router->holds(frame.source(), from)) said.speaks = Speaks::at_home;
-        else if (router->claims(frame.source(), from)) said.speaks = Speaks::elsewhere;
+        said.speaks = router->speaks(frame.source(), from);
         const auto judgement = loops.judge(said, from, now);
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();

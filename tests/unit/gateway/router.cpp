@@ -266,6 +266,25 @@ TEST(Router, way_back_home_is_no_conflict) {
     EXPECT_TRUE(net->claims(0xDC, channel(2))) << "it was second";
 }
 
+// A constant broadcast that somebody else repeats ends in the loop guard.
+TEST(Router, what_goes_no_further_brings_it_home_as_well) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere);
+    net.silence();
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere) << "it may still be one who takes its name";
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::somewhere);
+    EXPECT_FALSE(net->heard_again(channel(3), 0xDC, net.now));
+    EXPECT_TRUE(net->heard_again(channel(1), 0xDC, net.now));
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    Router::Claimant claimant;
+    ASSERT_TRUE(net->take_claimant(claimant));
+    EXPECT_EQ(claimant.channel, channel(2));
+}
+
 // Two cables of one device and no `group`: the first breaks when a test was just refused.
 TEST(Router, second_cable_takes_over_within_thirteen_seconds) {
     Net net;
