@@ -1,0 +1,147 @@
+#include "process.hpp"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+namespace support {
+
+int connect_unix(const std::string& path) {
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    timeval limit{5, 0};
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    ::setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+    if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
+    ::close(fd);
+    return -1;
+}
+
+std::string read_to_end(int fd) {
+    std::string text;
+    char buffer[4096];
+    for (ssize_t n; (n = ::read(fd, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
+    return text;
+}
+
+std::string http(const std::string& socket, const std::string& request) {
+    const int fd = connect_unix(socket);
+    if (fd < 0) return {};
+    std::string answer;
+    if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
+        answer = read_to_end(fd);
+    ::close(fd);
+    return answer;
+}
+std::string body_of(const std::string& answer) {
+    const auto end = answer.find("\r\n\r\n");
+    return end == std::string::npos ? std::string{} : answer.substr(end + 4);
+}
+
+Process::Process(const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment) {
+    int pipe[2];
+    if (::pipe2(pipe, O_CLOEXEC) != 0) std::abort();
+    arguments.insert(arguments.begin(), program);
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ < 0) std::abort();    // a signal to -1 would reach everybody
+    if (pid_ == 0) {
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::dup2(pipe[1], STDERR_FILENO);
+        ::dup2(pipe[1], STDOUT_FILENO);
+        for (const std::string& e : environment) ::putenv(const_cast<char*>(e.c_str()));
+        ::execv(program.c_str(), argv.data());
+        ::_exit(127);
+    }
+    ::close(pipe[1]);
+    ::fcntl(pipe[0], F_SETFL, O_NONBLOCK);
+    output_fd_ = pipe[0];
+}
+Process::~Process() {
+    if (!status_) {
+        signal(SIGKILL);
+        reap(0);
+    }
+    ::close(output_fd_);
+}
+
+bool Process::is_running() {
+    reap(WNOHANG);
+    return !status_;
+}
+int Process::wait(std::chrono::steady_clock::duration limit) {
+    wait_until([this] { return !is_running(); }, limit);
+    output();
+    return status_.value_or(-1);
+}
+const std::string& Process::output() {
+    char buffer[4096];
+    for (ssize_t n; (n = ::read(output_fd_, buffer, sizeof buffer)) > 0;) output_.append(buffer, static_cast<std::size_t>(n));
+    return output_;
+}
+bool Process::until_says(const std::string& words, std::chrono::steady_clock::duration limit) {
+    return wait_until([&] { return output().find(words) != std::string::npos || !is_running(); }, limit) &&
+           output().find(words) != std::string::npos;
+}
+long Process::proc_status(const std::string& field) const {
+    std::ifstream file{"/proc/" + std::to_string(pid_) + "/status"};
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with(field + ":")) return std::stol(line.substr(field.size() + 1));
+    return -1;
+}
+
+void Process::reap(int options) {
+    int status = 0;
+    if (status_ || ::waitpid(pid_, &status, options) != pid_) return;
+    status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+namespace {
+
+std::vector<std::string> with_control(const std::string& socket, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"--control", socket});
+    return arguments;
+}
+
+}    // namespace
+
+Daemon::Daemon(const std::string& program, const std::string& socket, std::vector<std::string> arguments,
+               const std::vector<std::string>& environment)
+    : Process{program, with_control(socket, std::move(arguments)), environment}, socket_{socket} {}
+
+nlohmann::json Daemon::status() const {
+    return nlohmann::json::parse(body_of(http(socket_, "GET /status HTTP/1.0\r\n\r\n")), nullptr, false);
+}
+nlohmann::json Daemon::link(const std::string& name) const {
+    const auto now = status();
+    if (now.is_object())
+        for (const auto& link : now.at("links"))
+            if (link.at("name") == name) return link;
+    return {{"state", "no answer"}};
+}
+bool Daemon::until(const std::function<bool(const nlohmann::json&)>& holds) {
+    return wait_until([&] {
+        const auto now = status();
+        return now.is_object() && holds(now);
+    });
+}
+bool Daemon::until_answers() {
+    return until([](const auto&) { return true; });
+}
+bool Daemon::until_up(const std::string& name) {
+    return wait_until([&] { return link(name).at("state") == "up"; });
+}
+std::uint64_t Daemon::count(const std::string& name, const std::string& counter) const { return link(name).value(counter, 0u); }
+std::uint16_t Daemon::port(const std::string& name) const { return link(name).at("port"); }
+
+}    // namespace support

@@ -1,0 +1,114 @@
+#include "running_gateway.hpp"
+
+#include <daemon/status.hpp>
+
+#include <spdlog/spdlog.h>
+
+namespace support {
+
+anogate::Settings settings_of(std::vector<anogate::LinkSettings> links, anogate::GatewaySettings gateway,
+                              std::vector<anogate::RouteSettings> routes) {
+    anogate::Settings s;
+    s.gateway = std::move(gateway);
+    s.links = std::move(links);
+    s.routes = std::move(routes);
+    return s;
+}
+
+RunningGateway::RunningGateway(anogate::Settings settings) : gateway_{io_, std::move(settings)} {
+    spdlog::set_level(spdlog::level::off);
+    gateway_.start([this](const std::string& name) { missing_ = name; });
+}
+RunningGateway::RunningGateway(std::initializer_list<anogate::LinkSettings> links) : RunningGateway{settings_of(links)} {}
+RunningGateway::~RunningGateway() {
+    if (!stopped_) stop(std::chrono::milliseconds{0});
+}
+
+bool RunningGateway::until(const std::function<bool()>& holds, anogate::Duration limit) {
+    return wait_until(holds, limit, [this] {
+        io_.restart();
+        io_.run_one_for(std::chrono::milliseconds{2});
+    });
+}
+void RunningGateway::run_for(anogate::Duration time) {
+    const auto end = anogate::Clock::now() + time;
+    until([&] { return anogate::Clock::now() >= end; }, time);
+}
+bool RunningGateway::until_up(const std::string& name) {
+    return until([&] { return link(name).at("state") == "up"; });
+}
+bool RunningGateway::until_waiting(const std::string& name) {
+    return until([&] { return link(name).at("state") == "waiting"; });
+}
+anogate::Duration RunningGateway::stop(anogate::Duration flush_for, const std::function<void()>& meanwhile) {
+    const auto begin = anogate::Clock::now();
+    stopped_ = true;
+    gateway_.stop(flush_for, [] {});
+    io_.restart();
+    while (!io_.stopped()) {
+        io_.run_one_for(std::chrono::milliseconds{2});
+        meanwhile();
+        if (anogate::Clock::now() - begin > support::patience) {
+            ADD_FAILURE() << "the loop does not end";
+            break;
+        }
+    }
+    return anogate::Clock::now() - begin;
+}
+
+nlohmann::json RunningGateway::status() { return nlohmann::json::parse(anogate::status_json(gateway_)); }
+nlohmann::json RunningGateway::link(const std::string& name) {
+    const auto now = status();
+    for (const auto& link : now.at("links"))
+        if (link.at("name") == name) return link;
+    throw std::out_of_range{"no link " + name};
+}
+std::uint64_t RunningGateway::count(const std::string& name, const std::string& counter) {
+    for (const anogate::LinkState& state : gateway_.links())
+        if (state.link->name() == name)
+            if (const auto counted = figure(state, counter)) return *counted;
+    return link(name).at(counter);
+}
+std::uint16_t RunningGateway::port(const std::string& name) {
+    for (const anogate::LinkState& state : gateway_.links())
+        if (state.link->name() == name && state.link->local_port() != 0) return state.link->local_port();
+    return link(name).at("port");
+}
+nlohmann::json RunningGateway::route(const std::string& address) {
+    const auto now = status();
+    for (const auto& route : now.at("routes"))
+        if (route.at("address") == address) return route;
+    return nullptr;
+}
+
+bool RunningGateway::counters_add_up() {
+    for (const anogate::LinkState& state : gateway_.links()) {
+        if (anogate::unaccounted(state.gone_sent) != 0) return false;
+        for (const anogate::ChannelId id : state.channels) {
+            const anogate::Channel& channel = gateway_.channel(id);
+            if (anogate::unaccounted(channel.sent()) != channel.waiting()) return false;
+        }
+    }
+    return true;
+}
+
+std::optional<std::uint64_t> RunningGateway::figure(const anogate::LinkState& state, const std::string& counter) {
+    auto received = state.gone_received;
+    auto sent = state.gone_sent;
+    std::size_t waiting = 0;
+    add(received, state.link->stray().received);
+    for (const anogate::ChannelId id : state.channels) {
+        const anogate::Channel& channel = gateway_.channel(id);
+        add(received, channel.received());
+        add(sent, channel.sent());
+        waiting += channel.waiting();
+    }
+    if (counter == "waiting") return waiting;
+    for (const auto& row : anogate::receive_counters)
+        if (row.name == counter) return received.*row.value;
+    for (const auto& row : anogate::send_counters)
+        if (row.name == counter) return sent.*row.value;
+    return std::nullopt;
+}
+
+}    // namespace support
