@@ -44,6 +44,7 @@ struct SerialSettings {
 
 struct UdpListenSettings {
     WrittenEndpoint local;
+    std::string interface;    // only what comes by it is heard; empty: by any
     Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
     std::optional<std::uint16_t> max_per_address;    // nothing: a quarter of max_peers, two at least
@@ -196,6 +197,7 @@ struct TunnelSettings {
     Deliver deliver = Deliver::frames;
     std::vector<WrapSettings> wrap;    // the first that matches counts
     std::vector<Network> allow;        // empty: the networks of our interfaces
+    bool relay = false;                // peers of IP links may reach this computer itself, where `allow` lists it
     RuleSettings rules;                // of the link `tunnel`
     bool operator==(const TunnelSettings&) const = default;
 };

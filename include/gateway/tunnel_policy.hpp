@@ -28,4 +28,9 @@ private:
     std::vector<Network> networks_;
 };
 
+/// The first network of `allow` that lists loopback as what it is, or one of the addresses of our interfaces in `own`;
+/// nullptr: none does.
+const Network* listed_loopback(const std::vector<Network>& allow) noexcept;
+const Network* listed_own(const std::vector<Network>& allow, const std::vector<Network>& own) noexcept;
+
 }  // namespace anogate

@@ -2,11 +2,13 @@
 #include <daemon/config.hpp>
 #include <daemon/control_socket.hpp>
 #include <daemon/help.hpp>
+#include <daemon/judge_network.hpp>
 #include <daemon/judge_paths.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
 #include <daemon/read_file.hpp>
 #include <daemon/service.hpp>
+#include <link/ip_socket.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -158,7 +160,11 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     finish(draft);
     if (arguments.check && is_for_service(file, default_file)) judge_for_service(draft);
     else if (!arguments.print_config) judge_control(draft);
-    if (arguments.check) warn_of_paths(draft);
+    if (arguments.check) {
+        warn_of_paths(draft);
+        judge_relay(draft, own_networks());
+        note_open_ports(draft);
+    }
     if (!draft.errors.empty()) return failure(draft.errors);
     return CommandLine{std::move(draft.settings), file,          !arguments.links.empty(), lines(draft.warnings),
                        arguments.check,           arguments.print_config};

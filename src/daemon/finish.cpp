@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <daemon/config.hpp>
+#include <daemon/judge_network.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
 #include <daemon/unlikely.hpp>
@@ -415,6 +416,7 @@ void finish(Draft& draft) {
     for (LinkSettings& link : links)
         if (link.queue == 0) link.queue = default_queue(link.most_data_out());
     Judge{draft}.all();
+    judge_relay(draft);
 }
 
 }  // namespace anogate

@@ -369,6 +369,9 @@ constexpr Key<L> own_link_rows[] = {
         of("serial"),
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
+    text<&L::udp_listen, &Listen::interface>("interface", 1, longest_interface,
+                                             "hear only what comes by this network interface, such as wg0 (default: any)") |
+        of("udp-listen"),
     duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
                                                     "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
@@ -504,6 +507,7 @@ constexpr Key<T> own_tunnel_rows[] = {
             .help = "networks that may be sent to and may send (default: the networks of our interfaces, not loopback)"},
            write_tunnel_allow,
            read_tunnel_allow},
+    boolean<&T::relay>("relay", "peers of UDP links may reach programs on this computer, where `allow` lists it"),
 };
 
 constexpr auto tunnel_rows = own_tunnel_rows + rules_of<T, &T::rules>();

@@ -1,7 +1,9 @@
 #include <daemon/key_facts.hpp>
 #include <daemon/service.hpp>
 
+#include <algorithm>
 #include <filesystem>
+#include <span>
 
 #include <pwd.h>
 #include <unistd.h>
@@ -21,22 +23,37 @@ bool is_below(const fs::path& path, const fs::path& folder) {
     return !step.empty() && *step.begin() != ".." && step != ".";
 }
 
+// PrivateTmp= of the unit: the service has its own, empty and not to be written.
+constexpr const char* private_folders[] = {"/tmp", "/var/tmp"};
+
 /// Its folder is looked up, for /var/run is /run; the last part may be a link that is replaced.
-bool service_writes(const std::string& path) {
+fs::path looked_up(const std::string& path) {
     std::error_code ec;
     const fs::path absolute = fs::path{"/"} / path;    // the service starts in /
     fs::path folder = fs::weakly_canonical(absolute.parent_path(), ec);
     if (ec) folder = absolute.parent_path().lexically_normal();
-    for (const char* const one : writable)
-        if (is_below(folder / absolute.filename(), one)) return true;
-    return false;
+    return folder / absolute.filename();
+}
+
+bool is_below_one_of(const fs::path& path, std::span<const char* const> folders) {
+    return std::any_of(folders.begin(), folders.end(), [&](const char* folder) { return is_below(path, folder); });
 }
 
 void judge(const std::string& path, std::string_view key, const std::string& where, const char* better, Draft& draft) {
-    if (path.empty() || service_writes(path)) return;
-    draft.errors.push_back({where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there; " + better + "/" +
-                                       fs::path{path}.filename().string() +
-                                       " works (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)"});
+    const fs::path there = looked_up(path);
+    if (path.empty() || is_below_one_of(there, writable)) return;
+    const bool unseen = is_below_one_of(there, private_folders);
+    draft.errors.push_back({where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there" +
+                                       (unseen ? ", and nobody else would see its /tmp; " : "; ") + better + "/" +
+                                       fs::path{path}.filename().string() + " works" +
+                                       (unseen ? "" : " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
+}
+
+void judge_port(const std::string& device, const std::string& where, Draft& draft) {
+    if (is_below_one_of(looked_up(device), private_folders))
+        draft.errors.push_back({where, "'device' " + in_quotes(device) +
+                                           ": the service sees nothing in /tmp, it has one of its own; make the port in another folder, "
+                                           "such as /run (or: systemctl edit anogated, PrivateTmp=no)"});
 }
 
 }  // namespace
@@ -51,9 +68,13 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
 }
 
 void judge_for_service(Draft& draft) {
-    for (std::size_t i = 0; i < draft.settings.links.size(); ++i)
-        if (const LinkSettings& link = draft.settings.links[i]; link.kind == "pty" && !draft.links[i].broken)
-            judge(link.pty.path, "path", draft.links[i].key("path"), runtime_folder, draft);
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const LinkSettings& link = draft.settings.links[i];
+        const Origin& origin = draft.links[i];
+        if (origin.broken) continue;
+        if (link.kind == "pty") judge(link.pty.path, "path", origin.key("path"), runtime_folder, draft);
+        if (link.kind == "serial") judge_port(link.serial.device, origin.key("device"), draft);
+    }
     judge(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
     if (draft.settings.control.socket != "none")
         judge(draft.settings.control.socket, "socket", draft.control.key("socket"), runtime_folder, draft);

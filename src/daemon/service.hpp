@@ -9,7 +9,7 @@ namespace anogate {
 /// Whether the configuration in `config_file` is the service's: it stands beside `default_file`, or we run as its user.
 bool is_for_service(const std::string& config_file, const std::string& default_file);
 
-/// Adds an error for every path that the service can't write to.
+/// Adds an error for every path that the service can't write to, and for every serial port that it can't see.
 void judge_for_service(Draft& draft);
 
 }  // namespace anogate

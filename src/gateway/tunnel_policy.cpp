@@ -31,4 +31,19 @@ bool TunnelPolicy::lists(const IpAddress& address, const Network& within) const 
                        [&](const Network& n) { return n.contains(address) && n.prefix >= within.prefix; });
 }
 
+const Network* listed_loopback(const std::vector<Network>& allow) noexcept {
+    const auto network = std::find_if(allow.begin(), allow.end(), [](const Network& n) {
+        return loopback.contains(n.address) && n.prefix >= loopback.prefix;
+    });
+    return network == allow.end() ? nullptr : &*network;
+}
+
+const Network* listed_own(const std::vector<Network>& allow, const std::vector<Network>& own) noexcept {
+    const auto network = std::find_if(allow.begin(), allow.end(), [&](const Network& n) {
+        const auto is_here = [&](const Network& one) { return one.address == n.address && !loopback.contains(n.address); };
+        return n.prefix == 32 && std::any_of(own.begin(), own.end(), is_here);
+    });
+    return network == allow.end() ? nullptr : &*network;
+}
+
 }  // namespace anogate

@@ -31,7 +31,7 @@ private:
     void look() {
         const auto now = endpoint_now(written_);
         if (now && now == opened_) return look_.set(host_.now() + between_looks);
-        gone_(now ? "another network interface " + written_.interface : no_interface(written_));
+        gone_(now ? "another network interface " + written_.interface : no_interface(written_.interface));
     }
 
     LinkHost& host_;

@@ -104,7 +104,7 @@ std::optional<Endpoint> endpoint_now(const WrittenEndpoint& written) {
     return endpoint;
 }
 
-std::string no_interface(const WrittenEndpoint& written) { return "no network interface " + written.interface + " now"; }
+std::string no_interface(const std::string& interface) { return "no network interface " + interface + " now"; }
 
 std::vector<Network> own_networks() {
     std::vector<Network> networks;
@@ -135,9 +135,9 @@ std::optional<IpAddress> source_towards(const IpAddress& there) {
     return std::nullopt;
 }
 
-OpenedSocket open_udp(const WrittenEndpoint& written, bool share_port) {
+OpenedSocket open_udp(const WrittenEndpoint& written, bool share_port, const std::string& interface) {
     const auto local = endpoint_now(written);
-    if (!local) return {{}, no_interface(written)};
+    if (!local) return {{}, no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
     if (!fd) return {{}, error_text("no UDP socket", errno)};
@@ -147,6 +147,9 @@ OpenedSocket open_udp(const WrittenEndpoint& written, bool share_port) {
     ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
     if (share_port) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    if (!interface.empty() &&
+        ::setsockopt(fd.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.data(), static_cast<socklen_t>(interface.size())) != 0)
+        return {{}, errno == ENODEV ? no_interface(interface) : error_text(interface, errno)};
     const SocketAddress address = SocketAddress::of(*local, local->address.v6);
     if (::bind(fd.get(), address.get(), address.size) == 0) return {std::move(fd), {}};
     switch (errno) {

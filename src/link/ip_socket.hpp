@@ -26,7 +26,7 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 /// With the number that its interface has now; nothing while there is no such interface.
 std::optional<Endpoint> endpoint_now(const WrittenEndpoint& written);
 /// What to say then.
-std::string no_interface(const WrittenEndpoint& written);
+std::string no_interface(const std::string& interface);
 
 /// The networks of our interfaces as they are now, loopback included.
 std::vector<Network> own_networks();
@@ -42,7 +42,8 @@ struct OpenedSocket {
     std::string error;
 };
 /// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
-OpenedSocket open_udp(const WrittenEndpoint& local, bool share_port);
+/// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
+OpenedSocket open_udp(const WrittenEndpoint& local, bool share_port, const std::string& interface = {});
 /// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
 void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to; port 0 became a real one.

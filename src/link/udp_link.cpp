@@ -62,7 +62,7 @@ void UdpLink::try_open() {
 OpenedSocket UdpLink::open_to_peer() {
     const WrittenEndpoint& written = settings().udp.peer;
     const auto to = endpoint_now(written);
-    if (!to) return {{}, no_interface(written)};
+    if (!to) return {{}, no_interface(written.interface)};
     const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
     WrittenEndpoint local;

@@ -79,7 +79,8 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
 UdpListenLink::~UdpListenLink() = default;
 
 void UdpListenLink::try_open() {
-    OpenedSocket socket = open_udp(settings().udp_listen.local, false);
+    const UdpListenSettings& listen = settings().udp_listen;
+    OpenedSocket socket = open_udp(listen.local, false, listen.interface);
     const TimePoint now = context_.host.now();
     if (!socket.fd) {
         context_.host.link_down(*this, std::move(socket.error));
@@ -94,7 +95,7 @@ void UdpListenLink::try_open() {
     descriptor_.open(std::move(socket.fd));
     opened(local_);
     descriptor_.read_with([this] { read(); });
-    interface_watch_.start(settings().udp_listen.local);
+    interface_watch_.start(listen.interface.empty() ? listen.local : WrittenEndpoint{listen.local, listen.interface});
     context_.host.link_up(*this);
 }
 

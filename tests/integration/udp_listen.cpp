@@ -1,9 +1,12 @@
 // The listening UDP link: who becomes a peer, for how long, and what each one gets.
+#include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
 
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 namespace {
 
@@ -321,6 +324,70 @@ TEST(UdpListenLink, a_port_in_use_is_waited_for_and_taken_when_it_is_free) {
     UdpPeer host;
     host.send(port, vendor::who_are_you);
     EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+}
+
+// The vehicle has a private network, wg0, beside an open one where somebody uses the addresses of the private one.
+struct OpenNetworkBeside {
+    Namespace vehicle, ground, stranger;
+
+    OpenNetworkBeside() {
+        join_ground();
+        vehicle.join(stranger, "wifi0", "192.168.7.1/24", "192.168.7.66/24");
+        stranger.ip("address add 10.77.0.2/32 dev lo");
+        stranger.ip("route add 10.77.0.1/32 via 192.168.7.1");
+        const Inside inside{vehicle};
+        for (const char* one : {"all", "default", "wifi0"}) std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
+    }
+    void join_ground() { vehicle.join(ground, "wg0", "10.77.0.1/24", "10.77.0.2/24"); }
+    /// The vehicle's gateway; `interface` may be empty.
+    std::unique_ptr<RunningGateway> gateway(const std::string& interface) {
+        auto link = udp_listen("ground", "10.77.0.1:12333");
+        link.udp_listen.interface = interface;
+        const Inside inside{vehicle};
+        return std::make_unique<RunningGateway>(settings_of({link}));
+    }
+    std::unique_ptr<UdpPeer> at(const Namespace& space) {
+        const Inside inside{space};
+        return std::make_unique<UdpPeer>("10.77.0.2:0");
+    }
+};
+
+TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_addresses) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
+    const Inside inside{t.vehicle};
+    for (const bool bound : {false, true}) {
+        const auto daemon = t.gateway(bound ? "wg0" : "");
+        ASSERT_TRUE(daemon->until_up("ground"));
+        for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
+        ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
+        const std::uint64_t heard = bound ? 1 : 4;
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; }))
+            << (bound ? "bound: " : "not bound: ") << daemon->link("ground").dump();
+        EXPECT_EQ(daemon->count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
+        EXPECT_EQ(peers(*daemon), bound ? 1u : 2u);
+        EXPECT_EQ(daemon->link("ground").at("kernel_drops"), 0);
+    }
+}
+
+TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    const auto daemon = t.gateway("wg0");
+    ASSERT_TRUE(daemon->until_up("ground"));
+    t.vehicle.ip("link delete wg0");
+    {
+        const Inside inside{t.vehicle};
+        ASSERT_TRUE(daemon->until_waiting("ground"));
+    }
+    EXPECT_EQ(daemon->link("ground").at("error"), "no network interface wg0 now");
+    t.join_ground();
+    const Inside inside{t.vehicle};
+    ASSERT_TRUE(daemon->until_up("ground"));
+    const auto ground = t.at(t.ground);
+    ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
+    EXPECT_TRUE(daemon->until([&] { return peers(*daemon) == 1; }));
 }
 
 TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {

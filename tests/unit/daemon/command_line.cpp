@@ -3,6 +3,8 @@
 #include <daemon/config.hpp>
 #include <support/files.hpp>
 
+#include <filesystem>
+
 namespace anogate {
 namespace {
 
@@ -122,6 +124,34 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     EXPECT_NE(of_log(there).find("is a folder: the log goes to standard error"), std::string::npos);
     EXPECT_EQ(of_log(there + "/a.log"), "");
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
+}
+
+TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
+    const auto said = [](std::vector<const char*> links) {
+        links.insert(links.begin(), "--check");
+        const CommandLine line = line_of(links);
+        EXPECT_TRUE(line.check) << "it is no fault";
+        return line.warnings;
+    };
+    EXPECT_EQ(said({"sim:fc", "udp-listen:0.0.0.0:5,name=ground", "udp-listen:[::]:6,name=tablet,allow=any"}),
+              "anogated: LINK 'udp-listen:0.0.0.0:5,name=ground': note: 'ground', 'tablet': who is in a network of this computer may send "
+              "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
+              "and take WireGuard (README: On a shared Wi-Fi)\n");
+    for (const char* link : {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24", "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5"})
+        EXPECT_EQ(said({link}), "") << link;
+    EXPECT_EQ(line_of({"udp-listen:0.0.0.0:5"}).warnings, "") << "only a check says it";
+}
+
+TEST(CommandLine, a_check_has_nothing_to_say_of_the_examples) {
+    std::size_t examples = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator{support::source_file("config/examples")}) {
+        if (entry.path().extension() != ".json") continue;
+        ++examples;
+        const CommandLine line = line_of({"--check", "--config", entry.path().c_str()});
+        EXPECT_TRUE(line.check) << entry.path();
+        EXPECT_EQ(line.warnings, "") << entry.path();
+    }
+    EXPECT_GT(examples, 0u);
 }
 
 TEST(CommandLine, the_default_file_is_where_the_program_was_installed) {

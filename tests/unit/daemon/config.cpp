@@ -2,7 +2,9 @@
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 
+#include <daemon/judge_network.hpp>
 #include <daemon/values.hpp>
+#include <gateway/tunnel_policy.hpp>
 #include <unit/daemon/faults.hpp>
 
 namespace anogate {
@@ -235,6 +237,41 @@ TEST(Config, a_tunnel_is_read_as_it_is_written) {
     EXPECT_EQ(t, expected);
 }
 
+// Of links whose peers are in the network, and of others.
+TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
+    const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
+        return faults_in("{\"links\": [\"" + link + ",name=g\", \"sim:fc\"], \"tunnel\": {\"links\": [\"fc\", \"g\"], \"port\": 1, \"allow\": [" +
+                         allow + "]" + more + "}}");
+    };
+    const std::string open = "udp-listen:0.0.0.0:12333";
+    EXPECT_EQ(faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
+              "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' names 'g': its peers in the network would "
+              "reach local programs by tunnel frames; take one of them away, or say \"relay\": true if they shall\n");
+    for (const char* link : {"udp-listen:192.168.1.5:12333", "udp-listen:[::]:12333", "udp:192.168.1.20:6670"})
+        EXPECT_NE(faults(link, R"("127.0.0.1/32")"), "") << link;
+    EXPECT_EQ(faults(open, R"("127.0.0.0/8")", R"(, "relay": true)"), "");
+    EXPECT_NE(faults(open, R"("127.0.0.0/8")", R"(, "relay": false)"), "");
+    EXPECT_EQ(faults(open, R"("10.0.0.0/8")"), "");
+    for (const char* link : {"serial:/dev/ttyUSB0", "pty:/run/x", "can:can0", "udp-listen:127.0.0.1:12333", "udp:127.0.0.1:6670"})
+        EXPECT_EQ(faults(link, R"("127.0.0.0/8")"), "") << link << " has no peers in the network";
+    EXPECT_EQ(faults_in(R"({"links": ["udp-listen:0.0.0.0:1,name=g", "sim:fc"], "tunnel": {"links": ["fc"], "allow": ["127.0.0.0/8"]}})"), "")
+        << "its tunnel frames are not carried";
+}
+
+TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
+    const auto faults = [](const std::string& allow, const std::string& relay = "false") {
+        Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" + allow +
+                                   R"("], "relay": )" + relay + "}}");
+        EXPECT_TRUE(draft.errors.empty());
+        judge_relay(draft, {*Network::parse("127.0.0.1/8"), *Network::parse("192.168.1.5/24")});
+        return draft.errors.size();
+    };
+    EXPECT_EQ(faults("192.168.1.5/32"), 1u);
+    EXPECT_EQ(faults("192.168.1.5/32", "true"), 0u);
+    EXPECT_EQ(faults("192.168.1.0/24"), 0u) << "an own address counts only when it is listed by itself";
+    EXPECT_EQ(faults("192.168.1.6/32"), 0u);
+}
+
 TEST(Config, faults_of_a_tunnel_name_their_place) {
     EXPECT_EQ(faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
         "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "fc", "as": "ip", "link": "tunnel"}, 5]}})"),
@@ -434,6 +471,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
                        line()};
     } else if (link.kind == "udp-listen") {
         link.udp_listen.local = random_endpoint(random, v6);
+        link.udp_listen.interface = random.of({"", "wg0"});
         link.udp_listen.peer_timeout = std::chrono::milliseconds{1000 + random.below(86'399'000)};
         link.udp_listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
         if (random.one_in(2)) link.udp_listen.max_per_address = static_cast<std::uint16_t>(1 + random.below(64));
@@ -520,6 +558,7 @@ TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSett
     for (unsigned i = random.below(4u); i > 0; --i)
         t.wrap.push_back({network(), name(), random.of<std::uint8_t>({0xB1, 0xB2}), id(), id()});
     for (unsigned i = random.below(4u); i > 0; --i) t.allow.push_back(network());
+    t.relay = listed_loopback(t.allow) || random.one_in(2);
     t.rules = random_rules(random);
     return t;
 }

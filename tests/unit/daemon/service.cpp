@@ -27,8 +27,8 @@ TEST(Service, writes_to_its_own_folders) {
 
 TEST(Service, writes_nowhere_else) {
     EXPECT_EQ(faults(R"({"links": ["sim:fc", "pty:/tmp/app"]})"),
-              std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there; /run/anogate/app works"} +
-                  elsewhere);
+              std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there, "
+                          "and nobody else would see its /tmp; /run/anogate/app works\n"});
     EXPECT_EQ(faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
               std::string{"a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"} + elsewhere);
     EXPECT_EQ(faults(R"({"log": {"file": "/var/log/anogate.log"}})"),
@@ -36,7 +36,15 @@ TEST(Service, writes_nowhere_else) {
                           "/var/log/anogate/anogate.log works"} +
                   elsewhere);
     EXPECT_EQ(faults(R"({"control": {"socket": "/tmp/c"}})"),
-              std::string{"a.json: /control/socket: 'socket' '/tmp/c': the service may not write there; /run/anogate/c works"} + elsewhere);
+              "a.json: /control/socket: 'socket' '/tmp/c': the service may not write there, and nobody else would see its /tmp; "
+              "/run/anogate/c works\n");
+}
+
+TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {
+    const std::string fault = faults(R"({"links": [{"kind": "serial", "device": "/tmp/sitl"}, "serial:/run/sitl,baud=9600"]})");
+    EXPECT_EQ(fault, "a.json: /links/0/device: 'device' '/tmp/sitl': the service sees nothing in /tmp, it has one of its own; make the port "
+                     "in another folder, such as /run (or: systemctl edit anogated, PrivateTmp=no)\n");
+    EXPECT_NE(faults(R"({"links": ["serial:/var/tmp/sitl"]})"), "");
 }
 
 TEST(Service, a_path_is_what_it_leads_to) {

@@ -67,6 +67,16 @@ TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
     EXPECT_FALSE(policy({"240.0.0.1"}).allows(ip("240.0.0.1")));
 }
 
+TEST(TunnelPolicy, what_is_said_to_list_this_computer_does) {
+    const std::vector<Network> own{*Network::parse("192.168.0.5/24"), *Network::parse("127.0.0.1/8")};
+    for (const char* network : {"0.0.0.0/0", "127.0.0.1/7", "127.0.0.0/8", "127.0.0.1", "127.0.0.1/31", "192.168.0.5", "192.168.0.5/31",
+                                "192.168.0.0/24", "192.168.0.6", "10.0.0.0/8"}) {
+        const std::vector<Network> allow{*Network::parse(network)};
+        EXPECT_EQ(anogate::listed_loopback(allow) != nullptr, policy({network}).allows(ip("127.0.0.1"))) << network;
+        EXPECT_EQ(anogate::listed_own(allow, own) != nullptr, policy({network}).allows(ip("192.168.0.5"))) << network;
+    }
+}
+
 TEST(TunnelPolicy, own_addresses_are_those_of_the_interfaces) {
     EXPECT_TRUE(policy().is_own(ip("192.168.0.5")));
     EXPECT_TRUE(policy().is_own(ip("10.1.2.3")));

@@ -1,0 +1,64 @@
+#include <daemon/judge_network.hpp>
+#include <daemon/key_facts.hpp>
+#include <gateway/tunnel_policy.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+bool has_peers_elsewhere(const LinkSettings& link) {
+    if (link.kind == "udp-listen") return !link.udp_listen.local.address.is_loopback();
+    return link.kind == "udp" && !link.udp.peer.address.is_loopback();
+}
+
+/// Of the links whose tunnel frames are carried, the first with peers in the network; empty: none.
+std::string open_tunnel_link(const Settings& settings) {
+    for (const LinkSettings& link : settings.links) {
+        const std::vector<std::string>& carried = settings.tunnel->links;
+        if (has_peers_elsewhere(link) && std::find(carried.begin(), carried.end(), link.name) != carried.end()) return link.name;
+    }
+    return {};
+}
+
+void judge_way(Draft& draft, const Network* listed) {
+    if (!listed || draft.settings.tunnel->relay) return;
+    const std::string link = open_tunnel_link(draft.settings);
+    if (link.empty()) return;
+    draft.errors.push_back({draft.tunnel.key("allow"),
+                            "'allow' lists " + listed->text() + ", which is this computer, and 'links' names " + in_quotes(link) +
+                                ": its peers in the network would reach local programs by tunnel frames; take one of them "
+                                "away, or say \"relay\": true if they shall"});
+}
+
+bool is_open(const LinkSettings& link) {
+    return link.kind == "udp-listen" && link.udp_listen.local.address.is_any() && link.udp_listen.interface.empty() &&
+           (link.udp_listen.allow_any || link.udp_listen.allow.empty());
+}
+
+}  // namespace
+
+void judge_relay(Draft& draft) {
+    if (draft.settings.tunnel) judge_way(draft, listed_loopback(draft.settings.tunnel->allow));
+}
+
+void judge_relay(Draft& draft, const std::vector<Network>& own) {
+    if (draft.settings.tunnel) judge_way(draft, listed_own(draft.settings.tunnel->allow, own));
+}
+
+void note_open_ports(Draft& draft) {
+    std::string names;
+    const Origin* first = nullptr;
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        if (!is_open(draft.settings.links[i])) continue;
+        if (!first) first = &draft.links[i];
+        names += (names.empty() ? "" : ", ") + in_quotes(draft.settings.links[i].name);
+    }
+    if (first)
+        draft.warnings.push_back({first->key("address"),
+                                  "note: " + names + ": who is in a network of this computer may send commands here, and sender "
+                                  "addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
+                                  "and take WireGuard (README: On a shared Wi-Fi)"});
+}
+
+}  // namespace anogate
