@@ -8,70 +8,98 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace anogate {
 
-/// A few short frames in the order in which they came. No allocation.
+/// A few short frames. Those of one channel in the order in which they came: none is due before one that came before it. No
+/// allocation.
 class Held {
 public:
     static constexpr std::size_t most = 32, largest = 64;
 
+    /// How many of the same bytes its channel may bring while it waits, and until when; 0: as many as it likes.
+    struct Repeats {
+        std::uint32_t most;
+        ano::TimePoint until;
+    };
     /// False: there is no room, or the frame is too long.
-    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due) noexcept {
+    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, Repeats repeats = {}) noexcept {
         const auto bytes = frame.bytes();
         if (!fits(frame)) return false;
-        Frame& held = frames_[(first_ + count_++) % most];
+        Frame& held = frames_[count_++];
         held.from = from;
         held.due = due;
+        held.repeats = repeats;
         held.size = bytes.size();
         std::copy(bytes.begin(), bytes.end(), held.bytes.begin());
         return true;
     }
     /// Whether there is room for it.
     bool fits(ano::FrameView frame) const noexcept { return count_ < most && frame.bytes().size() <= largest; }
+    /// Whether the channel brings the same once more than it may, so that it need not wait.
+    bool goes_on(ChannelId from, ano::FrameView frame, ano::TimePoint now) const noexcept {
+        Repeats repeats{};
+        std::uint32_t same = 0;
+        for (const Frame& held : std::span{frames_}.first(count_)) {
+            if (held.from != from || !std::ranges::equal(held.view().bytes(), frame.bytes())) continue;
+            if (held.repeats.most > repeats.most) repeats = held.repeats;
+            ++same;
+        }
+        return repeats.most > 0 && (same >= repeats.most || now > repeats.until);
+    }
     /// When the last of a channel is due; nothing when none waits.
     std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
         std::optional<ano::TimePoint> last;
-        for (std::size_t i = 0; i < count_; ++i)
-            if (const Frame& frame = frames_[(first_ + i) % most]; frame.from == from) last = frame.due;
+        for (const Frame& held : std::span{frames_}.first(count_))
+            if (held.from == from) last = held.due;
         return last;
     }
     bool empty() const noexcept { return count_ == 0; }
-    /// When the first is due; nothing when none waits.
+    /// When the next is due; nothing when none waits.
     std::optional<ano::TimePoint> due() const noexcept {
-        return count_ == 0 ? std::nullopt : std::optional{frames_[first_].due};
+        std::optional<ano::TimePoint> next;
+        for (const Frame& held : std::span{frames_}.first(count_)) next = std::min(next.value_or(held.due), held.due);
+        return next;
     }
 
     struct Frame {
         ChannelId from{};
         ano::TimePoint due{};
+        Repeats repeats{};
         std::size_t size = 0;
         std::array<std::uint8_t, largest> bytes{};
         ano::FrameView view() const noexcept { return ano::FrameView{std::span{bytes}.first(size)}; }
     };
-    /// The first, when it is due.
+    /// The first that is due.
     std::optional<Frame> take(ano::TimePoint now) noexcept {
-        if (count_ == 0 || frames_[first_].due > now) return std::nullopt;
-        const Frame& frame = frames_[first_];
-        first_ = (first_ + 1) % most;
-        --count_;
-        return frame;
+        return take_first([now](const Frame& held) { return held.due <= now; });
+    }
+    /// The first of the channel.
+    std::optional<Frame> take(ChannelId from) noexcept {
+        return take_first([from](const Frame& held) { return held.from == from; });
     }
     /// Forgets those of a channel that is no more; how many there were.
     std::size_t forget(ChannelId from) noexcept {
-        std::size_t kept = 0;
-        const std::size_t before = count_;
-        for (std::size_t i = 0; i < before; ++i) {
-            const Frame& frame = frames_[(first_ + i) % most];
-            if (frame.from != from) frames_[(first_ + kept++) % most] = frame;
-        }
-        count_ = kept;
-        return before - kept;
+        std::size_t forgotten = 0;
+        while (take(from)) ++forgotten;
+        return forgotten;
     }
 
 private:
+    template <class Which>
+    std::optional<Frame> take_first(Which which) noexcept {
+        const auto end = frames_.begin() + static_cast<std::ptrdiff_t>(count_);
+        const auto first = std::find_if(frames_.begin(), end, which);
+        if (first == end) return std::nullopt;
+        const Frame frame = *first;
+        std::move(first + 1, end, first);
+        --count_;
+        return frame;
+    }
+
     std::array<Frame, most> frames_{};
-    std::size_t first_ = 0, count_ = 0;
+    std::size_t count_ = 0;
 };
 
 }  // namespace anogate

@@ -35,8 +35,9 @@ public:
     using Duration = ano::Duration;
     using TimePoint = ano::TimePoint;
 
-    /// Where the probe was not answered so long after it left, no ring is; one that comes back later tells all the same.
-    static constexpr Duration patience = std::chrono::milliseconds{250};
+    /// Where the probe was not answered so long after it left, no ring is; one that comes back later tells all the same. So
+    /// slow may the way round be for a frame to pass no more than twice.
+    static constexpr Duration patience = std::chrono::milliseconds{600};
     /// For so long what is said faster than by hand waits all the same: a ring may be fast one way and slow the other.
     static constexpr Duration slowest = std::chrono::seconds{2}, by_hand = std::chrono::milliseconds{100};
     /// Between two probes by one channel, and where the answer is known.
@@ -47,6 +48,8 @@ public:
     static constexpr std::uint32_t storm = 1000;
     /// Of what is spread by a channel that may not be probed, what did not come back within this time does not come back.
     static constexpr Duration ripe = std::chrono::seconds{1};
+    /// So many broadcasts of devices tell that no ring is there, when none of them comes back.
+    static constexpr std::uint32_t telling = 8;
 
     /// `station` is a number that no other gateway has.
     explicit RingWatch(std::uint64_t station = 1) : station_{station} {}
@@ -77,7 +80,7 @@ public:
     }
     /// Since when the channel is known to be a ring; for one that is.
     TimePoint ring_since(ChannelId channel) const noexcept { return facts_[index(channel)].ring_since; }
-    /// It is known to be none: the probe stayed away, or half of what was spread by it did.
+    /// It is known to be none: the probe stayed away, or where no probe may go, half of what hosts said or all that devices did.
     bool is_clear(ChannelId channel, TimePoint now) noexcept {
         Facts& f = of(channel);
         if (!is_probed(channel)) roll(f, now);
@@ -149,8 +152,10 @@ public:
     /// It brought back what its one sender had said and what had gone out by it. Where no probe may go, that is what tells a
     /// ring; a device with two cables looks the same.
     void brought_back_ones_own(ChannelId channel, TimePoint now) noexcept {
-        if (!is_probed(channel)) note(channel, {of(channel).link, of(channel).link}, now);
+        if (!is_probed(channel)) came_round(channel, now);
     }
+    /// Whatever the probe said, what goes out comes round by it.
+    void came_round(ChannelId channel, TimePoint now) noexcept { note(channel, {of(channel).link, of(channel).link}, now); }
     /// It brought what a host had said before and what others may say as well; `first`: since that was spread. True: this
     /// often only a ring does.
     bool brought_back(ChannelId channel, bool first, TimePoint spread_at, TimePoint now) noexcept {
@@ -164,7 +169,7 @@ public:
             if (first) ++(spread_at < f.period ? f.back_before : f.back);
         }
         if (++f.in_second <= storm) return false;
-        note(channel, {f.link, f.link}, now);
+        came_round(channel, now);
         return true;
     }
     /// What a host said leaves by `channels`, for the first time.
@@ -173,6 +178,19 @@ public:
             roll(of(channel), now);
             ++of(channel).spread;
         }
+    }
+    /// What a device said to everybody leaves by `channels`.
+    void told(ChannelSet channels, TimePoint now) noexcept {
+        for (const ChannelId channel : channels - probed_) {
+            roll(of(channel), now);
+            ++of(channel).told;
+        }
+    }
+    /// Every one of them is known to be none.
+    bool are_clear(ChannelSet channels, TimePoint now) noexcept {
+        for (const ChannelId channel : channels)
+            if (is_ring(channel, now) || !is_clear(channel, now)) return false;
+        return true;
     }
 
 private:
@@ -188,6 +206,7 @@ private:
         // What hosts said, spread by it and brought back, in this period and in the one before; where no probe may go.
         TimePoint period{};
         std::uint32_t spread = 0, back = 0, spread_before = 0, back_before = 0;
+        std::uint32_t told = 0, told_before = 0, told_in_vain = 0;    // what devices said, as well, and all that did not come back
     };
     Facts& of(ChannelId channel) noexcept { return facts_[index(channel)]; }
 
@@ -197,6 +216,7 @@ private:
         f.ring = ring;
         f.ring_until = now + holds;
         f.clear_until = never;
+        f.told = f.told_before = f.told_in_vain = 0;
         rings_.insert(channel);
     }
     void answered(ChannelId out, std::uint32_t question, ChannelId back, TimePoint now) noexcept {
@@ -213,6 +233,11 @@ private:
         const bool ripened = age >= 2 * ripe;    // what was spread in this period as well
         weigh(f, f.spread_before, f.back_before, now);
         if (ripened) weigh(f, f.spread, f.back, now);
+        const std::uint32_t in_vain = f.told_before + (ripened ? f.told : 0);
+        f.told_in_vain = std::min(f.told_in_vain + in_vain, telling);
+        if (in_vain > 0 && f.told_in_vain == telling) f.clear_until = now + holds;
+        f.told_before = ripened ? 0 : f.told;
+        f.told = 0;
         f.spread_before = ripened ? 0 : f.spread;
         f.back_before = ripened ? 0 : f.back;
         f.spread = f.back = 0;

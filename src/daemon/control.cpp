@@ -1,18 +1,16 @@
 #include <link/asio.hpp>
 
 #include <daemon/control.hpp>
-#include <link/errors.hpp>
+#include <daemon/control_places.hpp>
 #include <link/own_folder.hpp>
 
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <spdlog/spdlog.h>
 
-#include <fcntl.h>
 #include <grp.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -29,20 +27,14 @@ using Local = asio::local::stream_protocol;
 constexpr std::size_t most_sessions = 32;
 constexpr std::size_t most_header = 8 * 1024;
 constexpr std::size_t most_body = 64 * 1024;
+constexpr std::size_t read_size = 4 * 1024;
 constexpr auto patience = std::chrono::seconds{30};
+constexpr auto stalled_after = std::chrono::seconds{1};
+constexpr std::string_view no_place =
+    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n\r\n"
+    "{\"error\": \"all places are taken by those who ask just now\"}\n";
 
-// The socket is not ours to replace, unless it is known that nobody listens there: a refusal for any other reason (of another
-// type, no permission, out of descriptors) says nothing about that.
-bool is_alive(const std::string& path) {
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    const int result = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    const bool dead = result != 0 && errno == ECONNREFUSED;
-    if (fd >= 0) ::close(fd);
-    return !dead;
-}
+using ano::Clock;
 
 /// In a folder of his own, as $XDG_RUNTIME_DIR is, nobody else was to come in.
 bool is_private(const fs::path& folder) {
@@ -50,15 +42,10 @@ bool is_private(const fs::path& folder) {
     return ::stat(folder.c_str(), &info) == 0 && (info.st_mode & 0011) == 0;
 }
 
-void let_group_in(const std::string& path) {
-    const group* group = ::getgrnam("anogate");
-    if (group && ::chown(path.c_str(), uid_t(-1), group->gr_gid) == 0) {
-        ::chmod(path.c_str(), 0660);
-    } else {
-        ::chmod(path.c_str(), 0600);
-        if (is_private(fs::path{path}.parent_path())) return;
-        spdlog::info("{}: only this user may use it, for there is no group `anogate` we are in", path);
-    }
+std::uint32_t user_of(Local::socket& socket) {
+    ucred who{};
+    socklen_t size = sizeof who;
+    return ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : uid_t(-1);
 }
 
 }  // namespace
@@ -66,32 +53,58 @@ void let_group_in(const std::string& path) {
 // One connection, from its first request to its last.
 class Control::Session : public std::enable_shared_from_this<Session> {
 public:
-    Session(Control& control, Local::socket socket) : control_{control}, stream_{std::move(socket)} {}
+    Session(Control& control, Local::socket socket) : control_{control}, user_{user_of(socket)}, stream_{std::move(socket)} {}
 
     void close() {
         error_code ignored;
         stream_.socket().close(ignored);
     }
 
-    void read() {
+    Visitor visitor(ano::TimePoint now) const { return {user_, asks_ && now - since_ < stalled_after, since_}; }
+
+    /// Waits for the next request, of which some may be here.
+    void start() {
         request_.emplace();
         request_->header_limit(most_header);
         request_->body_limit(most_body);
+        request_->eager(true);
         stream_.expires_after(patience);
-        http::async_read(stream_, buffer_, *request_, [self = shared_from_this()](error_code ec, std::size_t) {
-            if (!ec) self->write();
+        since_ = Clock::now();
+        asks_ = buffer_.size() > 0;
+        if (asks_) hear();
+        else read();
+    }
+
+    /// Its turn: the request is answered.
+    void write() {
+        if (!stream_.socket().is_open()) return;
+        response_ = answer(request_->get());
+        stream_.expires_after(patience);
+        since_ = Clock::now();
+        http::async_write(stream_, response_, [self = shared_from_this()](error_code ec, std::size_t) {
+            if (ec) return;
+            if (self->response_.keep_alive()) return self->start();
+            self->stream_.socket().shutdown(Local::socket::shutdown_send, ec);
         });
     }
 
 private:
-    void write() {
-        response_ = answer(request_->get());
-        stream_.expires_after(patience);
-        http::async_write(stream_, response_, [self = shared_from_this()](error_code ec, std::size_t) {
+    void read() {
+        stream_.async_read_some(buffer_.prepare(read_size), [self = shared_from_this()](error_code ec, std::size_t size) {
             if (ec) return;
-            if (self->response_.keep_alive()) return self->read();
-            self->stream_.socket().shutdown(Local::socket::shutdown_send, ec);
+            self->buffer_.commit(size);
+            self->since_ = Clock::now();
+            self->asks_ = true;
+            self->hear();
         });
+    }
+
+    void hear() {
+        error_code ec;
+        buffer_.consume(request_->put(buffer_.data(), ec));
+        if (ec && ec != http::error::need_more) return;
+        if (request_->is_done()) control_.await_turn(shared_from_this());
+        else read();
     }
 
     http::response<http::string_body> answer(const http::request<http::string_body>& request) const {
@@ -125,6 +138,9 @@ private:
     }
 
     Control& control_;
+    std::uint32_t user_;
+    bool asks_ = false;           // some of a request is here, or it is answered
+    ano::TimePoint since_;     // it came, or came on
     beast::basic_stream<Local> stream_;
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> request_;
@@ -132,29 +148,16 @@ private:
 };
 
 Control::Outcome Control::start(const std::string& path) {
-    if (path.size() >= sizeof sockaddr_un{}.sun_path)
-        return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
-    std::error_code ignored;
-    if (std::string error = make_folder_of(path); !error.empty()) return {std::move(error)};
-    if (fs::is_socket(fs::symlink_status(path, ignored))) {
-        if (is_alive(path)) return {path + ": another program is using it (give this one another by --control)", true};
-        fs::remove(path, ignored);
-    } else if (fs::exists(fs::symlink_status(path, ignored))) {
-        return {path + ": exists and is no socket (give another path by --control)"};
-    }
     error_code ec;
     acceptor_.open(Local{}, ec);
-    // bind() gives the file this mode: nobody gets in before let_group_in(). The umask would be that of every thread.
-    if (!ec && ::fchmod(acceptor_.native_handle(), 0600) != 0) ec.assign(errno, boost::system::system_category());
-    if (!ec) acceptor_.bind(Local::endpoint{path}, ec);
-    if (!ec) acceptor_.listen(16, ec);
-    if (ec) {
-        error_code ignored_too;
-        acceptor_.close(ignored_too);
-        return {error_text(path, ec.value()) + " (give another path by --control, or --control none)"};
+    Outcome outcome = ec ? Outcome{path + ": " + ec.message()} : file_.listen(acceptor_.native_handle(), path);
+    if (!outcome.error.empty()) {
+        acceptor_.close(ec);
+        return outcome;
     }
-    path_ = path;
-    let_group_in(path);
+    const group* group = ::getgrnam("anogate");
+    if ((!group || !file_.let_in(group->gr_gid)) && !is_private(folder_of(path)))
+        spdlog::info("{}: only this user may use it, for there is no group `anogate` we are in", path);
     accept();
     return {};
 }
@@ -169,26 +172,63 @@ void Control::accept() {
             });
             return;
         }
-        std::erase_if(sessions_, [](const auto& s) { return s.second.expired(); });
-        if (sessions_.size() < most_sessions) {    // one more than that is closed at once
-            auto session = std::make_shared<Session>(*this, std::move(socket));
-            sessions_[next_session_++] = session;
-            session->read();
-        }
+        admit(std::move(socket));
         accept();
+    });
+}
+
+void Control::admit(Local::socket socket) {
+    if (!make_place(user_of(socket))) {
+        ::send(socket.native_handle(), no_place.data(), no_place.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+        return;
+    }
+    auto session = std::make_shared<Session>(*this, std::move(socket));
+    sessions_.push_back(session);
+    session->start();
+}
+
+bool Control::make_place(std::uint32_t user) {
+    std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
+    if (sessions_.size() < most_sessions) return true;
+    std::vector<Visitor> visitors;
+    for (const auto& session : sessions_) visitors.push_back(session.lock()->visitor(Clock::now()));
+    const auto place = gives_way(visitors, user, user == 0 || user == ::geteuid());
+    if (!place) return false;
+    sessions_[*place].lock()->close();
+    sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(*place));
+    return true;
+}
+
+void Control::await_turn(std::shared_ptr<Session> session) {
+    waiting_.push_back(std::move(session));
+    if (!turn_given_) give_turn();
+}
+
+// Between the two posts the loop asks the system what else is to be done, and behind the second that stands before us.
+void Control::give_turn() {
+    turn_given_ = true;
+    asio::post(acceptor_.get_executor(), [this] {
+        asio::post(acceptor_.get_executor(), [this] {
+            turn_given_ = false;
+            if (waiting_.empty()) return;
+            const auto session = std::move(waiting_.front());
+            waiting_.pop_front();
+            session->write();
+            if (!waiting_.empty()) give_turn();
+        });
     });
 }
 
 void Control::stop() {
     if (!acceptor_.is_open()) return;
+    file_.remove();    // first: who finds it must find somebody
     error_code ignored;
     acceptor_.close(ignored);
     pause_.cancel();
-    for (auto& [number, session] : sessions_)
+    waiting_.clear();
+    for (const auto& session : sessions_)
         if (const auto alive = session.lock()) alive->close();
     sessions_.clear();
-    std::error_code gone;
-    fs::remove(path_, gone);
 }
 
 }  // namespace anogate

@@ -8,24 +8,18 @@
 #include <filesystem>
 
 namespace anogate {
-namespace {
-
 namespace fs = std::filesystem;
-
-constexpr char system_folder[] = "/run/anogate";
-
-}  // namespace
 
 Runner this_runner() {
     const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
-    return {geteuid() == 0 || access(system_folder, W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
+    return {geteuid() == 0 || access(runtime_folder, W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
 }
 
 std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner) {
     if (settings.socket == "none") return std::nullopt;
     if (!settings.socket.empty()) return settings.socket;
     // Without either, the error of the first is the one that tells people what to do.
-    if (runner.system || runner.runtime_dir.empty()) return std::string{system_folder} + "/control.sock";
+    if (runner.system || runner.runtime_dir.empty()) return std::string{runtime_folder} + "/control.sock";
     return runner.runtime_dir + "/anogate.sock";
 }
 

@@ -223,6 +223,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
     if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
     Said said = said_at(from, frame);
+    said.waited = releasing_;
+    said.hurried = hurrying_;
     std::uint32_t copies = 1;
     if (came_before(from, frame, brought, treatment, said, copies)) return;
     compare(from, frame, said.key);
@@ -293,7 +295,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
     if (judgement.probe) send_probe(from.id);
-    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + RingWatch::patience)) return true;
+    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + judgement.wait, {judgement.repeats, now_ + LoopGuard::come_together})) return true;
     if (judgement.fate == LoopGuard::Fate::ends) {
         if (judgement.elsewhere) compare(from, frame, said.key);
         return end_loop(from, frame), true;
@@ -326,9 +328,9 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
         if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment);
 }
 
-bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due) {
-    if (!held_.put(from.id, brought, due)) return false;
-    if (!release_.is_set()) release_.set(*held_.due());
+bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats) {
+    if (!held_.put(from.id, brought, due, repeats)) return false;
+    release_.set_no_later(due);
     return true;
 }
 
@@ -345,8 +347,16 @@ void Gateway::release_held_until(TimePoint due) {
     if (const auto next = held_.due()) release_.set(*next);
 }
 
-// A host whose frames wait says more than there is room for: what waits goes first, it must not be overtaken.
+void Gateway::hurry(ChannelId from) {
+    releasing_ = hurrying_ = true;
+    while (const auto held = held_.take(from)) receive(*channels_[index(from)], held->view());
+    releasing_ = hurrying_ = false;
+}
+
+// A host whose frames wait says more than there is room for: what waits goes first, it must not be overtaken. Or what waits for
+// the next of the same bytes has it here.
 void Gateway::make_room_for(const Channel& from, ano::FrameView frame) {
+    if (!releasing_ && held_.goes_on(from.id, frame, now_)) hurry(from.id);
     if (!releasing_ && keeps_order(frame) && held_.due(from.id) && !held_.fits(frame)) release_held_until(TimePoint::max());
 }
 

@@ -109,9 +109,10 @@ private:
     void end_loop(Channel& from, ano::FrameView frame);
     void send_probe(ChannelId channel);
     void take_probe(Channel& from, ano::FrameView probe);
-    bool hold(Channel& from, ano::FrameView brought, TimePoint due);
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats = {});
     void release_held();
     void release_held_until(TimePoint due);
+    void hurry(ChannelId from);
     void make_room_for(const Channel& from, ano::FrameView frame);
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
@@ -141,6 +142,7 @@ private:
     Held held_;    // for what the guard waits
     Alarm release_;
     bool releasing_ = false;
+    bool hurrying_ = false;
     DuplicateGuard duplicates_;
     SameDevice same_device_;
     std::map<std::uint8_t, Claimant> claimants_;

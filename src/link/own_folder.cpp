@@ -20,7 +20,7 @@ bool is_own(const fs::path& folder) {
 }  // namespace
 
 bool is_own_folder(const fs::path& folder, const std::string& runtime_dir) {
-    for (const char* const own : {"/run/anogate", "/var/log/anogate"})
+    for (const char* const own : {runtime_folder, "/var/log/anogate"})
         if (is_at_or_below(folder, own)) return true;
     return !runtime_dir.empty() && (folder == runtime_dir || is_at_or_below(folder, fs::path{runtime_dir} / "anogate"));
 }

@@ -1,6 +1,7 @@
 #include <link/errors.hpp>
 #include <link/own_folder.hpp>
 #include <link/pty_link.hpp>
+#include <link/terminal_path.hpp>
 #include <link/termios.hpp>
 
 #include <fcntl.h>
@@ -8,13 +9,9 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/inotify.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 
-#include <cstddef>
 #include <filesystem>
-#include <functional>
 
 namespace anogate {
 namespace {
@@ -22,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // So that the people who may use serial ports may use this one.
-void let_dialout_in(const std::string& device) {
-    if (const group* dialout = ::getgrnam("dialout"); dialout && ::chown(device.c_str(), uid_t(-1), dialout->gr_gid) == 0)
-        ::chmod(device.c_str(), 0660);
+void let_dialout_in(int terminal) {
+    if (const group* dialout = ::getgrnam("dialout"); dialout && ::fchown(terminal, uid_t(-1), dialout->gr_gid) == 0)
+        ::fchmod(terminal, 0660);
 }
 
 }  // namespace
@@ -39,13 +36,13 @@ StreamLink::Opened PtyLink::open_wire() {
     user_side_ = open_user_side();
     if (!user_side_) return {{}, error_text(device_, errno)};
     terminal::make_raw(user_side_.get());
-    let_dialout_in(device_);
+    let_dialout_in(user_side_.get());
     const bool watched = watch_users();
     std::string error = link_path(device_);
     if (watched) watch_path();
     if (watched || !error.empty()) user_side_ = UniqueFd{};    // from its first close on, our side knows when nobody is there
     if (error.empty()) return {std::move(ours), {}};
-    claim_ = UniqueFd{};
+    claim_.release();
     watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
     return {{}, std::move(error)};
 }
@@ -56,33 +53,9 @@ UniqueFd PtyLink::open_user_side() const {
 
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
-    std::error_code ec;
     if (std::string error = make_folder_of(path); !error.empty()) return error;
-    if (is_taken(path)) return path.string() + " exists and is not ours: it is left alone, choose another path";
-    if (std::string error = claim_path(); !error.empty()) return error;
-    const fs::path fresh = path.string() + ".anogate-new";
-    fs::remove(fresh, ec);
-    fs::create_symlink(device, fresh, ec);
-    if (!ec) fs::rename(fresh, path, ec);
-    return ec ? error_text(path.string(), ec.value()) : std::string{};
-}
-
-// A name in the kernel that only one can have, and that goes with its owner however that ends. The folder is told by its number:
-// a path may be written in several ways.
-std::string PtyLink::claim_path() {
-    claim_ = UniqueFd{};
-    const fs::path path = settings().pty.path;
-    struct stat folder{};
-    if (::stat(path.has_parent_path() ? path.parent_path().c_str() : ".", &folder) != 0) return error_text(path.string(), errno);
-    const std::string name = "anogate-pty " + std::to_string(folder.st_dev) + " " + std::to_string(folder.st_ino) + " " +
-                             std::to_string(std::hash<std::string>{}(path.filename()));
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);    // behind a NUL: no file
-    claim_ = UniqueFd{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    if (claim_ && ::bind(claim_.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return {};
-    return errno == EADDRINUSE ? path.string() + " is in use by another gateway" : error_text(path.string(), errno);
+    if (std::string error = claim_.take(path).error; !error.empty()) return error;
+    return link_to_terminal(device, path);
 }
 
 // The events only say when to look: equal ones are merged, so they can't be counted.
@@ -159,10 +132,9 @@ void PtyLink::users_gone() {
 void PtyLink::leave_wire(int) {
     watch_.close();
     up_ = false;
-    std::error_code ec;
-    if (fs::read_symlink(settings().pty.path, ec) == device_) fs::remove(settings().pty.path, ec);
+    remove_link_to(device_, settings().pty.path);
     user_side_ = UniqueFd{};
-    claim_ = UniqueFd{};
+    claim_.release();
 }
 
 void PtyLink::stop_reading() {

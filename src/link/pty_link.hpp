@@ -1,5 +1,6 @@
 // Makes a pseudo-terminal and links a path to it, for programs that expect a serial port.
 #pragma once
+#include <link/path_claim.hpp>
 #include <link/stream_link.hpp>
 
 namespace anogate {
@@ -23,7 +24,6 @@ private:
     void came_up() override;
 
     std::string link_path(const std::string& device);
-    std::string claim_path();
     bool watch_users();
     void watch_path();
     void keep_path();
@@ -33,7 +33,7 @@ private:
     std::string nobody_there() const;
 
     std::string device_;     // /dev/pts/N
-    UniqueFd claim_;         // on the path, among gateways
+    PathClaim claim_;        // on the path, among gateways
     Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
     UniqueFd user_side_;     // held open only where it can't be watched
     bool up_ = false;

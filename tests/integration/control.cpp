@@ -242,6 +242,28 @@ TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
     EXPECT_FALSE(std::filesystem::exists(socket));
 }
 
+TEST(ControlSocketAtStart, one_after_another_has_it_however_the_one_before_ended) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock";
+    Daemon first{ANOGATED, socket, {"sim:fc"}};
+    ASSERT_TRUE(first.until_answers()) << first.output();
+    Daemon second{ANOGATED, socket, {"sim:fc"}}, third{ANOGATED, socket, {"sim:fc"}};
+    ASSERT_TRUE(second.until_says("waiting for it")) << second.output();
+    ASSERT_TRUE(third.until_says("waiting for it")) << third.output();
+    const std::string up = socket + ": up";
+    const auto has_it = [&](Daemon& daemon) { return daemon.output().find(up) != std::string::npos; };
+    first.signal(SIGKILL);
+    ASSERT_TRUE(wait_until([&] { return has_it(second) || has_it(third); })) << second.output() << third.output();
+    EXPECT_TRUE(second.until_answers());
+    EXPECT_FALSE(has_it(second) && has_it(third));
+    Daemon& next = has_it(second) ? second : third;
+    Daemon& last = has_it(second) ? third : second;
+    next.signal(SIGTERM);
+    EXPECT_TRUE(last.until_says(up)) << last.output();
+    EXPECT_EQ(next.wait(), 0);
+    EXPECT_TRUE(last.until_answers()) << "what ended last took away its own socket alone";
+}
+
 TEST(ControlSocketAtStart, a_path_too_long_is_told_in_words) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / std::string(120, 'x'), {"sim:fc"}};

@@ -36,6 +36,31 @@ TEST(Held, gives_back_in_order_what_is_due) {
     EXPECT_TRUE(held.empty());
 }
 
+TEST(Held, what_is_due_does_not_wait_for_another_channel) {
+    Held held;
+    held.put(a, ano::FrameView{numbered(1)}, start + 1s);
+    held.put(b, ano::FrameView{numbered(2)}, start);
+    held.put(b, ano::FrameView{numbered(3)}, start);
+    EXPECT_EQ(held.due(), start);
+    EXPECT_EQ(taken(held.take(start)), numbered(2));
+    EXPECT_EQ(taken(held.take(start)), numbered(3));
+    EXPECT_EQ(held.due(), start + 1s);
+    EXPECT_FALSE(held.take(b));
+    EXPECT_EQ(taken(held.take(a)), numbered(1));
+}
+
+TEST(Held, a_channel_goes_on_when_it_brings_one_more_of_the_same) {
+    Held held;
+    held.put(a, ano::FrameView{numbered(1)}, start + 1s, {2, start + 100ms});
+    EXPECT_FALSE(held.goes_on(a, ano::FrameView{numbered(1)}, start)) << "two may wait";
+    EXPECT_TRUE(held.goes_on(a, ano::FrameView{numbered(1)}, start + 101ms)) << "it came too late for that";
+    held.put(a, ano::FrameView{numbered(2)}, start + 1s);
+    held.put(a, ano::FrameView{numbered(1)}, start + 1s);
+    EXPECT_TRUE(held.goes_on(a, ano::FrameView{numbered(1)}, start));
+    EXPECT_FALSE(held.goes_on(a, ano::FrameView{numbered(2)}, start)) << "it waits for another reason";
+    EXPECT_FALSE(held.goes_on(b, ano::FrameView{numbered(1)}, start));
+}
+
 TEST(Held, has_room_for_a_few_short_ones) {
     Held held;
     EXPECT_FALSE(held.put(a, ano::FrameView{support::frame(1, 2, 3, support::Bytes(Held::largest, 0))}, start));

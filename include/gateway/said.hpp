@@ -1,0 +1,34 @@
+// What tells of a frame whether it may come round.
+#pragma once
+#include <ano/address.hpp>
+#include <ano/frame.hpp>
+#include <gateway/claims.hpp>
+#include <gateway/recent.hpp>
+#include <gateway/treatment.hpp>
+
+#include <cstdint>
+
+namespace anogate {
+
+/// What the guard has to know of a frame.
+struct Said {
+    std::uint64_t key;      // key_of()
+    bool by_host;           // others may say the very same
+    bool state = false;     // a newer one of its kind replaces it: sticks, telemetry
+    bool to_all = false;    // everybody is meant
+    bool command = false;   // of a host, or what hosts say
+    bool waited = false;    // it was told to wait, and did,
+    bool hurried = false;   // until the channel brought the next of the same
+    Speaks speaks = Speaks::somewhere;
+};
+inline Said said_by(ano::FrameView frame) noexcept {
+    const Treatment treatment = treatment_of(frame.id());
+    const bool host = ano::address::is_host(frame.source()), state = treatment.replaces != Replaces::nothing;
+    return {.key = key_of(frame),
+            .by_host = host,
+            .state = state,
+            .to_all = frame.destination() == ano::address::broadcast,
+            .command = !state && (host || treatment.traffic == TrafficClass::urgent)};
+}
+
+}  // namespace anogate

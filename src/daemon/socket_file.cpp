@@ -1,0 +1,116 @@
+#include <daemon/socket_file.hpp>
+#include <link/errors.hpp>
+#include <link/own_folder.hpp>
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+namespace anogate {
+namespace {
+
+constexpr int backlog = 16;
+constexpr char another_path[] = " (give another path by --control, or --control none)";
+constexpr char in_use[] = ": another program is using it (give this one another by --control)";
+
+sockaddr_un address_of(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    return address;
+}
+
+// A path of what a descriptor holds, wherever that is now.
+std::string path_of(const UniqueFd& held) { return "/proc/self/fd/" + std::to_string(held.get()); }
+
+// To whoever listens at what is held; errno says why not.
+UniqueFd connect_to(const UniqueFd& held) {
+    UniqueFd fd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+    const sockaddr_un address = address_of(path_of(held));
+    if (fd && ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+        const int error = errno;
+        fd = UniqueFd{};
+        errno = error;
+    }
+    return fd;
+}
+
+// It is not ours to replace, unless it is known that nobody listens there: a refusal for any other reason (of another type, no
+// permission, out of descriptors) says nothing about that.
+bool is_alive(const UniqueFd& held) { return connect_to(held) || errno != ECONNREFUSED; }
+
+// Who listens is told by the kernel; a name in a folder of another user means nothing.
+bool is_our_own(const UniqueFd& held) {
+    const UniqueFd fd = connect_to(held);
+    ucred who{};
+    socklen_t size = sizeof who;
+    return fd && ::getsockopt(fd.get(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 && who.pid == ::getpid();
+}
+
+bool is_same(const struct stat& one, const struct stat& other) { return one.st_dev == other.st_dev && one.st_ino == other.st_ino; }
+
+UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat& info) {
+    UniqueFd there{::openat(folder.fd(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC)};
+    if (there && ::fstat(there.get(), &info) != 0) return {};
+    return there;
+}
+
+}  // namespace
+
+SocketFile::Outcome SocketFile::listen(int socket, const std::string& path) {
+    if (path.size() >= sizeof sockaddr_un{}.sun_path)
+        return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
+    if (std::string error = make_folder_of(path); !error.empty()) return {std::move(error)};
+    if (auto [error, used] = claim_.take(path); !error.empty()) return {used ? path + in_use : error + another_path, used};
+    Outcome outcome = make_room(path);
+    if (outcome.error.empty()) outcome = make(socket, path);
+    if (!outcome.error.empty()) claim_.release();
+    return outcome;
+}
+
+// What a dead process of ours left goes, or of anybody in a folder of ours.
+SocketFile::Outcome SocketFile::make_room(const std::string& path) {
+    folder_ = HeldFolder::of(folder_of(path));
+    name_ = std::filesystem::path{path}.filename().string();
+    if (!folder_.error().empty()) return {path + ": " + folder_.error() + another_path};
+    struct stat info {}, around {};
+    const UniqueFd there = look_at(folder_, name_, info);
+    if (!there) return {};
+    if (!S_ISSOCK(info.st_mode)) return {path + ": exists and is no socket (give another path by --control)"};
+    if (is_alive(there)) return {path + in_use, true};
+    const bool in_our_folder = ::fstat(folder_.fd(), &around) == 0 && around.st_uid == ::geteuid();
+    if (info.st_uid != ::geteuid() && !in_our_folder)
+        return {path + ": is a socket of another user: it is left alone (give another path by --control)"};
+    ::unlinkat(folder_.fd(), name_.c_str(), 0);
+    return {};
+}
+
+SocketFile::Outcome SocketFile::make(int socket, const std::string& path) {
+    // bind() gives the file this mode: nobody gets in before let_in(). The umask would be that of every thread.
+    const sockaddr_un address = address_of(folder_.is_fixed() ? path : folder_.at(name_));
+    if (::fchmod(socket, 0600) != 0 || ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+        ::listen(socket, backlog) != 0)
+        return {error_text(path, errno) + another_path, errno == EADDRINUSE};
+    struct stat info {};
+    made_ = look_at(folder_, name_, info);
+    if (made_ && S_ISSOCK(info.st_mode) && is_our_own(made_)) return {};
+    made_ = UniqueFd{};
+    return {path + ": what was made there is not there: somebody changes this folder" + another_path};
+}
+
+bool SocketFile::let_in(gid_t group) {
+    const bool given = ::fchownat(made_.get(), "", uid_t(-1), group, AT_EMPTY_PATH) == 0;
+    return given && ::chmod(path_of(made_).c_str(), 0660) == 0;
+}
+
+void SocketFile::remove() noexcept {
+    struct stat ours {}, there {};
+    if (made_ && ::fstat(made_.get(), &ours) == 0 && ::fstatat(folder_.fd(), name_.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 &&
+        is_same(ours, there))
+        ::unlinkat(folder_.fd(), name_.c_str(), 0);
+    made_ = UniqueFd{};
+    claim_.release();
+}
+
+}  // namespace anogate

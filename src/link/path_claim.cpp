@@ -1,0 +1,84 @@
+#include <link/errors.hpp>
+#include <link/held_folder.hpp>
+#include <link/own_folder.hpp>
+#include <link/path_claim.hpp>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <functional>
+
+namespace anogate {
+namespace {
+
+constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
+constexpr int most_tries = 16;    // of a lock file that others remove just then
+
+// Only if nobody else can put anything there. Who owns /run/anogate was decided by root.
+UniqueFd open_trusted(const std::string& path, mode_t mode, uid_t owner) {
+    ::mkdir(path.c_str(), mode);
+    UniqueFd folder{::open(path.c_str(), folder_flags | O_NOFOLLOW)};
+    struct stat info {};
+    if (!folder || ::fstat(folder.get(), &info) != 0 || (info.st_mode & 0002) != 0) return {};
+    return owner == uid_t(-1) || info.st_uid == owner ? std::move(folder) : UniqueFd{};
+}
+
+UniqueFd open_lock_folder() {
+    if (::geteuid() == 0 || ::access(runtime_folder, W_OK) == 0)
+        if (UniqueFd folder = open_trusted(runtime_folder, 0755, uid_t(-1))) return folder;
+    const char* const runtime_dir = std::getenv("XDG_RUNTIME_DIR");
+    if (runtime_dir == nullptr || *runtime_dir == '\0' || ::geteuid() == 0) return {};
+    return open_trusted(std::string{runtime_dir} + "/anogate", 0700, ::geteuid());
+}
+
+std::string lock_name(const struct stat& folder, const std::string& file) {
+    return ".lock-" + std::to_string(folder.st_dev) + "-" + std::to_string(folder.st_ino) + "-" +
+           std::to_string(std::hash<std::string>{}(file));
+}
+
+bool is_same(const struct stat& one, const struct stat& other) { return one.st_dev == other.st_dev && one.st_ino == other.st_ino; }
+
+}  // namespace
+
+// Whoever ends removes its file: a lock on one that has gone is a lock on nothing.
+PathClaim::Lock PathClaim::lock(bool trusted) {
+    for (int i = 0; i < most_tries; ++i) {
+        lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0600)};
+        struct stat opened {}, there {};
+        if (!lock_ || ::fstat(lock_.get(), &opened) != 0) return Lock::impossible;
+        if (!trusted && (!S_ISREG(opened.st_mode) || opened.st_uid != ::geteuid())) return Lock::impossible;
+        if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK ? Lock::in_use : Lock::impossible;
+        if (::fstatat(folder_.get(), name_.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 && is_same(opened, there)) return Lock::ours;
+    }
+    return Lock::in_use;
+}
+
+PathClaim::Outcome PathClaim::take(const std::filesystem::path& path) {
+    HeldFolder folder = HeldFolder::of(folder_of(path));
+    struct stat info {};
+    if (!folder.error().empty()) return {path.string() + ": " + folder.error()};
+    if (::fstat(folder.fd(), &info) != 0) return {error_text(path.string(), errno)};
+    const std::string name = lock_name(info, path.filename().string());
+    if (lock_ && name == name_) return {};
+    release();
+    name_ = name;
+    folder_ = open_lock_folder();
+    const bool trusted = static_cast<bool>(folder_);
+    if (!trusted) folder_ = folder.take();
+    const Lock result = lock(trusted);
+    const int error = errno;
+    if (result == Lock::ours) return {};
+    lock_ = UniqueFd{};
+    if (result == Lock::in_use) return {path.string() + " is in use by another gateway", true};
+    return {trusted ? error_text(path.string() + ": its lock can't be had", error) : std::string{}};
+}
+
+void PathClaim::release() noexcept {
+    if (lock_) ::unlinkat(folder_.get(), name_.c_str(), 0);
+    lock_ = UniqueFd{};
+    folder_ = UniqueFd{};
+}
+
+}  // namespace anogate

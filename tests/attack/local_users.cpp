@@ -1,0 +1,490 @@
+// Who shares the machine with the gateway: greedy and idle clients of the control socket, other users' clients, folders that belong to
+// others. tests/README.md has the figures.
+#include <daemon/control.hpp>
+#include <daemon/status.hpp>
+#include <link/path_claim.hpp>
+#include <support/child.hpp>
+#include <support/process.hpp>
+#include <support/running_gateway.hpp>
+#include <support/sanitized.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/inotify.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::Control;
+namespace fs = std::filesystem;
+
+constexpr uid_t nobody = 65534;
+
+const std::string get_status = "GET /status HTTP/1.1\r\nHost: x\r\n\r\n";
+
+/// A client of the control socket that never waits.
+class Client {
+public:
+    explicit Client(const std::string& socket) : fd_{connect_unix(socket)} { ::fcntl(fd_.get(), F_SETFL, O_NONBLOCK); }
+    bool is_connected() const { return static_cast<bool>(fd_); }
+    bool send(const std::string& text) {
+        return ::send(fd_.get(), text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+    }
+    bool ask(int requests) {
+        std::string text;
+        for (int i = 0; i < requests; ++i) text += get_status;
+        return send(text);
+    }
+    const std::string& heard() {
+        char buffer[65536];
+        ssize_t n;
+        while ((n = ::read(fd_.get(), buffer, sizeof buffer)) > 0) heard_.append(buffer, static_cast<std::size_t>(n));
+        closed_ = closed_ || n == 0 || (errno != EAGAIN && errno != EINTR);
+        return heard_;
+    }
+    std::size_t answers() {
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = heard().find("HTTP/1.1 200 OK", at)) != std::string::npos; ++at) ++count;
+        return count;
+    }
+    bool is_closed() { return heard(), closed_; }
+
+private:
+    anogate::UniqueFd fd_;
+    std::string heard_;
+    bool closed_ = false;
+};
+
+/// A gateway with its control socket, in the test's own thread.
+class LocalUsers : public testing::Test {
+protected:
+    void SetUp() override {
+        control.get("/big", [] { return std::string(1 << 20, ' '); });    // more than a client's socket holds
+        control.get("/status", [this] { return on_request(), anogate::status_json(gateway.gateway()); });
+        ASSERT_EQ(control.start(socket).error, "");
+    }
+    void TearDown() override {
+        control.stop();
+        gateway.stop(0ms);
+    }
+    std::unique_ptr<Client> connect() {
+        auto client = std::make_unique<Client>(socket);
+        settle();
+        return client;
+    }
+    void settle() {
+        gateway.io().restart();
+        gateway.io().poll();
+    }
+    bool is_answered(Client& client) {
+        return client.ask(1) && gateway.until([&] { return client.answers() == 1 || client.is_closed(); }) && client.answers() == 1;
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    RunningGateway gateway{udp_listen("ground")};
+    Control control{gateway.io()};
+    std::function<void()> on_request = [] {};
+};
+
+/// With every request a command is sent; how many of those of earlier requests had not arrived when the next was answered.
+class GreedyClients : public LocalUsers {
+protected:
+    void SetUp() override {
+        LocalUsers::SetUp();
+        pilot.send(gateway.port("ground"), frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+        fc.send(gateway.port("ground"), frame(0xDC, 0xFE, 0xF1, {0}));
+        ASSERT_TRUE(gateway.until([&] { return gateway.link("ground").at("channels").size() == 2; }));
+        fc.forget();
+        on_request = [this] {
+            most_behind = std::max(most_behind, sent - arrived());
+            const auto low = static_cast<std::uint8_t>(sent), high = static_cast<std::uint8_t>(sent >> 8);
+            pilot.send(gateway.port("ground"), frame(0xFE, 0xDC, 0xC0, {16, high, low}));
+            ++sent;
+        };
+    }
+    std::size_t arrived() { return fc.heard().size() / frame(0xFE, 0xDC, 0xC0, {16, 0, 0}).size(); }
+    void serve(std::size_t clients, int requests) {
+        std::vector<std::unique_ptr<Client>> greedy;
+        for (std::size_t i = 0; i < clients; ++i) greedy.push_back(connect());
+        for (auto& client : greedy) ASSERT_TRUE(client->ask(requests));
+        EXPECT_TRUE(gateway.until([&] {
+            for (auto& client : greedy) client->heard();
+            return sent == clients * static_cast<std::size_t>(requests);
+        })) << sent;
+        for (auto& client : greedy)
+            EXPECT_TRUE(gateway.until([&] { return client->answers() == static_cast<std::size_t>(requests); })) << client->answers();
+        EXPECT_TRUE(gateway.until([&] { return arrived() == sent; })) << arrived();
+    }
+
+    UdpPeer pilot, fc;
+    std::size_t sent = 0;
+    std::size_t most_behind = 0;
+};
+
+TEST_F(GreedyClients, one_with_200_requests_lets_every_command_pass_between_them) {
+    serve(1, 200);
+    EXPECT_LE(most_behind, 1u);
+}
+
+TEST_F(GreedyClients, sixteen_with_5_requests_each_let_every_command_pass_between_them) {
+    serve(16, 5);
+    EXPECT_LE(most_behind, 1u);
+}
+
+
+TEST_F(LocalUsers, forty_idle_clients_do_not_keep_the_next_one_waiting) {
+    std::vector<std::unique_ptr<Client>> idle;
+    for (int i = 0; i < 40; ++i) idle.push_back(connect());
+    const auto next = connect();
+    EXPECT_TRUE(is_answered(*next));
+    EXPECT_TRUE(idle.front()->is_closed()) << "the one that was idle the longest";
+    EXPECT_FALSE(idle.back()->is_closed());
+    EXPECT_TRUE(is_answered(*idle.back())) << "it asks when it likes";
+}
+
+TEST_F(LocalUsers, clients_that_asked_half_a_question_give_way_after_a_second) {
+    std::vector<std::unique_ptr<Client>> half;
+    for (int i = 0; i < 32; ++i) {
+        half.push_back(connect());
+        ASSERT_TRUE(half.back()->send("GET /sta"));
+    }
+    EXPECT_TRUE(gateway.until([&] { return is_answered(*connect()); }));
+}
+
+TEST_F(LocalUsers, nobody_is_cut_short_for_one_of_the_same_user_and_that_one_is_told) {
+    bool told = false;
+    for (int tries = 0; tries < 5 && !told; ++tries) {    // a second later they would have stalled
+        std::vector<std::unique_ptr<Client>> busy;
+        for (int i = 0; i < 32; ++i) {
+            busy.push_back(connect());
+            ASSERT_TRUE(busy.back()->send("GET /big HTTP/1.1\r\nHost: x\r\n\r\n"));
+            settle();
+        }
+        const auto next = connect();
+        ASSERT_TRUE(gateway.until([&] { return !next->heard().empty(); }));
+        told = next->heard().starts_with("HTTP/1.1 503 Service Unavailable") && next->is_closed();
+    }
+    EXPECT_TRUE(told);
+}
+
+/// With clients of another user, in a process of their own.
+class TwoUsers : public LocalUsers {
+protected:
+    void SetUp() override {
+        if (::geteuid() != 0) GTEST_SKIP() << "needs root, to be another user as well";
+        LocalUsers::SetUp();
+        fs::permissions(dir.path(), fs::perms{0711});
+        fs::permissions(socket, fs::perms{0666});    // as if all were in the group
+        ASSERT_EQ(::pipe(ready), 0);
+    }
+    void TearDown() override {
+        if (::geteuid() != 0) return;
+        LocalUsers::TearDown();
+        ::close(ready[0]);
+        ::close(ready[1]);
+    }
+    /// `clients` of them ask and don't read; then one asks and reads, and the process exits with 0 if it is answered.
+    int theirs(int clients) {
+        if (!become_nobody()) return 1;
+        std::vector<int> fds;
+        for (int i = 0; i < clients; ++i) {
+            fds.push_back(connect_unix(socket));
+            constexpr std::string_view ask = "GET /big HTTP/1.1\r\nHost: x\r\n\r\n";
+            if (::send(fds.back(), ask.data(), ask.size(), MSG_NOSIGNAL) != ssize_t(ask.size())) return 2;
+        }
+        if (::write(ready[1], "r", 1) != 1) return 3;
+        if (clients == 0) return http(socket, "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200") ? 0 : 4;
+        return ::pause();
+    }
+    bool is_ready() {
+        pollfd fd{ready[0], POLLIN, 0};
+        return ::poll(&fd, 1, 0) == 1;
+    }
+
+    int ready[2]{};
+};
+
+TEST_F(TwoUsers, anothers_clients_leave_us_our_share_however_busy_they_are) {
+    const Child other{[&] { return theirs(32); }};
+    ASSERT_TRUE(gateway.until([&] { return is_ready(); }));
+    settle();
+    for (int i = 0; i < 3; ++i) {
+        const auto ours = connect();
+        EXPECT_TRUE(is_answered(*ours)) << i;
+    }
+}
+
+TEST_F(TwoUsers, ours_leave_another_his_share) {
+    std::vector<std::unique_ptr<Client>> ours;
+    for (int i = 0; i < 32; ++i) {
+        ours.push_back(connect());
+        ASSERT_TRUE(ours.back()->send("GET /big HTTP/1.1\r\nHost: x\r\n\r\n"));
+        settle();
+    }
+    Child other{[&] { return theirs(0); }};
+    const auto has_ended = [&] {
+        siginfo_t info{};
+        return ::waitid(P_PID, static_cast<id_t>(other.pid()), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+    };
+    ASSERT_TRUE(gateway.until(has_ended));
+    EXPECT_EQ(other.wait(), 0);
+}
+
+/// Root makes what it makes in a folder that belongs to another user.
+class ForeignFolder : public testing::Test {
+protected:
+    void SetUp() override {
+        if (::geteuid() != 0) GTEST_SKIP() << "needs root, to be another user as well";
+        fs::permissions(dir.path(), fs::perms{0755});
+        fs::create_directory(theirs);
+        fs::create_directory(ours);
+        ASSERT_EQ(::chown(theirs.c_str(), nobody, nobody), 0);
+        std::ofstream{precious} << "precious";
+        ASSERT_EQ(::chmod(precious.c_str(), 0640), 0);
+    }
+    mode_t mode_of_precious() {
+        struct stat info{};
+        ::stat(precious.c_str(), &info);
+        return info.st_mode & 0777;
+    }
+    std::string swap() { return theirs + "/swap"; }
+    /// Whatever root makes at `path` becomes a link to the precious file, as soon as it is there.
+    int swap_for_ever(const std::string& path) {
+        const int made = ::inotify_init1(IN_CLOEXEC);
+        if (!become_nobody() || ::inotify_add_watch(made, theirs.c_str(), IN_CREATE) < 0) return 1;
+        for (alignas(inotify_event) char event[4096];;) {
+            if (::symlink(precious.c_str(), swap().c_str()) != 0) return 2;
+            do {
+                if (::read(made, event, sizeof event) <= 0) return 3;
+            } while (!fs::is_socket(fs::symlink_status(path)) || ::rename(swap().c_str(), path.c_str()) != 0);
+        }
+    }
+    TempDir dir;
+    std::string theirs = dir / "theirs", ours = dir / "ours", precious = dir / "ours/precious";
+    anogate::asio::io_context io{1};
+};
+
+TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
+    const std::string socket = theirs + "/control.sock";
+    const Child swapper{[&] { return swap_for_ever(socket); }};
+    int changed = 0;
+    for (int i = 0; i < 293; ++i) {
+        ASSERT_TRUE(wait_until([&] { return fs::is_symlink(fs::symlink_status(swap())); }, patience, [] { ::usleep(100); }));
+        Control control{io};
+        control.start(socket);
+        control.stop();
+        io.restart();
+        io.poll();
+        fs::remove(socket);
+        if (mode_of_precious() == 0640) continue;
+        ++changed;
+        ::chmod(precious.c_str(), 0640);
+    }
+    EXPECT_EQ(changed, 0);
+    EXPECT_TRUE(fs::is_regular_file(precious));
+}
+
+TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
+    const std::string socket = theirs + "/control.sock";
+    {
+        Control control{io};
+        ASSERT_EQ(control.start(socket).error, "");
+        struct stat info{};
+        ASSERT_EQ(::lstat(socket.c_str(), &info), 0);
+        EXPECT_EQ(info.st_uid, 0u);
+        EXPECT_EQ(info.st_mode & 0007, 0u) << "nor is it everybody's";
+        const int fd = connect_unix(socket);
+        EXPECT_GE(fd, 0);
+        ::close(fd);
+        RunningGateway gateway{pty("app", theirs + "/app")};
+        EXPECT_EQ(fs::read_symlink(theirs + "/app"), gateway.link("app").at("device").get<std::string>());
+    }
+    EXPECT_TRUE(fs::is_empty(theirs));
+}
+
+TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
+    ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
+    ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
+    Control control{io};
+    EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a link of another user"), std::string::npos);
+    RunningGateway gateway{pty("app", theirs + "/way/app")};
+    EXPECT_EQ(gateway.link("app").at("error"), theirs + "/way/app: leads through way, a link of another user: it is not followed");
+    EXPECT_FALSE(fs::exists(fs::symlink_status(ours + "/app")));
+    EXPECT_FALSE(fs::exists(ours + "/control.sock"));
+}
+
+TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
+    const std::string socket = theirs + "/control.sock";
+    Child other{[&] {
+        Control control{io};
+        return become_nobody() && control.start(socket).error.empty() ? ::pause() : 1;
+    }};
+    ASSERT_TRUE(wait_until([&] { return fs::exists(socket); }));
+    Control control{io};
+    ASSERT_TRUE(wait_until([&] { return control.start(socket).in_use; }));
+    ::kill(other.pid(), SIGKILL);
+    other.wait();
+    EXPECT_EQ(control.start(socket).error, socket + ": is a socket of another user: it is left alone (give another path by --control)");
+    EXPECT_TRUE(fs::exists(socket));
+}
+
+TEST_F(ForeignFolder, a_ptys_path_that_is_anothers_link_is_left_to_him) {
+    const std::string app = theirs + "/app";
+    ASSERT_EQ(::symlink("/dev/pts/99999", app.c_str()), 0);
+    ASSERT_EQ(::lchown(app.c_str(), nobody, nobody), 0);
+    RunningGateway gateway{pty("app", app)};
+    EXPECT_EQ(gateway.link("app").at("error"), app + " is a link of another user: it is left alone, choose another path");
+    EXPECT_EQ(fs::read_symlink(app), "/dev/pts/99999");
+    fs::remove(app);
+    EXPECT_TRUE(gateway.until([&] { return fs::is_symlink(app); })) << "the way is free now";
+}
+
+TEST_F(ForeignFolder, what_was_put_beside_a_ptys_path_is_left_alone) {
+    std::ofstream{theirs + "/app.anogate-new"} << "somebody's";
+    RunningGateway gateway{pty("app", theirs + "/app")};
+    EXPECT_TRUE(fs::is_symlink(theirs + "/app"));
+    EXPECT_TRUE(fs::is_regular_file(theirs + "/app.anogate-new"));
+}
+
+// As every user can have it: a name in the kernel that belongs to who is first.
+TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have) {
+    struct stat folder{};
+    ASSERT_EQ(::stat(theirs.c_str(), &folder), 0);
+    const std::string name = "anogate-pty " + std::to_string(folder.st_dev) + " " + std::to_string(folder.st_ino) + " " +
+                             std::to_string(std::hash<std::string>{}("app"));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+    const anogate::UniqueFd blocker{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    ASSERT_EQ(::bind(blocker.get(), reinterpret_cast<const sockaddr*>(&address), size), 0);
+    RunningGateway gateway{pty("app", theirs + "/app")};
+    EXPECT_TRUE(fs::is_symlink(theirs + "/app")) << gateway.link("app").at("error");
+}
+
+// Without /run/anogate and $XDG_RUNTIME_DIR the lock is beside the path, where others may have put something.
+TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place_of_its_lock) {
+    fs::create_directory(dir / "tmp");
+    ASSERT_EQ(::chmod((dir / "tmp").c_str(), 01777), 0);
+    const auto locks = [&] { return std::distance(fs::directory_iterator{dir / "tmp"}, fs::directory_iterator{}); };
+    const auto as_nobody = [&](const std::function<int()>& work) {
+        return Child{[&] { return ::unsetenv("XDG_RUNTIME_DIR") == 0 && become_nobody() ? work() : 100; }}.wait();
+    };
+    if (::access("/run/anogate", W_OK) == 0 && as_nobody([] { return ::access("/run/anogate", W_OK) == 0 ? 1 : 0; }) != 0)
+        GTEST_SKIP() << "everybody may write to /run/anogate here";
+    std::string lock;
+    EXPECT_EQ(as_nobody([&] {
+        anogate::PathClaim one, other;
+        if (!one.take(dir / "tmp/app").error.empty() || locks() != 1) return 1;
+        if (!other.take(dir / "tmp/../tmp/app").in_use) return 2;
+        if (!one.take(dir / "tmp/app").error.empty()) return 3;
+        one.release();
+        if (locks() != 0) return 4;
+        if (!other.take(dir / "tmp/app").error.empty()) return 5;
+        ::_exit(0);    // as if killed: the file stays
+    }), 0);
+    ASSERT_EQ(locks(), 1);
+    lock = fs::directory_iterator{dir / "tmp"}->path();
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "what a dead one left";
+    EXPECT_EQ(locks(), 0);
+    ASSERT_EQ(::symlink(precious.c_str(), lock.c_str()), 0);
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "a link of root's";
+    fs::remove(lock);
+    std::ofstream{lock} << "root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "a file of root's";
+    EXPECT_TRUE(fs::is_regular_file(lock));
+}
+
+TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_other) {
+    const std::string own = theirs + "/own";
+    ASSERT_TRUE(fs::create_directory(own) && ::chown(own.c_str(), nobody, nobody) == 0);
+    fs::create_directory(dir / "open");
+    ASSERT_EQ(::chmod((dir / "open").c_str(), 01777), 0);
+    const auto as_nobody = [&](const std::string& runtime_dir) {
+        return Child{[&] {
+            if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
+            if (::access("/run/anogate", W_OK) == 0) return 2;
+            if (!anogate::PathClaim{}.take(dir / "open/app").error.empty()) return 3;
+            anogate::PathClaim claim;
+            claim.take(dir / "open/app");
+            return fs::is_empty(dir / "open") ? 10 : 11;
+        }}.wait();
+    };
+    EXPECT_EQ(as_nobody(own), 10);
+    EXPECT_EQ(as_nobody(ours), 11) << "another user's is not used: the lock is beside the path";
+}
+
+/// Several of the same user.
+class Instances : public testing::Test {
+protected:
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    anogate::asio::io_context io{1};
+};
+
+TEST_F(Instances, an_ending_one_removes_only_its_own_socket) {
+    Control ending{io};
+    ASSERT_EQ(ending.start(socket).error, "");
+    fs::rename(socket, dir / "aside");
+    const int another = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    socket.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(another, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ending.stop();
+    EXPECT_TRUE(fs::exists(socket));
+    ::close(another);
+}
+
+TEST_F(Instances, of_three_that_start_at_once_over_a_stale_socket_one_has_it) {
+    for (int round = 0; round < (sanitized ? 5 : 30); ++round) {    // a sanitizer makes each fork slow
+        const int stale = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        socket.copy(address.sun_path, sizeof address.sun_path - 1);
+        ASSERT_EQ(::bind(stale, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+        ::close(stale);
+        int go[2], said[2];
+        ASSERT_TRUE(::pipe(go) == 0 && ::pipe(said) == 0);
+        std::vector<std::unique_ptr<Child>> three;
+        for (int i = 0; i < 3; ++i)
+            three.push_back(std::make_unique<Child>([&] {
+                ::close(go[1]);
+                char none;
+                Control control{io};
+                static_cast<void>(::read(go[0], &none, 1));    // all at once
+                const char has = control.start(socket).error.empty() ? 'y' : 'n';
+                return ::write(said[1], &has, 1) == 1 ? ::pause() : 1;
+            }));
+        ::close(go[0]);
+        ::close(go[1]);
+        std::string words;
+        char word;
+        while (words.size() < 3 && ::read(said[0], &word, 1) == 1) words += word;
+        EXPECT_EQ(std::count(words.begin(), words.end(), 'y'), 1) << words << " in round " << round;
+        const int fd = connect_unix(socket);
+        EXPECT_GE(fd, 0) << "and it is found there, round " << round;
+        ::close(fd);
+        ::close(said[0]);
+        ::close(said[1]);
+        three.clear();
+        fs::remove(socket);
+    }
+}
+
+}    // namespace

@@ -1,0 +1,56 @@
+#include <daemon/control_places.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t places = 32;
+constexpr std::uint32_t root = 0, alice = 1000, bob = 1001;
+
+Visitor idle(std::uint32_t user, int second) { return {user, false, ano::TimePoint{} + std::chrono::seconds{second}}; }
+Visitor busy(std::uint32_t user, int second) { return {user, true, ano::TimePoint{} + std::chrono::seconds{second}}; }
+
+std::vector<Visitor> fill(std::vector<Visitor> visitors, Visitor rest) {
+    visitors.resize(places, rest);
+    return visitors;
+}
+
+TEST(ControlPlaces, of_one_user_the_one_that_is_idle_the_longest_gives_way) {
+    EXPECT_EQ(gives_way(fill({idle(alice, 9), busy(alice, 1), idle(alice, 3)}, idle(alice, 5)), alice, false), 2u);
+}
+
+TEST(ControlPlaces, of_ones_own_no_request_is_cut_short) {
+    EXPECT_EQ(gives_way(fill({}, busy(alice, 5)), alice, true), std::nullopt);
+    EXPECT_EQ(gives_way(fill({idle(bob, 1)}, busy(alice, 5)), alice, true), std::nullopt) << "nor is another within his share driven out";
+}
+
+TEST(ControlPlaces, who_has_less_than_his_share_gets_one_of_who_has_most) {
+    EXPECT_EQ(gives_way(fill({idle(root, 1), busy(alice, 1), idle(alice, 7), idle(alice, 8)}, busy(alice, 3)), bob, false), 2u);
+    EXPECT_EQ(gives_way(fill({idle(root, 1), busy(alice, 4), busy(alice, 2)}, busy(alice, 3)), bob, false), 2u) << "busy as well, beyond it";
+}
+
+TEST(ControlPlaces, two_users_end_with_half_of_them_each) {
+    std::vector<Visitor> visitors = fill({}, busy(alice, 1));
+    for (int i = 0; i < 100; ++i)
+        if (const auto place = gives_way(visitors, bob, false)) visitors[*place] = busy(bob, i);
+    EXPECT_EQ(std::count_if(visitors.begin(), visitors.end(), [](const Visitor& v) { return v.user == bob; }), 16);
+}
+
+TEST(ControlPlaces, more_users_than_places_share_what_is_idle_and_root_is_never_locked_out) {
+    std::vector<Visitor> visitors;
+    for (std::uint32_t user = 1; user <= places; ++user) visitors.push_back(busy(user, 50 - static_cast<int>(user)));
+    EXPECT_EQ(gives_way(visitors, alice, false), std::nullopt);
+    EXPECT_EQ(gives_way(visitors, root, true), places - 1);
+    visitors[4].busy = false;
+    EXPECT_EQ(gives_way(visitors, alice, false), 4u);
+    EXPECT_EQ(gives_way(visitors, root, true), 4u);
+}
+
+}  // namespace
+}  // namespace anogate
