@@ -49,12 +49,15 @@ private:
     std::optional<ano::TimePoint> firmware_at_;
 };
 
-/// 0xE0 0 as 0xFE to 0xFF: who is there?
-inline constexpr auto hello_frame = [] {
+/// 0xE0 0 as 0xFE to `destination`: are you there?
+constexpr auto device_info_question(std::uint8_t destination) noexcept {
     constexpr std::array<std::uint8_t, 3> device_info{};    // command 0, value 0
     std::array<std::uint8_t, ano::overhead + device_info.size()> frame{};
-    ano::encode(frame, 0xFE, 0xFF, 0xE0, device_info);
+    ano::encode(frame, 0xFE, destination, 0xE0, device_info);
     return frame;
-}();
+}
+
+/// To 0xFF: who is there?
+inline constexpr auto hello_frame = device_info_question(0xFF);
 
 }    // namespace anogate

@@ -10,11 +10,12 @@
 
 namespace anogate {
 
-/// A source on this link that another one, of another group, brings as well.
+/// A source on this link that another one, of another group, brings as well, or another peer of it.
 enum class SharedSource : std::uint8_t {
     none,
     one_device,     // on two cables, as far as is known
     two_devices,    // with one id
+    two_peers,      // of this link
 };
 
 /// What is known of a link at a moment.

@@ -1,7 +1,8 @@
 // Keeps what was spread to several channels from coming back and going round: two gateways joined by two links.
 //
 // What a peer says itself is never kept back, so returns are told from repeats:
-// - A device has an address of its own. Its bytes by another channel than they came by first are a copy, and end here.
+// - A device has an address of its own. Its bytes by another channel than they came by first are a copy, and end here. Who
+//   repeats them from elsewhere takes nothing from it: as many of its own end as were said in its name, and not one more.
 // - Many may be host. What one host said, another may say: it passes, and a probe leaves by the channel that brought it. In a
 //   ring the probe comes back: what comes back by that ring then ends here. What has passed twice waits until the probe is
 //   answered or `patience` is over.
@@ -100,12 +101,18 @@ public:
 
     /// A frame that came by `from` and passed went, or could come back, by each of `channels`: Route::guarded.
     void remember(const Said& said, ChannelId from, ChannelSet channels, TimePoint now) noexcept {
+        const bool claimed = said.speaks == Speaks::elsewhere;
         Sent sent;
+        sent.claimed = claimed;
         sent.channels = channels;
         sent.from = from;
         if (const Sent* known = sent_.find(said.key, now)) {
             sent = *known;
             if (same_place(sent.from, from) && !sent.channels.contains(from)) sent.from = from;
+            if (sent.claimed && said.speaks == Speaks::at_home) {
+                sent.from = from;
+                sent.claimed = false;
+            }
             sent.channels |= channels;
         } else if (said.by_host) {
             rings_.spread(channels, now);
@@ -113,6 +120,7 @@ public:
         if (!said.by_host && said.to_all) rings_.told(channels, now);
         if (const ChannelSet back = (channels - from) & rings_.rings(); !back.empty())
             sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), most_channels));
+        if (sent.claimed && claimed && sent.anticipated < most_anticipated) ++sent.anticipated;
         sent_.put(said.key, sent, now);
         quiet_at_ = now + window_;
     }
@@ -144,6 +152,8 @@ private:
         std::uint8_t owed = 0;        // went out by rings and may come back by `from`
         bool again : 1 = false;       // another channel brought it while nobody knew,
         bool blindly : 1 = false;     // and nobody could ask
+        bool claimed : 1 = false;     // `from` is not the home of its source,
+        std::uint8_t anticipated : 5 = 0;    // and brought it so often before that did
         Test test{};
         TimePoint withheld_until = TimePoint::min();
     };
@@ -152,7 +162,7 @@ private:
         TimePoint since{};    // the first of a row
         TimePoint at{};       // the last
     };
-    static constexpr std::uint8_t most_withheld = 255;
+    static constexpr std::uint8_t most_withheld = 255, most_anticipated = 31;
 
     Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
         const TimePoint sent_at = sent_.put_at(said.key);
@@ -161,6 +171,11 @@ private:
         const bool went = known.channels.contains(from);
         if (!went && same_place(known.from, from)) return {};    // a sender with a new port
         if (said.by_host) return said_again(known, said, from, sent_at, now);
+        if (known.claimed && said.speaks == Speaks::at_home) {
+            if (known.anticipated == 0) return {};
+            --known.anticipated;
+            return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
+        }
         if (!went) return {.fate = Fate::ends, .elsewhere = true};
         rings_.brought_back_ones_own(from, now);
         return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};

@@ -2,12 +2,14 @@
 #pragma once
 #include <ano/address.hpp>
 #include <ano/time.hpp>
+#include <gateway/claims.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/settings.hpp>
 
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -23,18 +25,19 @@ struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
-    bool new_conflict = false;    // the source showed up on two links: Router::take_new_conflict() has it
+    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() have something
     /// Where a frame that was spread may come back: what the loop guard is to remember. Empty for one that had one
     /// place, unless that is a host.
     ChannelSet guarded{};
 };
 
-/// Two links heard the same source at the same time: two devices with one id, or one device on both.
+/// Somebody spoke as a source that is alive elsewhere: two devices with one id, one device by two ways, or a thief.
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
+    bool claimed = false;       // Router::take_claimant() knew by whom
     TimePoint last{};
-    std::uint64_t count = 0;    // how often it showed
+    std::uint64_t count = 0;    // how often it showed: claims that were refused, and the same frames by two links
 };
 
 /// Constant time a frame; no allocation after the links are known.
@@ -47,7 +50,7 @@ public:
         std::uint8_t group = 0;    // 1 to 64: links of one number lead to the same place; 0: none
     };
 
-    /// A device that spoke by another channel this lately has not moved: both get its frames.
+    /// Of several channels that have a device, those that heard it this lately get its frames.
     static constexpr Duration moved_after = std::chrono::seconds{3};
     /// When no link of a group was heard for this long, none is known to work: all of them get its frames.
     static constexpr Duration group_silence = std::chrono::seconds{1};
@@ -61,23 +64,48 @@ public:
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
     void open(ChannelId channel, LinkId link);
-    /// Forgets everything that was learned from it.
+    /// Forgets everything that was learned from it. What was held by it alone goes to who claims it.
     void close(ChannelId channel);
-    /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is no conflict.
-    void went_down(ChannelId channel, TimePoint now);
+    /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is not asked for.
+    void went_down(ChannelId channel);
     /// The wire behind it is there again.
     void came_up(ChannelId channel) { down_.erase(channel); }
     /// What was sent by this link did not arrive (a refusal): its group looks for another until it is heard again.
     void doubt(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
-    /// Learns `source` as behind `from` and says who gets the frame; never `from` itself.
+    /// Learns `source` as behind `from`, or begins to test its claim, and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
 
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// `links`, of no common group, have brought the same source. route() finds that out by itself, but of what it is given.
-    void note_conflict(std::uint8_t source, LinkSet links, TimePoint now);
+    /// A frame that goes no further is a sign of life all the same, where its source is at home, or was first. True: that is a
+    /// conflict.
+    bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);
+
+    /// `source` is at home behind `channel`: pinned to its link, or learned there.
+    bool holds(std::uint8_t source, ChannelId channel) const noexcept;
+    /// `source` is at home elsewhere, and that is not known to be down: what comes by `channel` is a claim. Links of one group
+    /// are one place, hosts are at home everywhere.
+    bool claims(std::uint8_t source, ChannelId channel) const noexcept;
+
+    /// What the LoopGuard is to know of a frame, before route() learns from it.
+    Speaks speaks(std::uint8_t source, ChannelId channel) const noexcept;
+
+    /// A holder to be asked whether it is still there; only it may answer.
+    struct Question {
+        std::uint8_t address = 0;
+        ChannelSet channels;
+    };
+    bool has_question(TimePoint now) const noexcept { return claims_.is_due(now); }
+    /// The questions that are due, one after the other. Where all were met with silence, the address moves.
+    std::optional<Question> take_question(TimePoint now);
+    /// When to look for questions; nothing: nobody is asked.
+    std::optional<TimePoint> next_question() const noexcept { return claims_.next(); }
+
+    /// `links`, of no common group, have brought the same source, `claimant` one of them. route() finds refused claims by
+    /// itself, but of what it is given.
+    void note_conflict(std::uint8_t source, LinkSet links, std::optional<ChannelId> claimant, TimePoint now);
 
     struct Learned {
         LinkSet links;
@@ -91,19 +119,34 @@ public:
     }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
+    struct Claimant {
+        std::uint8_t address = 0;
+        ChannelId channel{};
+    };
+    /// Whose claim was refused last, where that was not taken yet. To be asked before the channel can be closed.
+    bool take_claimant(Claimant& claimant);
     /// The next conflict that began and was not taken yet; for the log.
     bool take_new_conflict(Conflict& conflict);
     std::uint64_t own_frames() const { return own_frames_; }
 
 private:
-    ChannelSet heard_from(std::uint8_t address, TimePoint now);
+    ChannelSet heard_from(std::uint8_t address, TimePoint now) const;
+    void claim(std::uint8_t source, ChannelId from, TimePoint now);
+    void refuse(std::uint8_t source, TimePoint now);
+    void settle();
+    void move(std::uint8_t source, ChannelId to);
+    void come_back(std::uint8_t source, ChannelId from, TimePoint now);
+    bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
+    bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
+    LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const;
     void decide(Route& route, std::uint8_t destination, TimePoint now);
     void to_links(Route& route, LinkSet links) const;
     void keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const;
     LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
-    LinkSet mates(LinkId link) const;
+    LinkSet mates(LinkId link) const noexcept;
     TimePoint& heard(std::uint8_t address, ChannelId channel) { return heard_[address][index(channel)]; }
+    TimePoint heard(std::uint8_t address, ChannelId channel) const { return heard_[address][index(channel)]; }
 
     Duration forget_after_;
     std::uint8_t own_id_;
@@ -124,19 +167,25 @@ private:
     }();
 
     std::array<LinkId, most_channels> link_of_{};
-    std::array<TimePoint, most_channels> down_at_{};
     std::array<ChannelSet, most_links> channels_of_link_{};
     ChannelSet flooded_;      // channels whose link takes floods
     ChannelSet broadcast_;    // channels whose link takes broadcasts
     ChannelSet down_;         // channels whose wire is gone
 
-    // Where an address was heard and when. Exact times rather than generations of sets: no sweep, and a frame touches
-    // the word of its two addresses and one time for each channel that heard them.
+    // Where an address is at home, and when it was heard there. It stays, however long ago: who is silent may still be there, and
+    // is asked. Exact times rather than generations of sets: no sweep, and a frame touches the word of its two addresses and one
+    // time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, most_channels>, 256> heard_{};
+    // Where it was at home before it moved, as long as it is elsewhere: when it speaks there, it is back.
+    std::array<ChannelSet, 256> first_{};
 
+    Claims claims_;
     std::array<Conflict, 256> conflicts_{};
     std::bitset<256> new_conflicts_;
+    std::array<ChannelId, 256> claimants_{};
+    std::bitset<256> new_claimants_;
+    bool untold_ = false;    // any of these two
     std::uint64_t own_frames_ = 0;
 };
 

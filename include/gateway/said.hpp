@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
+#include <gateway/claims.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/treatment.hpp>
 
@@ -18,6 +19,7 @@ struct Said {
     bool command = false;   // of a host, or what hosts say
     bool waited = false;    // it was told to wait, and did,
     bool hurried = false;   // until the channel brought the next of the same
+    Speaks speaks = Speaks::somewhere;
 };
 inline Said said_by(ano::FrameView frame) noexcept {
     const Treatment treatment = treatment_of(frame.id());

@@ -61,6 +61,12 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
       beat_{alarms_, [this] { beat(); }, beat_slack},
       hello_due_{alarms_, [this] { look_at_hellos(); }, hello_slack},
       questions_due_{alarms_, [this] { look_at_questions(); }},
+      claims_due_{alarms_,
+                  [this] {
+                      now();
+                      look_at_claims();
+                      flush();
+                  }},
       required_check_{alarms_, [this] {
                           for (const LinkState& s : links_)
                               if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
@@ -173,6 +179,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     beat_.cancel();
     hello_due_.cancel();
     questions_due_.cancel();
+    claims_due_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
     for (const ChannelId id : used_)    // nobody reads an answer any more
         if (auto& questions = channels_[index(id)]->questions) questions->close();
@@ -261,7 +268,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     const Treatment treatment = treatment_of(frame.id());
     const ano::FrameView brought = frame;
     if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
-    Said said = said_by(frame);
+    if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
+    Said said = said_at(from, frame);
     said.waited = releasing_;
     said.hurried = hurrying_;
     std::uint32_t copies = 1;
@@ -275,7 +283,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (is_probe(frame)) return take_probe(from, frame);
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_->id() && is_tunnel_frame(frame)) keep_from_tunnel(route);
-    if (!route.guarded.empty()) loop_guard_.remember(hosts ? said_by(frame) : said, from.id, route.guarded, now_);
+    if (hosts) said.key = key_of(frame);
+    if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
         for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment, arrived_at_);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
@@ -287,6 +296,28 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
         links_[index(from.link)].untaken.taken();
     }
     if (route.new_conflict) log_conflict();
+    if (router_.has_question(now_)) look_at_claims();
+}
+
+Said Gateway::said_at(const Channel& from, ano::FrameView frame) const {
+    Said said = said_by(frame);
+    said.speaks = router_.speaks(frame.source(), from.id);
+    return said;
+}
+
+// Asks those whose address is claimed by others. Such a question may come back by any link, like a hello.
+void Gateway::look_at_claims() {
+    while (const auto question = router_.take_question(now_)) {
+        const auto bytes = device_info_question(question->address);
+        const ano::FrameView frame{bytes};
+        for (const ChannelId to : question->channels) {
+            say(to, frame);
+            loop_guard_.remember(said_by(frame), to, to, now_);
+        }
+        ++frame_number_;
+    }
+    if (const auto next = router_.next_question(); next && !on_stopped_) claims_due_.set(*next);
+    else claims_due_.cancel();
 }
 
 // A source on two links is a conflict, whatever becomes of its copies.
@@ -296,7 +327,8 @@ void Gateway::compare(const Channel& from, ano::FrameView frame, std::uint64_t k
     const auto other = same_device_.heard(source, from.link, key, now_);
     const std::uint8_t group = links_[index(from.link)].group;
     if (!other || (group != 0 && group == links_[index(*other)].group)) return;
-    router_.note_conflict(source, LinkSet{from.link} | *other, now_);
+    const auto claimant = router_.claims(source, from.id) ? std::optional{from.id} : std::nullopt;
+    router_.note_conflict(source, LinkSet{from.link} | *other, claimant, now_);
     log_conflict();
 }
 
@@ -410,7 +442,7 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
 }
 
 bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
-    const Said said = said_by(frame);
+    const Said said = said_at(from, frame);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     if (judgement.probe) send_probe(from.id);
     if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
@@ -436,6 +468,7 @@ bool Gateway::is_stale(LinkId to, ano::FrameView frame) const {
 void Gateway::learn(Channel& from, ano::FrameView frame) {
     router_.learn(from.id, frame.source(), now_);
     log_conflict();
+    if (router_.has_question(now_)) look_at_claims();
 }
 
 void Gateway::send(LinkId to, ano::FrameView frame) {
@@ -576,7 +609,7 @@ void Gateway::link_down(Link& link, std::string why) {
     for (const ChannelId id : s.channels) {
         channels_[index(id)]->outbox.close();
         if (auto& questions = channels_[index(id)]->questions) questions->close();
-        router_.went_down(id, now_);
+        router_.went_down(id);
     }
     if (s.up || s.error != why) spdlog::warn("{}: {}; waiting for it", link.name(), why);
     if (s.up) s.since = now_;
@@ -593,12 +626,20 @@ LinkId Gateway::link_named(const std::string& name) const {
 }
 
 void Gateway::log_conflict() {
+    Router::Claimant claims;
+    while (router_.take_claimant(claims)) {
+        const Channel& channel = *channels_[index(claims.channel)];
+        claimants_[claims.address] = {channel.link, channel.peer};
+    }
     Conflict conflict;
     while (router_.take_new_conflict(conflict)) {
-        std::string names;
+        std::string names, who;
         for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
-        spdlog::warn("0x{:02X} is heard on {}: the same device? give the links one `group`; two devices? give one of them another id",
-                     conflict.address, names);
+        if (const Claimant* by = claimant(conflict))
+            who = ", claimed by " + links_[index(by->link)].link->name() + (by->peer.empty() ? "" : " (" + by->peer + ")");
+        spdlog::warn("0x{:02X} is heard on {}{}: the same device? give the links one `group`; two devices? give one of them another "
+                     "id; neither? pin it: --route 0x{:02X}=LINK",
+                     conflict.address, names, who, conflict.address);
     }
 }
 

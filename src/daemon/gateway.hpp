@@ -18,6 +18,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -85,6 +86,13 @@ public:
     /// Whether the loop stood still.
     const LoopWatch& loop() const noexcept { return loop_; }
     const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
+
+    struct Claimant {
+        LinkId link{};
+        std::string peer;    // Channel::peer
+    };
+    /// Who claimed the address last, of a conflict of the router; nullptr: nobody did.
+    const Claimant* claimant(const Conflict& conflict) const { return conflict.claimed ? &claimants_.at(conflict.address) : nullptr; }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -126,6 +134,8 @@ private:
     void say_hello(ChannelId to);
     TimePoint heard_at(const LinkState& link) const;
     void refuse(LinkId to, std::uint64_t SendCounters::*cause);
+    Said said_at(const Channel& from, ano::FrameView frame) const;
+    void look_at_claims();
     void log_conflict();
     bool nothing_waits() const;
     void finish_stop();
@@ -144,6 +154,7 @@ private:
     bool hurrying_ = false;
     DuplicateGuard duplicates_;
     SameDevice same_device_;
+    std::map<std::uint8_t, Claimant> claimants_;
     std::array<std::unique_ptr<Channel>, most_channels> channels_;
     ChannelSet used_;
     ChannelSet to_flush_;
@@ -163,6 +174,7 @@ private:
     TimePoint started_at_{};
     Alarm hello_due_;
     Alarm questions_due_;
+    Alarm claims_due_;
     Alarm required_check_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;

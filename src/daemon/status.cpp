@@ -36,6 +36,7 @@ SharedSource shared_source(const Gateway& gateway, LinkId link, TimePoint now) {
     SharedSource shared = SharedSource::none;
     for (const Conflict& c : gateway.router().conflicts(now)) {
         if (!c.links.contains(link)) continue;
+        if (!c.links.has_several()) return SharedSource::two_peers;
         if (!gateway.same_device().differ(c.address)) return SharedSource::one_device;
         shared = SharedSource::two_devices;
     }
@@ -151,8 +152,12 @@ Json routes_json(const Gateway& gateway, TimePoint now) {
 
 Json conflicts_json(const Gateway& gateway, TimePoint now) {
     Json json = Json::array();
-    for (const Conflict& c : gateway.router().conflicts(now))
+    for (const Conflict& c : gateway.router().conflicts(now)) {
         json.push_back({{"address", hex(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
+        Json& by = json.back()["claimed_by"] = nullptr;
+        if (const Gateway::Claimant* claimant = gateway.claimant(c))
+            by = {{"link", gateway.links()[index(claimant->link)].link->name()}, {"peer", claimant->peer}};
+    }
     return json;
 }
 

@@ -62,6 +62,7 @@ std::string hint_of_trouble(const LinkFigures& link) {
     if (!link.ring_back.empty()) return ring(link);    // whose copies look like one device on two links
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
+    if (link.shared == SharedSource::two_peers) return "two peers speak as one device: `conflicts` in the status says who";
     if (link.hidden != 0) {
         const std::string device = "device " + hex(link.hidden);
         return device + " can't be reached: its address is the port id of a link, change one of them";

@@ -45,7 +45,6 @@ void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
 void Router::open(ChannelId channel, LinkId link) {
     ++open_;
     link_of_[index(channel)] = link;
-    down_at_[index(channel)] = TimePoint::min();
     channels_of_link_[index(link)].insert(channel);
     if (links_[index(link)].flood) flooded_.insert(channel);
     if (links_[index(link)].broadcast) broadcast_.insert(channel);
@@ -58,17 +57,45 @@ void Router::close(ChannelId channel) {
     broadcast_.erase(channel);
     down_.erase(channel);
     for (ChannelSet& known : known_) known.erase(channel);
+    for (ChannelSet& first : first_) first.erase(channel);
+    if (!claims_.next()) return;
+    for (unsigned a = 0; a < known_.size(); ++a)
+        if (const auto address = static_cast<std::uint8_t>(a); claims_.is_under_way(address) && claims_.claimant(address) == channel)
+            claims_.end(address);
+    settle();
 }
 
-void Router::went_down(ChannelId channel, TimePoint now) {
-    down_at_[index(channel)] = now;
+void Router::went_down(ChannelId channel) {
     down_.insert(channel);
+    if (claims_.next()) settle();
+}
+
+// Whose holder has no channel that is up is not asked for long.
+void Router::settle() {
+    for (unsigned a = 0; a < known_.size(); ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        if (!claims_.is_under_way(address) || !(known_[a] - down_).empty()) continue;
+        move(address, claims_.claimant(address));
+        claims_.end(address);
+    }
+}
+
+// Who was silent or had no wire is believed when it speaks again: else who took its place meanwhile would keep it.
+void Router::move(std::uint8_t source, ChannelId to) {
+    ChannelSet& first = first_[source];
+    if (was_first(source, to)) first.clear();
+    else if (first.empty()) first = known_[source];
+    known_[source] = to;
+}
+
+bool Router::was_first(std::uint8_t source, ChannelId channel) const noexcept {
+    return first_[source].contains(channel) || leads_to(first_[source], channel);
 }
 
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now) {
     learn(from, source, now);
     Route route;
-    route.new_conflict = new_conflicts_.any();
+    route.new_conflict = untold_;
     decide(route, destination, now);
     route.channels.erase(from);
     if (grouped_) {
@@ -133,35 +160,108 @@ bool Router::take_new_conflict(Conflict& conflict) {
     std::size_t a = 0;
     while (!new_conflicts_[a]) ++a;
     new_conflicts_.reset(a);
+    untold_ = new_conflicts_.any() || new_claimants_.any();
     conflict = conflicts_[a];
     return true;
 }
 
-void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
-    if (source == address::unassigned || source == address::broadcast) return;
-    ChannelSet& known = known_[source];
-    const bool only_here = known == ChannelSet{from};
-    known.insert(from);
-    heard(source, from) = now;
-    if (only_here || address::is_host(source)) return;
-
-    const LinkId link = link_of_[index(from)];
-    LinkSet links = link;
-    const LinkSet same_place = mates(link);
-    for (const ChannelId channel : known) {
-        const TimePoint at = heard(source, channel);
-        if (now - at < moved_after && at > down_at_[index(channel)]) links.insert(link_of_[index(channel)]);
-    }
-    links -= same_place;
-    if (links.size() > 1) note_conflict(source, links, now);
+bool Router::take_claimant(Claimant& claimant) {
+    if (new_claimants_.none()) return false;
+    std::size_t a = 0;
+    while (!new_claimants_[a]) ++a;
+    new_claimants_.reset(a);
+    untold_ = new_conflicts_.any() || new_claimants_.any();
+    claimant = {static_cast<std::uint8_t>(a), claimants_[a]};
+    return true;
 }
 
-void Router::note_conflict(std::uint8_t source, LinkSet links, TimePoint now) {
+void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
+    ChannelSet& known = known_[source];
+    if (!known.contains(from)) {
+        if (source == address::unassigned || source == address::broadcast) return;
+        if (claims(source, from)) return claim(source, from, now);
+        const bool anywhere = address::is_host(source) || !pinned_[source].empty();
+        if (anywhere || leads_to(known, from)) known.insert(from);
+        else come_back(source, from, now);
+    }
+    heard(source, from) = now;
+    if (claims_.is_under_way(source)) refuse(source, now);
+}
+
+// Where it was first, or nobody else is. Who spoke elsewhere just now took its place, and is a conflict.
+void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
+    std::optional<ChannelId> other;
+    for (const ChannelId channel : known_[source] - down_)
+        if (now - heard(source, channel) < moved_after && (!other || heard(source, channel) > heard(source, *other))) other = channel;
+    move(source, from);
+    if (other) note_conflict(source, LinkSet{link_of_[index(from)]} | link_of_[index(*other)], other, now);
+}
+
+bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
+    if (!known_[source].contains(from) && !first_[source].contains(from)) return false;
+    learn(from, source, now);
+    return untold_;
+}
+
+Speaks Router::speaks(std::uint8_t source, ChannelId channel) const noexcept {
+    if (holds(source, channel)) return first_[source].empty() ? Speaks::at_home : Speaks::elsewhere;
+    return claims(source, channel) ? Speaks::elsewhere : Speaks::somewhere;
+}
+
+bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {
+    const LinkSet pinned = pinned_[source];
+    return pinned.empty() ? known_[source].contains(channel) : pinned.contains(link_of_[index(channel)]);
+}
+
+bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
+    if (address::is_host(source) || source == address::unassigned || source == address::broadcast) return false;
+    if (const LinkSet pinned = pinned_[source]; !pinned.empty()) {
+        const LinkId link = link_of_[index(channel)];
+        return !pinned.contains(link) && (pinned & mates(link)).empty();
+    }
+    const ChannelSet known = known_[source];
+    if (known.contains(channel) || (known - down_).empty() || was_first(source, channel)) return false;
+    return !leads_to(known, channel);
+}
+
+// What is pinned asks nobody.
+void Router::claim(std::uint8_t source, ChannelId from, TimePoint now) {
+    if (!claims_.is_under_way(source) || claims_.claimant(source) == from) heard(source, from) = now;
+    const bool begins = claims_.begin(source, from, now);
+    if (begins && !pinned_[source].empty()) return refuse(source, now);
+    Conflict& c = conflicts_[source];
+    if (!begins && c.count > 0 && now - c.last < forget_after_) c.last = now;    // it goes on
+}
+
+void Router::refuse(std::uint8_t source, TimePoint now) {
+    const ChannelId claimant = claims_.claimant(source);
+    claims_.end(source);
+    const LinkSet home = pinned_[source].empty() ? links_of(known_[source]) : pinned_[source];
+    note_conflict(source, home | link_of_[index(claimant)], claimant, now);
+}
+
+std::optional<Router::Question> Router::take_question(TimePoint now) {
+    while (const auto due = claims_.take(now)) {
+        if (!due->silent) return Question{due->address, known_[due->address] - down_};
+        move(due->address, due->claimant);
+    }
+    return std::nullopt;
+}
+
+void Router::note_conflict(std::uint8_t source, LinkSet links, std::optional<ChannelId> claimant, TimePoint now) {
     Conflict& c = conflicts_[source];
     const bool over = c.count > 0 && now - c.last >= forget_after_;
     if (c.count == 0 || over) {
         c.links.clear();
+        c.claimed = false;
         new_conflicts_.set(source);
+        untold_ = true;
+    }
+    if (claimant) {
+        claimants_[source] = *claimant;
+        new_claimants_.set(source);
+        untold_ = true;
+        c.claimed = true;
     }
     c.address = source;
     c.links |= links;
@@ -170,18 +270,28 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, TimePoint now) {
 }
 
 // Where frames to `a` go by what was heard: every channel that heard it lately, else every one that has not forgotten.
-ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) {
-    ChannelSet& known = known_[a];
-    if (known.empty() || address::is_host(a)) return known;
-    ChannelSet lately;
+ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
+    const ChannelSet known = known_[a];
+    if (address::is_host(a)) return known;
+    ChannelSet lately, remembered;
     for (const ChannelId channel : known) {
         const Duration age = now - heard(a, channel);
-        if (age >= forget_after_)
-            known.erase(channel);
-        else if (age < moved_after)
-            lately.insert(channel);
+        if (age < forget_after_) remembered.insert(channel);
+        if (age < std::min(moved_after, forget_after_)) lately.insert(channel);
     }
-    return lately.empty() ? known : lately;
+    return lately.empty() ? remembered : lately;
+}
+
+// Links of one group are one place; else each channel is, for anybody may be another peer of a link.
+bool Router::leads_to(ChannelSet known, ChannelId channel) const noexcept {
+    const std::uint8_t group = links_[index(link_of_[index(channel)])].group;
+    return group != 0 && !(links_of(known) & groups_[group]).empty();
+}
+
+LinkSet Router::links_of(ChannelSet channels) const noexcept {
+    LinkSet links;
+    for (const ChannelId channel : channels) links.insert(link_of_[index(channel)]);
+    return links;
 }
 
 ChannelSet Router::channels_of(LinkSet links) const {
@@ -197,7 +307,7 @@ void Router::to_links(Route& route, LinkSet links) const {
 }
 
 // The other links of its group.
-LinkSet Router::mates(LinkId link) const {
+LinkSet Router::mates(LinkId link) const noexcept {
     return groups_[links_[index(link)].group] - link;
 }
 

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -159,10 +161,18 @@ TEST_F(Routing, two_hosts_both_0xFE_both_get_the_answer) {
 TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
     start();
     ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && say(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 1})));
+    EXPECT_TRUE(daemon->status().at("conflicts").empty()) << "it may have moved";
+    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 2})));
     ASSERT_TRUE(daemon->until([&] { return !daemon->status().at("conflicts").empty(); }));
     const auto conflict = daemon->status().at("conflicts").at(0);
     EXPECT_EQ(conflict.at("address"), "0xDE");
     EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
+    EXPECT_EQ(conflict.at("claimed_by").at("link"), "b");
+    const Bytes command = frame(0xFE, 0xDE, 0xC0, {1});
+    ASSERT_TRUE(say(c, "c", command));
+    const Heard now = heard();
+    EXPECT_NE(std::search(now.a.begin(), now.a.end(), command.begin(), command.end()), now.a.end());
+    EXPECT_EQ(std::search(now.b.begin(), now.b.end(), command.begin(), command.end()), now.b.end()) << "it was there second";
 }
 
 TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {

@@ -76,6 +76,8 @@ struct Node {
         Said said = said_by(frame);
         said.waited = waited;
         said.hurried = hurried;
+        if (!loops.rings().is_ring(from, now)) router->heard_again(from, frame.source(), now);
+        said.speaks = router->speaks(frame.source(), from);
         const auto judgement = loops.judge(said, from, now);
         if (judgement.probe) {
             const auto probe = loops.rings().ask(from, now).bytes();

@@ -37,6 +37,8 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
     link.received.bad_check = 500;
     link.shared = SharedSource::one_device;
     EXPECT_EQ(hint(link), "the same device on two links? give them one `group`") << "it matters more than damage";
+    link.shared = SharedSource::two_peers;
+    EXPECT_EQ(hint(link), "two peers speak as one device: `conflicts` in the status says who");
     link.shared = SharedSource::two_devices;
     EXPECT_EQ(hint(link), "two devices have the same id: give one of them another");
 }

@@ -92,6 +92,26 @@ TEST_F(Guarded, a_sender_with_a_new_port_goes_on_saying_the_same) {
     }
 }
 
+// A thief said it first, twice, and from a new port once more.
+TEST_F(Guarded, what_was_said_in_a_devices_name_takes_no_more_of_it_than_that) {
+    const auto at = [&](unsigned from, TimePoint now, Speaks speaks) {
+        Said said = device(1);
+        said.speaks = speaks;
+        const auto fate = guard.judge(said, channel(from), now).fate;
+        if (fate == Fate::passes) guard.remember(said, channel(from), channels({0, 1, 2}) - channel(from), now);
+        return fate;
+    };
+    EXPECT_EQ(at(1, start, Speaks::elsewhere), Fate::passes);
+    EXPECT_EQ(at(1, start + 1ms, Speaks::elsewhere), Fate::passes);
+    EXPECT_EQ(at(0, start + 10ms, Speaks::at_home), Fate::ends);
+    EXPECT_EQ(at(0, start + 20ms, Speaks::at_home), Fate::ends);
+    for (int n = 3; n < 100; ++n) EXPECT_EQ(at(0, start + n * 10ms, Speaks::at_home), Fate::passes);
+    EXPECT_EQ(at(1, start + 1s, Speaks::elsewhere), Fate::ends) << "the first to say it is the device again";
+    guard.open(channel(20), link(1), 0, true, start + 1s);
+    EXPECT_EQ(at(20, start + 1001ms, Speaks::elsewhere), Fate::passes);
+    EXPECT_EQ(at(0, start + 1002ms, Speaks::at_home), Fate::passes);
+}
+
 TEST_F(Guarded, links_of_one_group_are_no_ways_round) {
     guard.open(channel(20), link(20), 3, true, start);
     guard.open(channel(21), link(21), 3, true, start);

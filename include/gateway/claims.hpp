@@ -1,0 +1,103 @@
+// Who may have an address that another holds: its holder is asked first.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ids.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace anogate {
+
+/// Where a device speaks, as the Router knows it.
+enum class Speaks : std::uint8_t {
+    somewhere,
+    at_home,      // where it was first
+    elsewhere,    // it has moved, or claims to; or one does who takes its name
+};
+
+/// The tests that are under way, one an address at the most: questions to the holder, then silence. Constant time but for
+/// take(), no allocation.
+class Claims {
+public:
+    struct Pace {
+        unsigned questions = 3;
+        ano::Duration answer_within = std::chrono::seconds{1};    // after each question
+        ano::Duration between_tests = std::chrono::seconds{10};   // of one address, from begin to begin
+        /// Who looks later than this after the last question was not listening: it asks once more.
+        ano::Duration late = std::chrono::milliseconds{500};
+    };
+
+    Claims() = default;
+    explicit Claims(const Pace& pace) : pace_{pace} {}
+
+    /// A test begins, and its first question is due now. False: one is under way, or the last began too lately.
+    bool begin(std::uint8_t address, ChannelId claimant, ano::TimePoint now) noexcept {
+        Test& test = tests_[address];
+        if (under_way_[address] || now < test.next_at) return false;
+        test = {claimant, 0, now, now + pace_.between_tests};
+        under_way_.set(address);
+        earliest_ = std::min(earliest_, now);
+        return true;
+    }
+    bool is_under_way(std::uint8_t address) const noexcept { return under_way_[address]; }
+    /// Whose claim it is; of a test that is under way.
+    ChannelId claimant(std::uint8_t address) const noexcept { return tests_[address].claimant; }
+    /// Without a verdict, or with that of others.
+    void end(std::uint8_t address) noexcept {
+        under_way_.reset(address);
+        if (under_way_.none()) earliest_ = ano::TimePoint::max();
+    }
+
+    /// Something may be due.
+    bool is_due(ano::TimePoint now) const noexcept { return now >= earliest_; }
+    /// When to look next; nothing: there is no test.
+    std::optional<ano::TimePoint> next() const noexcept {
+        return under_way_.none() ? std::nullopt : std::optional{earliest_};
+    }
+
+    struct Due {
+        std::uint8_t address = 0;
+        bool silent = false;      // the test ends here; else the holder is to be asked
+        ChannelId claimant{};
+    };
+    /// What is due, one after the other.
+    std::optional<Due> take(ano::TimePoint now) noexcept {
+        if (!is_due(now)) return std::nullopt;
+        earliest_ = ano::TimePoint::max();
+        for (std::size_t a = 0; a < tests_.size(); ++a) {
+            if (!under_way_[a]) continue;
+            Test& test = tests_[a];
+            if (now < test.due) {
+                earliest_ = std::min(earliest_, test.due);
+                continue;
+            }
+            const bool silent = test.asked >= pace_.questions && now < test.due + pace_.late;
+            if (!silent) {
+                ++test.asked;
+                test.due = now + pace_.answer_within;
+            }
+            earliest_ = now;    // look for more
+            if (silent) end(static_cast<std::uint8_t>(a));
+            return Due{static_cast<std::uint8_t>(a), silent, test.claimant};
+        }
+        return std::nullopt;
+    }
+
+private:
+    struct Test {
+        ChannelId claimant{};
+        unsigned asked = 0;
+        ano::TimePoint due{};
+        ano::TimePoint next_at = ano::TimePoint::min();
+    };
+    Pace pace_;
+    std::array<Test, 256> tests_{};
+    std::bitset<256> under_way_;
+    ano::TimePoint earliest_ = ano::TimePoint::max();    // of what is due, or before
+};
+
+}    // namespace anogate

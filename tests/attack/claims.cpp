@@ -1,0 +1,190 @@
+// Who speaks in the name of a device, and what it gets. tests/README.md has the figures.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+
+#include <memory>
+#include <sstream>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+
+Bytes broadcast(std::uint8_t n) { return frame(0xDC, 0xFF, 0x03, {n, 1, 2, 3, 4, 5, 6}); }
+Bytes command(std::uint8_t n) { return frame(0xFE, 0xDC, 0xC0, {16, 1, n}); }
+
+class Claims : public testing::Test {
+protected:
+    void SetUp() override {
+        fc.send(daemon.port("air"), broadcast(0));
+        pilot.send(daemon.port("ground"), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("air", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
+    }
+    /// `from` says it on the ground; true when it has been routed.
+    bool say(UdpPeer& from, const Bytes& bytes) { return said(from, "ground", bytes); }
+    bool device_says(const Bytes& bytes) { return said(fc, "air", bytes); }
+    bool said(UdpPeer& from, const std::string& link, const Bytes& bytes) {
+        const auto before = daemon.count(link, "bytes_in");
+        from.send(daemon.port(link), bytes);
+        return daemon.until([&] { return daemon.count(link, "bytes_in") >= before + bytes.size(); });
+    }
+    static std::size_t count(UdpPeer& who, std::uint8_t id) {
+        std::size_t n = 0;
+        for (const Bytes& one : split(who.heard()).frames) n += one[3] == id;
+        return n;
+    }
+    /// As a device does that was asked who it is, and says nothing else.
+    void answer() {
+        for (const std::size_t asked = questions(); answered < asked; ++answered)
+            fc.send(daemon.port("air"), frame(0xDC, 0xFE, 0xE3, Bytes(15, 1)));
+    }
+    std::size_t questions() {
+        std::size_t n = 0;
+        for (const Bytes& one : split(fc.heard()).frames) n += one == frame(0xFE, 0xDC, 0xE0, {0, 0, 0});
+        return n;
+    }
+    nlohmann::json conflict() {
+        const auto conflicts = daemon.status().at("conflicts");
+        return conflicts.size() == 1 ? conflicts.at(0) : nlohmann::json{};
+    }
+
+    RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
+    UdpPeer fc, pilot, attacker;
+    std::size_t answered = 0;
+};
+
+TEST_F(Claims, quiet_device_keeps_its_address) {
+    for (std::uint8_t n = 0; n < 40; ++n) {
+        ASSERT_TRUE(say(attacker, broadcast(100 + n)) && say(pilot, command(n)));
+        answer();
+    }
+    ASSERT_TRUE(daemon.until([&] {
+        answer();
+        return count(fc, 0xC0) == 40 && !conflict().is_null();
+    }));
+    EXPECT_EQ(count(attacker, 0xC0), 0u);
+    EXPECT_EQ(questions(), 1u);
+    EXPECT_EQ(count(attacker, 0xE0), 0u) << "it is not asked";
+    EXPECT_EQ(conflict().at("links"), (nlohmann::json{"ground", "air"}));
+    EXPECT_EQ(conflict().at("count"), 1);
+    EXPECT_EQ(conflict().at("claimed_by"), (nlohmann::json{{"link", "ground"}, {"peer", attacker.local().text()}}));
+    EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"air"});
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
+    ASSERT_TRUE(said(attacker, "air", broadcast(1)) && say(pilot, command(1)));
+    ASSERT_TRUE(daemon.until([&] {
+        answer();
+        return count(fc, 0xC0) == 1 && !conflict().is_null();
+    }));
+    EXPECT_EQ(count(attacker, 0xC0), 0u);
+    EXPECT_EQ(daemon.link("air").at("hint"), "two peers speak as one device: `conflicts` in the status says who");
+}
+
+// It says always the same, and the attacker was first.
+TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
+    std::vector<std::unique_ptr<UdpPeer>> ports;
+    for (std::uint8_t n = 0; n < 70; ++n) {
+        if (n % 7 == 0) {
+            ports.push_back(std::make_unique<UdpPeer>());
+            ASSERT_TRUE(say(*ports.back(), broadcast(200)));
+        }
+        ASSERT_TRUE(device_says(broadcast(200)) && say(pilot, command(n)));
+    }
+    ASSERT_TRUE(daemon.until([&] { return count(fc, 0xC0) == 70 && count(pilot, 0x03) >= 70; })) << count(fc, 0xC0) << ' ' << count(pilot, 0x03);
+    for (auto& port : ports) EXPECT_EQ(count(*port, 0xC0), 0u);
+    EXPECT_EQ(conflict().at("claimed_by").at("link"), "ground");
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+// What it says ends in the loop guard as a copy, and it answers nothing.
+TEST_F(Claims, what_is_dropped_as_looped_is_a_sign_of_life) {
+    ASSERT_TRUE(say(attacker, broadcast(200)) && device_says(broadcast(200)));
+    EXPECT_EQ(daemon.count("air", "looped"), 1u);
+    EXPECT_EQ(conflict().at("count"), 1);
+    EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"air"});
+}
+
+TEST_F(Claims, what_the_loop_guard_drops_is_no_claim) {
+    ASSERT_TRUE(say(attacker, vendor::who_are_you) && device_says(broadcast(200)) && say(attacker, broadcast(200)));
+    EXPECT_EQ(daemon.count("ground", "looped"), 1u);
+    EXPECT_EQ(questions(), 0u);
+    ASSERT_TRUE(device_says(broadcast(201)));
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+}
+
+TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
+    UdpPeer elsewhere;
+    ASSERT_TRUE(say(elsewhere, broadcast(1)));
+    const auto begin = anogate::Clock::now();
+    ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"ground"}; }));
+    const auto took = anogate::Clock::now() - begin;
+    EXPECT_GE(took, 2900ms);
+    EXPECT_EQ(questions(), 3u);
+    ASSERT_TRUE(say(pilot, command(1)));
+    EXPECT_TRUE(daemon.until([&] { return count(elsewhere, 0xC0) == 1; }));
+    EXPECT_EQ(count(fc, 0xC0), 0u);
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+}
+
+TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
+    std::ostringstream told;
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("told", std::make_shared<spdlog::sinks::ostream_sink_st>(told)));
+    spdlog::default_logger()->set_pattern("%v");
+    spdlog::default_logger()->set_level(spdlog::level::warn);
+    for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
+    spdlog::set_default_logger(before);
+    EXPECT_EQ(told.str(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
+                              "): the same device? give the links one `group`; two devices? give one of them another id; neither? "
+                              "pin it: --route 0xDC=LINK\n");
+}
+
+TEST_F(Claims, host_is_reached_at_once_wherever_it_speaks) {
+    UdpPeer second;
+    ASSERT_TRUE(said(second, "air", frame(0xFE, 0xFF, 0xC1, {0, 0, 0})) && device_says(frame(0xDC, 0xFE, 0xE3, Bytes(15, 1))));
+    EXPECT_TRUE(daemon.until([&] { return count(second, 0xE3) == 1 && count(pilot, 0xE3) == 1; }));
+    EXPECT_EQ(questions(), 0u);
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+}
+
+// Its old port is gone: nobody is there to be asked.
+TEST(Replugged, device_is_reached_at_its_new_port_at_once) {
+    const TempDir dir;
+    PtyDevice fc{dir / "ttyUSB0"}, again{dir / "ttyUSB1"};
+    again.unplug();
+    RunningGateway daemon{serial("usb0", fc.path()), serial("usb1", again.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("usb0"));
+    UdpPeer pilot;
+    pilot.send(daemon.port("ground"), vendor::who_are_you);
+    fc.write(broadcast(0));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("usb0", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
+    fc.unplug();
+    again.plug();
+    ASSERT_TRUE(daemon.until_waiting("usb0") && daemon.until_up("usb1"));
+    again.write(broadcast(1));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("usb1", "frames_in") == 1; }));
+    EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"usb1"});
+    pilot.send(daemon.port("ground"), command(1));
+    EXPECT_TRUE(daemon.until([&] { return again.heard() == command(1); }));
+    EXPECT_TRUE(daemon.status().at("conflicts").empty());
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST(PinnedAddress, never_moves) {
+    RunningGateway daemon{settings_of({udp_listen("ground"), udp_listen("air")}, {}, {{0xDC, 0xDC, "air"}})};
+    UdpPeer attacker;
+    attacker.send(daemon.port("ground"), broadcast(1));
+    ASSERT_TRUE(daemon.until([&] { return !daemon.status().at("conflicts").empty(); }));
+    EXPECT_EQ(daemon.status().at("conflicts").at(0).at("claimed_by").at("peer"), attacker.local().text());
+    EXPECT_EQ(daemon.route("0xDC").at("via"), "pinned");
+}
+
+}  // namespace
