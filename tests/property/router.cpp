@@ -210,13 +210,15 @@ TEST(Router, moves_an_address_after_silence_alone) {
         auto router = std::make_unique<Router>(GatewaySettings{});
         for (unsigned n = 0; n < 4; ++n) router->open(static_cast<ChannelId>(n), router->add_link({}));
         std::array<bool, 4> down{};
-        std::optional<unsigned> home, claimant, first;
+        constexpr unsigned nobody = 4;
+        std::optional<unsigned> home, claimant;
+        unsigned first = nobody;
         std::array<TimePoint, 4> heard{};
         TimePoint now{}, began = TimePoint::min(), refused_at{};
         std::uint64_t refused = 0;
         const auto move = [&](unsigned to) {
-            if (first == to) first.reset();
-            else if (!first) first = home;
+            if (first == to) first = nobody;
+            else if (first == nobody) first = home.value_or(nobody);
             home = to;
         };
         const auto refuse = [&] {
