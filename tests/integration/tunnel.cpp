@@ -514,7 +514,7 @@ TEST_F(TwoGateways, a_storm_of_nested_tunnels_dies_down) {
     EXPECT_LE(b->count("out"), written) << "one datagram a frame of the device";
     EXPECT_EQ(a->count("out"), 0u) << "what came in does not go out again by the tunnel";
     EXPECT_LE(a->count("in"), thrown + written);
-    EXPECT_EQ(b->count("in"), 0u) << "nor to a peer, who would open it";
+    EXPECT_LE(b->count("in"), 10u) << "nor to a peer, who would open it; a probe a second may";
     EXPECT_GE(a->count("tunnel_nested"), 300u);
     const auto heard = a->device.heard().size();
     a->device.write(b1("10.77.0.2", port, ask_parameter));

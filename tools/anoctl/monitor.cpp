@@ -26,6 +26,7 @@ using namespace anogate;
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Duration look_every = std::chrono::seconds{3};
+constexpr char only_listens[] = "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
 
 using IdSet = std::bitset<256>;
 
@@ -126,6 +127,7 @@ private:
         look_.async_wait([this](error_code ec) {
             if (ec || done_ || seen_ > 0) return;
             std::string hint = anogate::hint(figures());
+            if (!hint.empty() && figures().received.bytes_in == 0 && !figures().listens) hint += only_listens;
             if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
             hint_ = std::move(hint);
             look_later();
