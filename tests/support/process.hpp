@@ -29,7 +29,7 @@ public:
     Process& operator=(const Process&) = delete;
 
     pid_t pid() const { return pid_; }
-    void signal(int number) const { ::kill(pid_, number); }
+    void signal(int number) const { ::kill(pid_, last_signal_ = number); }
     bool is_running();
     /// Its exit status, 128 and the signal that ended it, or -1 when it still runs after `limit`.
     int wait(std::chrono::steady_clock::duration limit = patience);
@@ -44,6 +44,7 @@ private:
 
     pid_t pid_ = -1;
     int output_fd_ = -1;
+    mutable int last_signal_ = 0;
     std::string output_;
     std::optional<int> status_;
 };
