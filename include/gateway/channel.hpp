@@ -20,7 +20,7 @@ struct Channel {
     ReceiveCounters routed;    // only what is counted behind the parser: denied_in, inhibited, looped, duplicate, no_route
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};    // the last good frame; zero: none yet
-    ano::TimePoint bytes_at{};    // the last byte
+    std::uint64_t skipped_by_then = 0;    // bytes of no frame, when heard_at was
     bool hosts_spoke = false;     // a frame of a host was to leave by it
     ReceiveCounters beside{};     // of parsers beside `parser`: a CAN link has one for every CAN id
 
@@ -28,11 +28,21 @@ struct Channel {
 
     ano::TimePoint arrived_at{};    // what was read last; its link sets it before the parser sees it
 
+    /// A good frame came.
+    void hear(ano::TimePoint now) noexcept {
+        heard_at = now;
+        skipped_by_then = skipped();
+    }
+    /// Bytes of no frame since the last good one.
+    std::uint64_t skipped_since_heard() const noexcept { return skipped() - skipped_by_then; }
     /// Of all parsers, and ours.
     ReceiveCounters received() const noexcept;
     /// Of the outbox and what stands before it.
     SendCounters sent() const noexcept;
     std::size_t waiting() const noexcept;
+
+private:
+    std::uint64_t skipped() const noexcept { return parser.counters().skipped_bytes + beside.skipped_bytes; }
 };
 
 }  // namespace anogate

@@ -33,6 +33,8 @@ struct LinkFigures {
     std::uint64_t no_place = 0;     // datagrams of strangers that were refused for want of a place
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
+    std::uint64_t skipped_since = 0;            // bytes of no frame, since then
+    std::optional<ano::Duration> bytes_ago;     // since the last byte; nothing: there was none
     std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have
     SharedSource shared = SharedSource::none;
     std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none

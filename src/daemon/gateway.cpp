@@ -262,7 +262,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     arrived_at_ = std::min(from.arrived_at, now_);
-    from.heard_at = now_;
+    from.hear(now_);
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
     const Treatment treatment = treatment_of(frame.id());
@@ -425,7 +425,7 @@ void Gateway::keep_from_tunnel(Route& route) {
 
 bool Gateway::admit(Channel& from, ano::FrameView frame) {
     arrived_at_ = std::min(from.arrived_at, now_);
-    from.heard_at = now_;
+    from.hear(now_);
     LinkState& link = links_[index(from.link)];
     if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
     const Rules* rules = link.rules.get();

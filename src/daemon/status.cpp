@@ -81,7 +81,10 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
         add(f.received, channel.received());
         add(f.sent, channel.sent());
         f.v7_frames += channel.parser.counters().v7_frames;
+        f.skipped_since += channel.skipped_since_heard();
         t.waiting += channel.waiting();
+        if (channel.arrived_at != TimePoint{})
+            f.bytes_ago = std::min(f.bytes_ago.value_or(Duration::max()), now - channel.arrived_at);
         if (channel.heard_at == TimePoint{}) continue;
         f.silent_for = std::min(f.silent_for.value_or(Duration::max()), now - channel.heard_at);
     }

@@ -10,6 +10,7 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t enough_bytes = 64;          // to tell that no frame is among them
 constexpr std::uint64_t enough_frames = 20;         // to speak of a share
 constexpr ano::Duration patience = 3s;              // shorter silences are no news
+constexpr ano::Duration still = 2s;                 // bytes younger than that still come
 
 std::string seconds(ano::Duration d) {
     return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
@@ -34,21 +35,36 @@ std::string nothing_at_all(const LinkFigures& link) {
     return {};
 }
 
+/// For how long bytes have come in the place of frames that came before; nothing: they have not.
+std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
+    if (link.received.frames_in == 0 || link.skipped_since < enough_bytes) return std::nullopt;
+    if (!link.bytes_ago || *link.bytes_ago >= still) return std::nullopt;
+    const ano::Duration without = link.silent_for.value_or(link.up_for);
+    return without >= patience ? std::optional{without} : std::nullopt;
+}
+
+// The time changes from look to look: where a hint is told once, it has none.
+std::string garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
+    std::string text = "bytes but no frames ";
+    text += with_time ? "for " : "any more";
+    if (with_time) text += seconds(time);
+    return text + (link.kind == "serial" ? ": was the baud rate changed, or the firmware?" : ": is the sender still speaking V8?");
+}
+
 std::string ring(const LinkFigures& link) {
     const std::string back{link.ring_back};
     if (link.ring_out == link.ring_back) return "a ring: what goes out comes back by " + back;
     return "a ring: what goes out by " + std::string{link.ring_out} + " comes back by " + back;
 }
 
-}  // namespace
-
-std::string hint_of_trouble(const LinkFigures& link) {
+std::string trouble(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
         return "older V7 frames (0xAA) seen: switch the device to protocol V8";
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
         return link.kind == "serial" ? "bytes but no frames: wrong baud rate?" : "bytes but no frames: is the sender speaking V8?";
+    if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
     if (in.frames_in == 0 && in.bad_length > 0 && in.bad_length >= in.bad_check)
         return "frames longer than max_data are refused: raise max_data on this link";
     if (link.gateways > 0)
@@ -82,9 +98,13 @@ std::string hint_of_trouble(const LinkFigures& link) {
     return {};
 }
 
+}  // namespace
+
+std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, false); }
+
 std::string hint(const LinkFigures& link) {
-    std::string trouble = hint_of_trouble(link);
-    if (!trouble.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return trouble;
+    std::string text = trouble(link, true);
+    if (!text.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return text;
     return "silent for " + seconds(*link.silent_for) + or_hello(link);
 }
 

@@ -156,6 +156,23 @@ TEST_F(Hints, silence_is_told_with_its_length) {
     EXPECT_TRUE(hint_says("fc", "silent for 3 s"));
 }
 
+TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
+    daemon.emplace(settings_of({serial("fc", fc.path())}));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    fc.write(Bytes(500, 0xF8));    // before the frames: that was another fault
+    for (int i = 0; i < 40; ++i) fc.write(vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("frames_in") == 40; }));
+    EXPECT_EQ(daemon->link("fc").at("hint"), "");
+    EXPECT_TRUE(daemon->until([&] {
+        fc.write(Bytes(20, 0xF8));
+        const std::string hint = daemon->link("fc").at("hint");
+        return hint.starts_with("bytes but no frames for ") && hint.ends_with(" s: was the baud rate changed, or the firmware?");
+    })) << daemon->link("fc").at("hint");
+    fc.write(vendor::i_am_an_mcu);
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; }));
+    EXPECT_TRUE(hint_says("fc", "silent for 3 s")) << "and nothing more comes";
+}
+
 TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
     EXPECT_TRUE(hint_says("fc", "nothing received yet: is the device powered, are RX and TX crossed? (some speak only when spoken to: try hello=on)"));

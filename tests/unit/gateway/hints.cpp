@@ -93,6 +93,38 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
 }
 
+TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
+    using namespace std::chrono_literals;
+    LinkFigures link = line_that_sent(1000);
+    link.waits_to_hear = true;
+    link.silent_for = 12s;
+    link.bytes_ago = 20ms;
+    link.skipped_since = 64;
+    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: was the baud rate changed, or the firmware?");
+    EXPECT_EQ(hint_of_trouble(link), "bytes but no frames any more: was the baud rate changed, or the firmware?") << "told once, so without the time";
+    link.kind = "udp";
+    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?");
+    link.silent_for = 2s;
+    EXPECT_EQ(hint(link), "") << "a noisy moment";
+    link.silent_for.reset();
+    link.up_for = 12s;
+    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?") << "there were some before it was plugged again";
+}
+
+TEST(Hint, a_few_bytes_or_bytes_of_long_ago_do_not_break_a_silence) {
+    using namespace std::chrono_literals;
+    LinkFigures link = line_that_sent(1000);
+    link.silent_for = 12s;
+    link.bytes_ago = 20ms;
+    link.skipped_since = 63;
+    EXPECT_EQ(hint(link), "silent for 12 s") << "noise of the line";
+    link.skipped_since = 2000;
+    link.bytes_ago = 11s;
+    EXPECT_EQ(hint(link), "silent for 12 s") << "what it wrote when it started again, before its end";
+    link.bytes_ago.reset();
+    EXPECT_EQ(hint(link), "silent for 12 s");
+}
+
 TEST(Hint, strangers_and_their_tricks_are_named) {
     LinkFigures link = line_that_sent(1000);
     link.kind = "udp-listen";
