@@ -65,12 +65,18 @@ std::optional<std::uint64_t> whole_number(const Json& json) {
         *number);
 }
 
+std::string hex_or_word(std::string_view word, std::span<const std::string_view> names) {
+    const std::string in_hex = did_you_mean_hex(word);
+    return in_hex.empty() ? did_you_mean(word, names) : in_hex;
+}
+
 std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise) {
     const auto it = object.find(key);
     if (it == object.end()) return otherwise;
     const auto value = whole_number(*it);
     if (!value || *value > 255)
-        fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255");
+        fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255" +
+                            (it->is_string() ? did_you_mean_hex(it->get_ref<const std::string&>()) : ""));
     return static_cast<std::uint8_t>(*value);
 }
 
@@ -92,11 +98,12 @@ std::optional<Number> number_for(const Field& f, const Json& json, ValueType7 se
 }
 
 /// "'rde' is not a number, nor default, red, green, blue (did you mean 'red'?)"
-std::string no_number(const Json& json, const std::vector<std::string_view>& words) {
+std::string no_number(const Json& json, const std::vector<std::string_view>& words, bool is_code) {
     std::string text = shown(json) + " is not a number";
     if (!json.is_string()) return text;
+    const std::string& given = json.get_ref<const std::string&>();
     for (const std::string_view word : words) text.append(word == words.front() ? ", nor " : ", ").append(word);
-    return text + did_you_mean(json.get_ref<const std::string&>(), words);
+    return text + (is_code ? hex_or_word(given, words) : did_you_mean(given, words));
 }
 
 Data hex_at(const Json& json, const std::string& pointer, std::string_view name) {
@@ -153,7 +160,7 @@ private:
             return;
         }
         const auto number = number_for(f, json, options_.value_type_7);
-        if (!number) fail(pointer, label(f) + no_number(json, words_of(f, options_.value_type_7)));
+        if (!number) fail(pointer, label(f) + no_number(json, words_of(f, options_.value_type_7), f.role == Role::code));
         switch (store_number(f, *number, at)) {
             case Stored::ok: return;
             case Stored::not_whole:
@@ -312,18 +319,19 @@ bool knows_words(const Message& row, const Json& given, ValueType7 seven) {
 void fail_for_word(std::span<const Message> layouts, const Json& given, ValueType7 seven) {
     for (const auto& [key, value] : given.items()) {
         std::vector<std::string_view> words;
-        bool is_known = false;
+        bool is_known = false, is_code = false;
         bool is_number_field = false;
         for (const Message& row : layouts) {
             const Field* f = row.field(key);
             if (f == nullptr || !is_number(f->type) || !has_all(names_in(row.fields()), given)) continue;
             is_number_field = true;
+            is_code = is_code || f->role == Role::code;
             is_known = is_known || !value.is_string() || number_for(*f, value, seven);
             for (const std::string_view word : words_of(*f, seven))
                 if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
         }
         if (is_number_field && !is_known)
-            fail(step(key), std::string{layouts.front().name} + " " + key + ": " + no_number(value, words));
+            fail(step(key), std::string{layouts.front().name} + " " + key + ": " + no_number(value, words, is_code));
     }
 }
 
@@ -471,7 +479,7 @@ std::variant<std::uint8_t, JsonFault> address_called(std::string_view word) {
         if (is_same_word(who, word)) return static_cast<std::uint8_t>(a);
         names.push_back(who);
     }
-    return JsonFault{"", in_quotes(word) + " is not an address from 0 to 255" + did_you_mean(word, names)};
+    return JsonFault{"", in_quotes(word) + " is not an address from 0 to 255" + hex_or_word(word, names)};
 }
 
 std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {
@@ -480,7 +488,7 @@ std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {
         return static_cast<std::uint8_t>(*number);
     std::vector<std::string_view> names;
     for (const Message& row : messages) names.push_back(row.name);
-    return JsonFault{"", "there is no message " + in_quotes(word) + did_you_mean(word, names)};
+    return JsonFault{"", "there is no message " + in_quotes(word) + hex_or_word(word, names)};
 }
 
 }    // namespace ano

@@ -51,7 +51,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
     for (const std::string_view candidate : candidates) {
         if (candidate.size() > longest_word) continue;
         const std::size_t count = edits(word, candidate);
-        if (count > fewest || count >= candidate.size()) continue;
+        if (count > fewest || count * 2 > candidate.size()) continue;
         // Of two that are as near, the one that was not written to its end ("of": off, not on); else the first.
         const bool begun = candidate.starts_with(word) && !best.starts_with(word);
         if (count == fewest && !best.empty() && !begun) continue;
@@ -68,6 +68,31 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
     const std::string_view meant = nearest(word, candidates);
     return meant.empty() ? std::string{} : " (did you mean '" + std::string{meant} + "'?)";
+}
+
+std::string as_hex(std::string_view word, std::size_t most_digits) {
+    constexpr std::string_view decimal = "0123456789", letters = "abcdefABCDEF";
+    bool marked = false;
+    for (const std::string_view mark : {"\\x", "x", "X", "$", "#"})
+        if (!marked && word.starts_with(mark)) {
+            word.remove_prefix(mark.size());
+            marked = true;
+        }
+    if (!marked && !word.empty() && lower(word.back()) == 'h') {
+        word.remove_suffix(1);
+        marked = true;
+    }
+    if (word.empty() || word.size() > most_digits) return {};
+    if (word.find_first_not_of(std::string{decimal}.append(letters)) != word.npos) return {};
+    if (!marked && word.find_first_of(letters) == word.npos) return {};
+    std::string text = "0x";
+    for (const char c : word) text += c >= 'a' ? static_cast<char>(c - 'a' + 'A') : c;
+    return text;
+}
+
+std::string did_you_mean_hex(std::string_view word, std::size_t most_digits) {
+    const std::string meant = as_hex(word, most_digits);
+    return meant.empty() ? std::string{} : " (did you mean '" + meant + "'?)";
 }
 
 }    // namespace ano

@@ -2,6 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cctype>
+#include <string>
+
 namespace ano {
 namespace {
 
@@ -18,8 +22,28 @@ bool ends_with_comma_and_bracket(std::string_view text) {
     return last != text.npos && text[last] == ',';
 }
 
-/// `read` is the text up to and with what was not expected.
-std::string_view slip(std::string_view read, std::string_view message) {
+/// The word of letters that stands at `at`.
+std::string word_at(std::string_view text, std::size_t at) {
+    const auto is_letter = [&](std::size_t i) { return std::isalpha(static_cast<unsigned char>(text[i])) != 0; };
+    std::size_t begin = at, end = at;
+    while (begin > 0 && is_letter(begin - 1)) --begin;
+    while (end < text.size() && is_letter(end)) ++end;
+    std::string word{text.substr(begin, end - begin)};
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return word;
+}
+
+/// As other languages write it, and our own command line.
+bool is_truth_value(std::string_view word) {
+    constexpr std::string_view words[]{"true", "false", "yes", "no", "on", "off"};
+    return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
+
+/// `text` up to and with `byte` is what was read until something was not expected.
+std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
+    const std::string_view read = text.substr(0, byte);
+    if (text.find_first_not_of(space) == text.npos) return "there is nothing in it";
+    if (has(message, "invalid literal") && !read.empty() && is_truth_value(word_at(text, read.size() - 1))) return "it is written true or false";
     if (has(message, "0x'") || has(message, "0X'")) return "a number in hex stands in double quotes: \"0xDC\"";
     if (has(message, "#'")) return "a comment begins with //";
     if (has(message, "unexpected end of input")) return "is a closing bracket or quote missing?";
@@ -39,7 +63,7 @@ std::string syntax_fault(std::string_view text, const std::exception& error) {
     if (const std::size_t line = message.find("line "); line != message.npos) message.erase(0, line);
     const auto* parse_error = dynamic_cast<const nlohmann::json::parse_error*>(&error);
     if (parse_error == nullptr) return message;
-    const std::string_view hint = slip(text.substr(0, parse_error->byte), message);
+    const std::string_view hint = slip(text, parse_error->byte, message);
     if (!hint.empty()) message.append(" (").append(hint).append(")");
     return message;
 }

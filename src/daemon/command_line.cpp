@@ -65,6 +65,15 @@ std::vector<std::string> option_names(const CLI::App& app) {
     return names;
 }
 
+/// What to do about an option that is none.
+std::string meant_option(const std::string& name, const std::vector<std::string_view>& known) {
+    const std::string bare = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    if (const Key<LinkSettings>* key = find_key(link_keys(), bare))
+        return ": it is a key of a LINK, written KIND:ADDRESS," + bare + "=" + placeholder(*key);
+    const std::string nearest = ano::did_you_mean(name, known);
+    return nearest.empty() ? "; --help has them all" : nearest;
+}
+
 /// One error for every option that is none.
 ConfigErrors unknown_options(const CLI::App& app) {
     const auto names = option_names(app);
@@ -72,8 +81,20 @@ ConfigErrors unknown_options(const CLI::App& app) {
     ConfigErrors errors;
     for (const std::string& option : app.remaining()) {
         const std::string name = option.substr(0, option.find('='));
-        errors.push_back({"", "unknown option " + in_quotes(name) + ano::did_you_mean(name, known)});
+        errors.push_back({"", "unknown option " + in_quotes(name) + meant_option(name, known)});
     }
+    return errors;
+}
+
+/// One error for every option that was given the next one for its value.
+ConfigErrors missing_values(const Arguments& arguments) {
+    ConfigErrors errors;
+    const auto look = [&](std::string_view option, const std::string& value) {
+        if (value.starts_with("--")) errors.push_back({std::string{option}, "its value is missing before " + in_quotes(value)});
+    };
+    for (const std::string& file : arguments.configs) look("--config", file);
+    for (const std::string& route : arguments.routes) look("--route", route);
+    for (const auto& [key, value] : arguments.values) look(key->option, value);
     return errors;
 }
 
@@ -146,6 +167,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
     add_all(app, arguments, default_file);
     if (auto exit = parse(app, argc, argv)) return *std::move(exit);
+    if (const ConfigErrors missing = missing_values(arguments); !missing.empty()) return failure(missing);
 
     Draft draft;
     draft.errors = unknown_options(app);

@@ -3,6 +3,7 @@
 #include <ano_json/nearest.hpp>
 
 #include <algorithm>
+#include <cctype>
 
 namespace anogate {
 namespace {
@@ -12,6 +13,16 @@ bool is_control(char c) {
 }
 bool is_beyond_hex(char c) {
     return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z');
+}
+
+/// The bytes, baud or frames that a number with a unit or a multiple means: 500k, 64KiB, 115200bps.
+std::optional<std::uint64_t> without_unit(std::string_view text) {
+    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+    if (digits == 0 || digits == text.size() || text.size() > digits + 4) return std::nullopt;
+    const std::string unit{text.substr(digits)};
+    if (const auto size = parse_size(text)) return size;
+    if (unit == "k" || unit == "K" || unit == "M") return parse_size(std::string{text} + "B");
+    return std::all_of(unit.begin(), unit.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)); }) ? parse_number(text.substr(0, digits)) : std::nullopt;
 }
 
 /// "12333", ":12333" and "*:12333": every interface is meant, or was forgotten to be named.
@@ -40,6 +51,8 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         if (plain) return "'" + shown + "': only a link-local address (fe80::...) takes an interface";
     }
     const std::size_t colon = text.rfind(':');
+    if (colon != text.npos && parse_number(text.substr(colon + 1)).value_or(0) > UINT16_MAX)
+        return must_be(key, in_quotes(text)) + ": a port is at most 65535";
     const std::string_view host = text.substr(0, colon);
     const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));
     if (host.find_first_of(":[]%") == std::string_view::npos && std::any_of(host.begin(), host.end(), is_beyond_hex))
@@ -93,9 +106,13 @@ std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_
         case Form::size: value = parse_size(text); break;
         default: value = parse_number(text);
     }
-    if (!value || *value < key.least || *value > key.most) return must_be(key, in_quotes(text));
-    field = *value;
-    return {};
+    if (value && *value >= key.least && *value <= key.most) return field = *value, std::string{};
+    std::string fault = must_be(key, in_quotes(text));
+    if (const auto meant = key.form == Form::integer ? without_unit(text) : std::nullopt; meant && *meant >= key.least && *meant <= key.most)
+        fault += " (did you mean '" + std::to_string(*meant) + "'?)";
+    if (key.form == Form::address) fault += ano::did_you_mean_hex(text);
+    if (key.form == Form::can_id) fault += ano::did_you_mean_hex(text, 8);
+    return fault;
 }
 
 std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<ByteRange>& field) {
@@ -103,11 +120,11 @@ std::string read_ranges(const KeyFacts& key, std::string_view text, std::vector<
     for (const std::string_view word : split(text, '+')) {
         if (key.form == Form::frames) {
             const auto ids = parse_frames(word);
-            if (!ids) return must_be(key, in_quotes(word)) + ano::did_you_mean(word, frame_words());
+            if (!ids) return must_be(key, in_quotes(word)) + meant_frames(word);
             ranges.insert(ranges.end(), ids->begin(), ids->end());
         } else {
             const auto range = parse_addresses(word);
-            if (!range) return must_be(key, in_quotes(word));
+            if (!range) return must_be(key, in_quotes(word)) + meant_addresses(word);
             ranges.push_back({range->first, range->last});
         }
     }

@@ -42,6 +42,24 @@ std::vector<std::string_view> frame_words() {
     return words;
 }
 
+std::string meant_addresses(std::string_view text) {
+    std::string meant;
+    bool lacks_0x = false;
+    for (const std::string_view number : split(text, '-')) {
+        const std::string in_hex = ano::as_hex(number);
+        lacks_0x = lacks_0x || !in_hex.empty();
+        meant += meant.empty() ? "" : "-";
+        if (!in_hex.empty()) meant += in_hex;
+        else meant.append(number.starts_with("0x") ? "" : "0x").append(number);    // 30 of 30-4F
+    }
+    return lacks_0x && parse_addresses(meant) ? " (did you mean '" + meant + "'?)" : "";
+}
+
+std::string meant_frames(std::string_view text) {
+    const std::string meant = meant_addresses(text);
+    return meant.empty() ? ano::did_you_mean(text, frame_words()) : meant;
+}
+
 std::string ranges_text(const std::vector<ByteRange>& ranges) {
     std::string text;
     for (const ByteRange& range : ranges) {
@@ -58,11 +76,12 @@ LimitText parse_limit(std::string_view text) {
     const auto ids = parse_frames(name);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
         return {{}, "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
-                        (ids ? ", which is several" : ano::did_you_mean(name, frame_words()))};
+                        (ids ? ", which is several" : meant_frames(name))};
     double value = 0;
     const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
     if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= slowest && value <= fastest))
-        return {{}, in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate)};
+        return {{}, in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate) +
+                        (rate == "0" ? "; to let none pass: send.deny=" + std::string{name} : "")};
     return {LimitRule{ids->front().first, value}, {}};
 }
 

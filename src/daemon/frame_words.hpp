@@ -15,6 +15,11 @@ std::optional<std::vector<ByteRange>> parse_frames(std::string_view text);
 /// All words that parse_frames() knows, for suggestions.
 std::vector<std::string_view> frame_words();
 
+/// " (did you mean '0xDC-0xDE'?)" for addresses or ids in hex that lack their 0x, or nothing.
+std::string meant_addresses(std::string_view text);
+/// The same, or the word that parse_frames() knows and `text` is a slip of.
+std::string meant_frames(std::string_view text);
+
 /// 0x01+0xF0-0xF1: in hex, joined by +.
 std::string ranges_text(const std::vector<ByteRange>& ranges);
 

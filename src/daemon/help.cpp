@@ -1,5 +1,6 @@
 #include <daemon/help.hpp>
 #include <daemon/keys.hpp>
+#include <daemon/values.hpp>
 #include <link/kinds.hpp>
 
 namespace anogate {
@@ -12,14 +13,20 @@ std::string line(std::string_view left, std::string_view right, std::size_t inde
     return text + std::string{right} + "\n";
 }
 
+/// Addresses are in hex.
+std::string usual_text(const KeyFacts& key, const std::string& usual) {
+    const auto address = key.form == Form::address ? parse_address(usual) : std::nullopt;
+    return address ? address_text(*address) : usual;
+}
+
 /// The help with the default behind it, unless it speaks of that itself.
 template <class Section>
 std::string key_line(const Key<Section>& key, std::size_t indent, std::string_view between) {
     std::string help{key.help};
     const auto usual = key.text_in(Section{});
     if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
-        help += " (default " + *usual + ")";
-    return line(std::string{key.name} + std::string{between} + placeholder(key), help, indent);
+        help += " (default " + usual_text(key, *usual) + ")";
+    return line(std::string{key.name} + (key.form == Form::limits ? ".MESSAGE" : "") + std::string{between} + placeholder(key), help, indent);
 }
 
 template <class Section>

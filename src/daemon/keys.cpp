@@ -152,7 +152,8 @@ std::optional<std::string> write_addresses(const KeyFacts&, const RouteSettings&
 
 std::string read_addresses(const KeyFacts& key, std::string_view text, RouteSettings& route) {
     const auto range = parse_addresses(text);
-    if (!range || range->first < key.least || range->last > key.most) return must_be(key, in_quotes(text));
+    if (!range) return must_be(key, in_quotes(text)) + meant_addresses(text);
+    if (range->first < key.least || range->last > key.most) return must_be(key, in_quotes(text));
     route.first = range->first;
     route.last = range->last;
     return {};

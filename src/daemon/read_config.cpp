@@ -90,9 +90,19 @@ std::optional<std::string> text_of(const json& value, Form form) {
     return std::nullopt;
 }
 
-bool is_object(const json& value, const std::string& where, ConfigErrors& errors) {
-    if (!value.is_object()) errors.push_back({where, "must be an object {...}, not " + shown(value)});
+/// `keys`: those it has, " of level, file"; empty where they are too many to tell.
+bool is_object(const json& value, const std::string& where, ConfigErrors& errors, const std::string& keys = {}) {
+    if (!value.is_object()) errors.push_back({where, "must be an object {...}" + keys + ", not " + shown(value)});
     return value.is_object();
+}
+
+/// " of allow, deny": the keys whose names begin with `inside`, "send.".
+template <class Section>
+std::string of_keys(Keys<Section> keys, std::string_view inside = {}) {
+    std::string names;
+    for (const Key<Section>& key : keys)
+        if (key.name.starts_with(inside)) names.append(names.empty() ? " of " : ", ").append(key.name.substr(inside.size()));
+    return names;
 }
 
 /// What must be a list, for one text may be several in a LINK text only.
@@ -125,7 +135,7 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
         const Key<Section>* key = name.find('.') == name.npos ? find_key(keys, full, kind) : nullptr;
         std::string error;
         if (key == nullptr && is_object_of_keys(keys, full, kind)) {
-            if (is_object(value, where, errors))
+            if (is_object(value, where, errors, of_keys(keys, full + ".")))
                 read_keys(value, {where, true}, keys, section, errors, kind, but, full + ".");
         } else if (key == nullptr) {
             const std::string object_of = full.substr(0, full.find('.'));
@@ -190,7 +200,8 @@ public:
 private:
     template <class Section>
     void section(const json& value, const std::string& pointer, Keys<Section> keys, Section& into) {
-        if (is_object(value, pointer, draft_.errors)) read_keys(value, {pointer, true}, keys, into, draft_.errors);
+        if (is_object(value, pointer, draft_.errors, of_keys(keys)))
+            read_keys(value, {pointer, true}, keys, into, draft_.errors);
     }
 
     void no_list(const json& value, const std::string& pointer) {

@@ -1,4 +1,5 @@
 #include <daemon/config.hpp>
+#include <daemon/config_error.hpp>
 #include <daemon/keys.hpp>
 #include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
@@ -13,6 +14,8 @@ namespace {
 
 /// A text that is no KIND:ADDRESS at all.
 std::string no_kind(std::string_view text) {
+    if (const LinkKind* kind = find_link_kind(text.substr(0, text.find(','))))
+        return "no address, for example " + std::string{kind->name} + ":" + std::string{kind->example};
     if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
     const std::string_view address = text.substr(0, text.find(','));
     if (address.starts_with("tty")) return "no kind (did you mean 'serial:/dev/" + std::string{text} + "'?)";
@@ -28,6 +31,15 @@ std::string full_width(std::string_view text) {
     return {};
 }
 
+/// A key and its value, where a LINK should stand: behind a space, not a comma. Empty: it is none.
+std::string key_apart(std::string_view text) {
+    const std::size_t equals = text.find('=');
+    const std::string_view name = text.substr(0, equals);
+    if (equals == text.npos || (!name.starts_with("limit.") && find_key(link_keys(), name) == nullptr)) return {};
+    return in_quotes(name) + " is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS," +
+           printable(std::string{text});
+}
+
 /// One LINK text, piece by piece.
 class LinkText {
 public:
@@ -41,6 +53,8 @@ public:
             error("not text in UTF-8");
         } else if (std::string wide = full_width(text); !wide.empty()) {
             error(std::move(wide));
+        } else if (std::string apart = key_apart(text); !apart.empty()) {
+            error(std::move(apart));
         } else if (colon == text.npos || text.starts_with('/') || WrittenEndpoint::parse(text)) {
             error(no_kind(text));
         } else if (kind == nullptr) {
@@ -74,6 +88,8 @@ private:
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
         if (name.empty())
             error("a comma with no key behind it");
+        else if (std::string joined = joined_to_last(name); key == nullptr && !joined.empty())
+            several(name, joined);
         else if (link_.kind == "serial" && parse_number(name))
             error("unknown key " + in_quotes(name) + " (did you mean 'baud=" + std::string{name} + "'?)");
         else if (key != nullptr && key->form != Form::boolean && key->form != Form::interval)
@@ -82,7 +98,23 @@ private:
             set(name, "true");
     }
 
+    void several(std::string_view value, const std::string& joined) {
+        error("unknown key " + in_quotes(value) + ": several values of " + in_quotes(last_name_) + " are joined by +: " + joined);
+        last_value_.append("+").append(value);
+    }
+
+    /// "allow=A+B", where the last key takes `value` as one more of its values.
+    std::string joined_to_last(std::string_view value) const {
+        const Key<LinkSettings>* key = last_name_.empty() ? nullptr : find_key(link_keys(), last_name_, link_.kind);
+        if (key == nullptr || (key->form != Form::networks && key->form != Form::frames && key->form != Form::senders)) return {};
+        const std::string all = last_value_ + "+" + std::string{value};
+        LinkSettings trial = link_;
+        return key->set(all, trial).empty() ? std::string{last_name_} + "=" + printable(all) : std::string{};
+    }
+
     void set(std::string_view name, std::string_view value) {
+        last_name_ = name;
+        last_value_ = value;
         if (name.starts_with(one_limit)) return set_limit(name, value);
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
         if (key == nullptr) return error(unknown_key_of(link_keys(), name, link_.kind));
@@ -105,6 +137,8 @@ private:
     Draft& draft_;
     LinkSettings link_;
     std::vector<std::string_view> given_;
+    std::string_view last_name_;
+    std::string last_value_;
 };
 
 }  // namespace
@@ -136,6 +170,10 @@ void read_route(std::string_view text, const std::string& where, Draft& draft) {
     const std::size_t equals = text.find('=');
     if (equals == text.npos) {
         draft.errors.push_back({where, "must be ADDR=LINK such as 0xDC=fc"});
+        return;
+    }
+    if (const std::size_t comma = text.find(',', equals); comma != text.npos && text.find('=', comma) != text.npos) {
+        draft.errors.push_back({where, "is one ADDR=LINK; for the next, give --route again"});
         return;
     }
     const std::size_t before = draft.errors.size();

@@ -20,6 +20,13 @@ std::string hex(std::uint32_t number) {
     return text;
 }
 
+/// In hex, unless it looks as if the 0x of its digits was forgotten.
+std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
+    const std::string digits = std::to_string(base);
+    const unsigned long meant = std::stoul(digits, nullptr, 16);
+    return meant % range == 0 && meant <= last_base ? digits + " (did you mean 0x" + digits + "?)" : hex(base);
+}
+
 }  // namespace
 
 std::string fault_of(const CanSettings& can) {
@@ -37,7 +44,7 @@ std::string fault_of(const CanSettings& can) {
     const std::uint32_t range = can.extended ? extended_range : standard_range;
     const std::uint32_t last_base = last + 1 - range;
     if (can.base && (*can.base % range != 0 || *can.base > last_base))
-        return "base is a multiple of " + hex(range) + " up to " + hex(last_base) + " (" + width + " ids)";
+        return "base is a multiple of " + hex(range) + " up to " + hex(last_base) + " (" + width + " ids), not " + given_base(*can.base, range, last_base);
     return {};
 }
 

@@ -1,5 +1,6 @@
 #include "anoctl.hpp"
 
+#include <ano_json/frame_json.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 
@@ -11,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace anoctl {
@@ -46,9 +48,14 @@ void name_the_stranger(int argc, const char* const* argv) {
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
-/// --json before the subcommand is meant for it.
-std::vector<const char*> with_json_behind(int argc, const char* const* argv) {
+/// --json before the subcommand is meant for it; "help decode" is "decode --help".
+std::vector<const char*> as_meant(int argc, const char* const* argv) {
     std::vector<const char*> words{argv, argv + argc};
+    if (argc > 1 && std::string_view{argv[1]} == "help") {
+        words.erase(words.begin() + 1);
+        words.push_back("--help");
+        return words;
+    }
     const auto is_json = [](std::string_view word) { return word == "--json"; };
     const auto first = words.begin() + std::min(argc, 1);
     const auto command = std::find_if_not(first, words.end(), is_json);
@@ -56,7 +63,30 @@ std::vector<const char*> with_json_behind(int argc, const char* const* argv) {
     return words;
 }
 
+/// What the parser of options says, in our words.
+std::string told(const CLI::ParseError& error, const CLI::App& command) {
+    const std::string what = error.what();
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
+        return what.substr(0, what.find(':')) + ": its value is missing";
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return what;
+    const std::vector<std::string> extras = command.remaining(true);
+    const auto option = std::find_if(extras.begin(), extras.end(), [](const std::string& word) { return word.starts_with('-'); });
+    if (option == extras.end()) return extras.empty() ? what : ano::in_quotes(extras.front()) + " is a word too many";
+    std::vector<std::string> names;
+    for (const CLI::Option* known : command.get_options())
+        for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
+    const std::string name = option->substr(0, option->find('='));
+    return "there is no option " + ano::in_quotes(name) + ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
+}
+
 }    // namespace
+
+std::uint8_t message_id_of(const std::string& word, const std::string& where) {
+    const auto id = ano::message_id(word);
+    if (const auto* fault = std::get_if<ano::JsonFault>(&id))
+        throw UsageError{where + fault->what + (fault->what.ends_with("?)") ? "" : "; anoctl messages lists them all")};
+    return std::get<std::uint8_t>(id);
+}
 
 bool wants_color(const char* no_color, const char* term) noexcept {
     const bool refused = no_color != nullptr && *no_color != '\0';
@@ -64,7 +94,7 @@ bool wants_color(const char* no_color, const char* term) noexcept {
 }
 
 int run(int argc, const char* const* given, Streams& streams) {
-    const std::vector<const char*> words = with_json_behind(argc, given);
+    const std::vector<const char*> words = as_meant(argc, given);
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
@@ -97,12 +127,13 @@ int run(int argc, const char* const* given, Streams& streams) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
         // --id and its like take every word behind them, the link too.
-        const char* first = app.got_subcommand("monitor") ? ", before the options" : "";
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : std::string{e.what()} + first, usage);
+        const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options" : "NAME is missing";
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : missing, usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {
-        complain(e.what(), usage);
+        const auto chosen = app.get_subcommands();
+        complain(told(e, chosen.empty() ? app : *chosen.front()), usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const UsageError& e) {

@@ -1,5 +1,6 @@
 // The command-line tool: one file a subcommand, one row in the table of subcommands.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <span>
@@ -51,6 +52,9 @@ Run add_messages(CLI::App& options);
 Run add_monitor(CLI::App& options);
 
 std::span<const Subcommand> subcommands() noexcept;
+
+/// The id of a message by name or number. Throws UsageError, with `where` before what is wrong.
+std::uint8_t message_id_of(const std::string& word, const std::string& where = {});
 
 /// Whether a terminal is to be written to in colour, by what the environment says (null: nothing). NO_COLOR that is not
 /// empty, and a terminal without abilities, mean no.

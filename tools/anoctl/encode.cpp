@@ -110,7 +110,9 @@ private:
         for (std::string line; streams.out && lines.next(line);) {
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
             const std::string where = "line " + std::to_string(lines.number());
-            write(streams, encoded(parsed(line, where), options, where + ": "));
+            const Json json = parsed(line, where);
+            if (json.is_object() && json.contains("fault")) continue;    // what `decode` could not take for a frame
+            write(streams, encoded(json, options, where + ": "));
             if (!lines.one_waits()) streams.out.flush();
         }
         return fine;
@@ -118,9 +120,8 @@ private:
 
     Json frame() const {
         Json json{{"from", from}, {"to", to}};
-        const auto id = message_id(name);
-        if (const auto* fault = std::get_if<JsonFault>(&id)) throw UsageError{fault->what};
-        json["id"] = std::get<std::uint8_t>(id);
+        const std::uint8_t id = message_id_of(name);
+        json["id"] = id;
         if (data) json["data"] = *data;
         if (data && !fields.empty()) throw UsageError{"--data is the whole of DATA: no FIELD=VALUE beside it"};
         Json given = Json::object();
@@ -129,7 +130,7 @@ private:
             if (equals == std::string::npos || equals == 0) throw UsageError{in_quotes(word) + " is not FIELD=VALUE"};
             const std::string field = word.substr(0, equals);
             if (given.contains(field)) throw UsageError{in_quotes(field) + " is given twice"};
-            given[field] = value(std::get<std::uint8_t>(id), field, word.substr(equals + 1));
+            given[field] = value(id, field, word.substr(equals + 1));
         }
         if (!given.empty() || !data) json["fields"] = std::move(given);
         return json;

@@ -59,9 +59,7 @@ private:
         if (names.empty()) return {messages.begin(), messages.end()};
         std::vector<Message> rows;
         for (const std::string& name : names) {
-            const auto id = message_id(name);
-            if (const auto* fault = std::get_if<JsonFault>(&id)) throw UsageError{fault->what};
-            const auto layouts = layouts_of(std::get<std::uint8_t>(id));
+            const auto layouts = layouts_of(message_id_of(name));
             if (layouts.empty()) throw UsageError{"id " + name + " is not listed"};
             rows.insert(rows.end(), layouts.begin(), layouts.end());
         }

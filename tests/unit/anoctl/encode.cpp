@@ -44,13 +44,24 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     expect_refused({"encode", "euler", "rol"}, "'rol' is not FIELD=VALUE");
     expect_refused({"encode", "euler", "rol=1", "rol=2"}, "'rol' is given twice");
     expect_refused({"encode", "euler", "--from", "256"}, "from: '256' is not a number from 0 to 255");
+    expect_refused({"encode", "euler", "--to", "DC"}, "to: 'DC' is not an address from 0 to 255 (did you mean '0xDC'?)");
+    expect_refused({"encode", "E0", "--data", "00"}, "there is no message 'E0' (did you mean '0xE0'?)");
+    expect_refused({"encode", "check", "id_get=E0"}, "check id_get: 'E0' is not a number (did you mean '0xE0'?)");
+    EXPECT_EQ(anoctl({"encode", "-"}, "{\"id\": \"E0\"}\n").err,
+              "anoctl: line 1: id: 'E0' is not a number from 0 to 255 (did you mean '0xE0'?)\n");
+    EXPECT_EQ(anoctl({"encode", "check", "--to", "12"}).out, anoctl({"encode", "check", "--to", "0x0C"}).out) << "decimal";
     expect_refused({"encode", "0x77", "a=1"}, "id 0x77 is not listed: only its data can be given");
     expect_refused({"encode", "0x77", "--data", "1"}, "data: '1' is not hex digits in pairs");
     expect_refused({"encode", "euler", "rol=1", "--data", "01"},
                    "--data is the whole of DATA: no FIELD=VALUE beside it");
     expect_refused({"encode", "flexible1", "a=1"},
                    "flexible1 has no layout in the configuration: only its data can be given");
+    expect_refused({"encode", "heartbeat"}, "there is no message 'heartbeat'; anoctl messages lists them all");
     EXPECT_EQ(anoctl({"encode"}).exit, 2);
+    const auto first_line = [](const std::vector<std::string>& words) { return support::anoctl(words).err.substr(0, support::anoctl(words).err.find('\n')); };
+    EXPECT_EQ(first_line({"encode"}), "anoctl: NAME is missing");
+    EXPECT_EQ(first_line({"encode", "check", "--rwa"}), "anoctl: there is no option '--rwa' (did you mean '--raw'?)");
+    EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: its value is missing");
     EXPECT_EQ(anoctl({"encode", "ranging", "points=[{"}).exit, 2);
     EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"check\"}\n\n{\"name\": 5}\n").err,
               "anoctl: line 3: name: 5 is not text\n");

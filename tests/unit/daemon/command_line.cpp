@@ -212,10 +212,34 @@ TEST(CommandLine, routes_and_unknown_name_links) {
               "anogated: --route '5=fd': there is no link 'fd' (did you mean 'fc'?); give one of fc\n");
 }
 
+TEST(CommandLine, an_address_without_0x_is_known) {
+    EXPECT_EQ(error_of({"sim:fc", "--id", "C7", "--route", "DC=fc", "--route", "0xDC-DE=fc"}),
+              "anogated: --route 'DC=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, not "
+              "'DC' (did you mean '0xDC'?)\n"
+              "anogated: --route '0xDC-DE=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, "
+              "not '0xDC-DE' (did you mean '0xDC-0xDE'?)\n"
+              "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not 'C7' (did you mean '0xC7'?)\n");
+}
+
+TEST(CommandLine, several_routes_in_one_are_told) {
+    EXPECT_EQ(error_of({"sim:fc", "--route", "0xDC=fc,0xDD=fc"}), "anogated: --route '0xDC=fc,0xDD=fc': is one ADDR=LINK; for the next, give --route again\n");
+}
+
 TEST(CommandLine, an_option_without_its_value_is_a_fault) {
     const std::string error = error_of({"sim:fc", "--id"});
     EXPECT_EQ(error.rfind("anogated: --id", 0), 0u) << error;
     EXPECT_EQ(error.find('\n'), error.size() - 1);
+}
+
+TEST(CommandLine, an_option_does_not_take_the_next_one_for_its_value) {
+    for (const char* option : {"--config", "--log-level", "--route", "--id", "--unknown", "--control"})
+        EXPECT_EQ(error_of({"sim:fc", option, "--check"}), "anogated: " + std::string{option} + ": its value is missing before '--check'\n");
+}
+
+TEST(CommandLine, a_key_of_a_link_is_no_option) {
+    EXPECT_EQ(error_of({"sim:fc", "--baud=9600"}),
+              "anogated: unknown option '--baud': it is a key of a LINK, written KIND:ADDRESS,baud=NUMBER\n");
+    EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help has them all\n");
 }
 
 TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {

@@ -83,7 +83,9 @@ TEST(Config, a_value_has_the_right_type) {
         faults_in(R"({"gateway": {"forget_after": 30}})"),
         "/gateway/forget_after: 'forget_after' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not 30\n");
     EXPECT_EQ(faults_in(R"({"links": {}})"), "/links: must be a list [...], not an object\n");
-    EXPECT_EQ(faults_in(R"({"log": []})"), "/log: must be an object {...}, not a list\n");
+    EXPECT_EQ(faults_in(R"({"log": []})"), "/log: must be an object {...} of level, file, rotate, not a list\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "routes": ["0xDC=fc"]})"),
+              "/routes/0: must be an object {...} of address, link, not the text \"0xDC=fc\"\n");
     EXPECT_EQ(faults_in("[]"), ": must be an object {...}, not a list\n");
 }
 
@@ -281,7 +283,7 @@ TEST(Config, faults_of_a_tunnel_name_their_place) {
               "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
               "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
               "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
-              "/tunnel/wrap/1: must be an object {...}, not 5\n"
+              "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
               "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
               "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
               "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
@@ -311,7 +313,7 @@ TEST(Config, faults_of_rules_name_their_place) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
     EXPECT_EQ(fault(R"("send": {"denny": []})"), "/links/0/send/denny: unknown key 'send.denny' (did you mean 'send.deny'?)\n");
-    EXPECT_EQ(fault(R"("send": ["0xB0"])"), "/links/0/send: must be an object {...}, not a list\n");
+    EXPECT_EQ(fault(R"("send": ["0xB0"])"), "/links/0/send: must be an object {...} of allow, deny, allow_sources, deny_sources, allow_destinations, deny_destinations, not a list\n");
     EXPECT_NE(fault(R"("send": {"deny": ["firmwear"]})").find("(did you mean 'firmware'?)"), std::string::npos);
     EXPECT_EQ(fault(R"("receive": {"allow": "0x01"})"),
               "/links/0/receive/allow: 'receive.allow' must be a list such as [\"0x01\"], not the text \"0x01\"\n");

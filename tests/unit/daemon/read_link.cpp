@@ -202,7 +202,8 @@ TEST(LinkText, can) {
     EXPECT_EQ(isotp.tx, 0x7E0u);
     EXPECT_EQ(isotp.rx, 0x7E8u);
     EXPECT_FALSE(isotp.base);
-    EXPECT_EQ(fault_of("can:can0,base=0x601"), "base is a multiple of 0x100 up to 0x700 (11-bit ids)");
+    EXPECT_EQ(fault_of("can:can0,base=0x601"), "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 0x601");
+    EXPECT_EQ(fault_of("can:can0,base=600"), "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 600 (did you mean 0x600?)");
     EXPECT_EQ(fault_of("can:can0,base=0x20000000"),
               "'base' must be a CAN id such as 0x600, at most 0x1FFFFFFF, not '0x20000000'");
     EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
@@ -261,6 +262,49 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("sim:plane"), "'device' must be fc, not 'plane'");
 }
 
+TEST(LinkText, an_address_or_id_without_0x_is_known) {
+    const auto ends = [](const std::string& link, const std::string& end) {
+        EXPECT_TRUE(fault_of(link).ends_with(end)) << fault_of(link);
+    };
+    ends("sim:fc,id=0C", "not '0C' (did you mean '0x0C'?)");
+    ends("sim:fc,present_as=FE", "not 'FE' (did you mean '0xFE'?)");
+    ends("sim:fc,limit.B0=50", "not of 'B0' (did you mean '0xB0'?)");
+    ends("sim:fc,send.deny=0xF0+B0", "not 'B0' (did you mean '0xB0'?)");
+    ends("sim:fc,send.deny=B0-B2", "not 'B0-B2' (did you mean '0xB0-0xB2'?)");
+    ends("sim:fc,send.deny=30-4F", "not '30-4F' (did you mean '0x30-0x4F'?)");
+    ends("sim:fc,receive.allow_sources=FE", "not 'FE' (did you mean '0xFE'?)");
+    ends("can:can0,framing=isotp,tx=7E0,rx=0x7E8", "not '7E0' (did you mean '0x7E0'?)");
+}
+
+TEST(LinkText, a_number_with_a_unit_is_known) {
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=500k").ends_with("not '500k' (did you mean '500000'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bps").ends_with("not '115200bps' (did you mean '115200'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115,200").find("not '115") == std::string::npos) << "two keys: that is another fault";
+    EXPECT_TRUE(fault_of("sim:fc,queue=64KiB").ends_with("not '64KiB' (did you mean '65536'?)"));
+    EXPECT_TRUE(fault_of("sim:fc,hz=50Hz").ends_with("not '50Hz' (did you mean '50'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,rate=5kB").ends_with("not '5kB' (did you mean '5000'?)"));
+    EXPECT_TRUE(fault_of("sim:fc,hz=5k").ends_with("not '5k'")) << "not in its range either";
+    EXPECT_TRUE(fault_of("sim:fc,queue=99999999999999999999k").ends_with("k'"));
+}
+
+TEST(LinkText, a_key_that_stands_apart_is_known) {
+    EXPECT_EQ(fault_of("baud=500000"), "'baud' is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS,baud=500000");
+    EXPECT_EQ(fault_of("bind=0.0.0.0:6669").substr(0, 15), "'bind' is a key");
+    EXPECT_EQ(fault_of("limit.0x01=5").substr(0, 21), "'limit.0x01' is a key");
+}
+
+TEST(LinkText, several_values_behind_commas_are_known) {
+    EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
+              "unknown key '192.168.0.0/16': several values of 'allow' are joined by +: allow=10.0.0.0/8+192.168.0.0/16");
+    EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"), "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
+    EXPECT_NE(faults_of({"sim:fc,send.deny=0xB0,0xB1,0xB2"}).find("send.deny=0xB0+0xB1+0xB2"), std::string::npos);
+    EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
+}
+
+TEST(LinkText, a_limit_of_nothing_is_a_filter) {
+    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to let none pass: send.deny=euler")) << fault_of("sim:fc,limit.euler=0");
+}
+
 TEST(LinkText, every_fault_is_told_not_only_the_first) {
     const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,hz=0"});
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
@@ -288,7 +332,7 @@ TEST(LinkText, addresses_are_not_host_names) {
     EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
     EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
     EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
-              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000'");
+              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000': a port is at most 65535");
     EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
     EXPECT_EQ(fault_of("udp:0.0.0.0:5"),
               "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
@@ -313,6 +357,8 @@ TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
     EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
     EXPECT_EQ(fault_of(""), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
+    EXPECT_EQ(fault_of("sim"), "no address, for example sim:fc");
+    EXPECT_EQ(fault_of("udp-listen,name=x"), "no address, for example udp-listen:0.0.0.0:12333");
     EXPECT_EQ(fault_of("serail:/dev/x"),
               "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, pty, sim");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");

@@ -33,9 +33,21 @@ TEST(Nearest, prefers_the_word_that_was_begun) {
     EXPECT_EQ(nearest("o", choices), "on");
 }
 
+TEST(Nearest, knows_a_number_in_hex_without_its_0x) {
+    for (const char* word : {"DC", "dc", "$DC", "#DC", "xDC", "DCh", "\\xDC"})
+        EXPECT_EQ(did_you_mean_hex(word), " (did you mean '0xDC'?)") << word;
+    EXPECT_EQ(did_you_mean_hex("b"), " (did you mean '0xB'?)");
+    EXPECT_EQ(did_you_mean_hex("12h"), " (did you mean '0x12'?)");
+    EXPECT_EQ(did_you_mean_hex("7E0", 8), " (did you mean '0x7E0'?)");
+    for (const char* word : {"", "h", "x", "12", "300", "7E0", "0xDC", "0xGG", "fc1", "host", "-DC", "DC-DE"})
+        EXPECT_EQ(did_you_mean_hex(word), "") << word;
+}
+
 TEST(Nearest, suggests_nothing_for_what_is_far) {
     EXPECT_EQ(nearest("encryption", keys), "");
     EXPECT_EQ(nearest("xx", keys), "");
+    constexpr std::string_view short_ones[] = {"rts", "dtr", "stop_bits"};
+    EXPECT_EQ(nearest("bits", short_ones), "stop_bits") << "two of three letters are another word";
     EXPECT_EQ(nearest("", keys), "");
     EXPECT_EQ(nearest(std::string(100'000, 'b'), keys), "");
     EXPECT_EQ(nearest("baud", {}), "");

@@ -36,7 +36,7 @@ TEST(SyntaxFault, knows_a_comma_too_many) {
 }
 
 TEST(SyntaxFault, knows_what_needs_quotes) {
-    for (const char* text : {"{a: 1}", "{'a': 1}", "[fc]", "{\"a\": yes}"})
+    for (const char* text : {"{a: 1}", "{'a': 1}", "[fc]", "{\"a\": yesterday}"})
         EXPECT_EQ(slip_in(text), "names and texts stand in double quotes: \"fc\")") << fault_of(text);
     EXPECT_EQ(slip_in("{\"id\": 0xC7}"), "a number in hex stands in double quotes: \"0xDC\")") << fault_of("{\"id\": 0xC7}");
 }
@@ -44,6 +44,12 @@ TEST(SyntaxFault, knows_what_needs_quotes) {
 TEST(SyntaxFault, knows_an_end_that_came_too_soon_and_a_comment_of_another_language) {
     EXPECT_EQ(slip_in("{\"a\": [1"), "is a closing bracket or quote missing?)");
     EXPECT_EQ(slip_in("{} # mine"), "a comment begins with //)") << fault_of("{} # mine");
+}
+
+TEST(SyntaxFault, knows_true_and_false_of_other_languages_and_an_empty_file) {
+    for (const char* text : {"{\"a\": True}", "{\"a\": FALSE, \"b\": 1}", "[yes]", "{\"a\": no}", "{\"a\": on\n}", "{\"a\": off"})
+        EXPECT_EQ(slip_in(text), "it is written true or false)") << fault_of(text);
+    for (const char* text : {"", " \n\n"}) EXPECT_EQ(slip_in(text), "there is nothing in it)") << fault_of(text);
 }
 
 TEST(SyntaxFault, takes_any_text) {
