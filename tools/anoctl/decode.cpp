@@ -1,9 +1,11 @@
 // anoctl decode [HEX|FILE|-]: bytes to frames.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
+#include "gap.hpp"
 #include "hex_text.hpp"
 
 #include <ano/parser.hpp>
+#include <ano_json/hex.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -11,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -25,11 +28,15 @@ namespace {
 using namespace ano;
 using Bytes = std::span<const std::uint8_t>;
 
+constexpr std::size_t most_kept = 1 << 20;    // of bytes that are not told yet: of a longer gap only its length is told
+
+std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
+
 /// Shows frames as their bytes come in, and what stands between them.
 class Decoder {
 public:
     Decoder(Streams& streams, const FrameOptions& options)
-        : streams_{streams}, printer_{streams, options}, parser_{[] {
+        : streams_{streams}, json_{options.json}, printer_{streams, options}, parser_{[] {
               FrameParser::Options o;
               o.max_data = largest_data;
               return o;
@@ -41,6 +48,7 @@ public:
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.begin(), n, room.begin());
             parser_.commit(n, Clock::now());
+            keep(bytes.first(n));
             bytes = bytes.subspan(n);
             show();
         }
@@ -104,21 +112,59 @@ private:
         }
     }
     void gap_until(std::uint64_t end) {
-        const ParserCounters& now = parser_.counters();
         if (end > told_) {
-            const std::uint64_t bytes = end - told_;
-            complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes")
-                       << " of no frame: " << cause(now) << '\n';
             damaged_ = true;
+            const std::vector<GapPart> parts = kept_at_ <= told_ ? parts_of(kept(told_, end)) : std::vector<GapPart>{};
+            for (const GapPart& part : parts) {
+                const std::uint64_t behind = told_ + part.bytes.size();
+                if (part.right) tell_wrong_checks(part);
+                else tell_gap(behind, parts.size() > 1);
+                told_ = behind;
+            }
+            if (parts.empty()) tell_gap(end, false);
         }
         told_ = end;
-        before_ = now;
+        before_ = parser_.counters();
     }
-    const char* cause(const ParserCounters& now) const {
+    void tell_gap(std::uint64_t end, bool beside_frames) {
+        begin_complaint(end - told_) << " of no frame: " << cause(beside_frames) << '\n';
+    }
+    void tell_wrong_checks(const GapPart& part) {
+        const Checks wrong{part.bytes[part.bytes.size() - 2], part.bytes[part.bytes.size() - 1]};
+        begin_complaint(part.bytes.size()) << " of no frame: the check bytes do not hold: they are " << text_of(wrong)
+                                           << ", for this frame " << text_of(*part.right) << " would be right\n";
+        if (!json_) return;
+        streams_.out << Json{{"fault", "check"},
+                             {"offset", told_},
+                             {"hex", hex(part.bytes)},
+                             {"check", hex(part.bytes.last(2))},
+                             {"right_check", hex(std::array{part.right->sum, part.right->add})}}
+                            .dump()
+                     << '\n';
+    }
+    std::ostream& begin_complaint(std::uint64_t bytes) {
+        return complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
+    }
+    /// Why bytes are no frame. `beside_frames`: wrong check bytes were told already.
+    const char* cause(bool beside_frames) const {
+        const ParserCounters& now = parser_.counters();
         if (now.v7_frames > before_.v7_frames) return "frames of protocol version 7 (0xAA) among them";
-        if (now.bad_check > before_.bad_check) return "the check bytes do not hold";
+        if (now.bad_check > before_.bad_check && !beside_frames) return "the check bytes do not hold";
         if (now.expired > before_.expired) return "a frame that is cut short";
         return "no frame begins there";
+    }
+    void keep(Bytes bytes) {
+        const std::uint64_t old = told_ > kept_at_ ? told_ - kept_at_ : 0;
+        if (kept_.size() > most_kept) drop(kept_.size());
+        else if (old > kept_.size() / 2) drop(old);
+        kept_.insert(kept_.end(), bytes.begin(), bytes.end());
+    }
+    void drop(std::uint64_t bytes) {
+        kept_.erase(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(bytes));
+        kept_at_ += bytes;
+    }
+    Bytes kept(std::uint64_t from, std::uint64_t to) const {
+        return Bytes{kept_}.subspan(static_cast<std::size_t>(from - kept_at_), static_cast<std::size_t>(to - from));
     }
     std::ostream& complain() {
         streams_.out.flush();
@@ -126,12 +172,15 @@ private:
     }
 
     Streams& streams_;
+    bool json_;
     FramePrinter printer_;
     FrameParser parser_;
     std::uint64_t told_ = 0;    // everything before this offset was told
     std::uint64_t good_ = 0;    // bytes of good frames
     ParserCounters before_;     // at the last gap
     bool damaged_ = false;
+    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, those that are not told yet among them
+    std::uint64_t kept_at_ = 0;
     std::string no_hex_;        // where text was read as bytes
 };
 

@@ -61,8 +61,37 @@ TEST(Decode, tells_the_offset_of_what_is_damaged) {
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
     EXPECT_EQ(result.err,
               "anoctl: offset 0: 3 bytes of no frame: no frame begins there\n"
-              "anoctl: offset 23: 20 bytes of no frame: the check bytes do not hold\n"
+              "anoctl: offset 23: 20 bytes of no frame: the check bytes do not hold: they are F6 1C, for this frame DA 3C would be right\n"
               "anoctl: offset 63: 9 bytes of no frame: a frame that is cut short\n");
+}
+
+TEST(Decode, says_which_check_bytes_would_be_right) {
+    const auto one = anoctl({"decode", "ABFEFFE00300000000 8B3C"});
+    EXPECT_EQ(one.exit, 1);
+    EXPECT_EQ(one.err, "anoctl: offset 0: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B would be right\n");
+    EXPECT_EQ(anoctl({"decode", "ABFEFFE003000000008B3B"}).exit, 0);
+
+    const auto several = anoctl({"decode", "00 ABFEFFE00300000000AAAA ABFEFFE00300000000BBBB" + log_hex});
+    EXPECT_EQ(several.err,
+              "anoctl: offset 0: 1 byte of no frame: no frame begins there\n"
+              "anoctl: offset 1: 11 bytes of no frame: the check bytes do not hold: they are AA AA, for this frame 8B 3B would be right\n"
+              "anoctl: offset 12: 11 bytes of no frame: the check bytes do not hold: they are BB BB, for this frame 8B 3B would be right\n");
+    EXPECT_NE(several.out, "");
+}
+
+TEST(Decode, says_in_json_too_which_check_bytes_would_be_right) {
+    const auto json = anoctl({"decode", "--json", log_hex + "ABFEFFE003000000008B3C"});
+    EXPECT_NE(json.out.find("\n{\"fault\":\"check\",\"offset\":20,\"hex\":\"abfeffe003000000008b3c\",\"check\":\"8b3c\",\"right_check\":\"8b3b\"}\n"),
+              std::string::npos) << json.out;
+    EXPECT_EQ(anoctl({"encode", "-"}, json.out).out, log_hex + "\n") << "it is no frame";
+}
+
+TEST(Decode, keeps_no_more_of_a_long_gap_than_it_needs) {
+    const std::string wrong = raw("ABFEFFE003000000008B3C");
+    std::string junk(3 << 20, 'x');
+    EXPECT_EQ(anoctl({"decode", "-"}, junk + wrong + raw(log_hex) + wrong).err,
+              "anoctl: offset 0: 3145739 bytes of no frame: the check bytes do not hold\n"
+              "anoctl: offset 3145759: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B would be right\n");
 }
 
 TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {

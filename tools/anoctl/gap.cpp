@@ -1,0 +1,50 @@
+#include "gap.hpp"
+
+#include <cstddef>
+
+namespace anoctl {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// How long the frame is that `bytes` begin with; 0 when they do not, or end before it does.
+std::size_t frame_size(Bytes bytes) {
+    if (bytes.size() < ano::overhead || bytes[0] != ano::head) return 0;
+    const std::size_t size = ano::overhead + bytes[4] + 256u * bytes[5];
+    return size <= bytes.size() ? size : 0;
+}
+
+/// Where the longest row of frames begins that ends where `gap` does.
+std::size_t last_row(Bytes gap) {
+    std::vector<bool> in_row(gap.size() + 1);
+    in_row[gap.size()] = true;
+    std::size_t first = gap.size();
+    for (std::size_t at = gap.size(); at-- > 0;) {
+        const std::size_t size = frame_size(gap.subspan(at));
+        if (size == 0 || !in_row[at + size]) continue;
+        in_row[at] = true;
+        first = at;
+    }
+    return first;
+}
+
+}    // namespace
+
+std::vector<GapPart> parts_of(Bytes gap) {
+    std::vector<GapPart> parts;
+    const auto take_frames = [&] {
+        for (std::size_t size = frame_size(gap); size > 0; size = frame_size(gap)) {
+            parts.push_back({gap.first(size), ano::checks_of(gap.first(size - 2))});
+            gap = gap.subspan(size);
+        }
+    };
+    take_frames();
+    if (const std::size_t row = last_row(gap); row > 0) {
+        parts.push_back({gap.first(row), {}});
+        gap = gap.subspan(row);
+    }
+    take_frames();
+    return parts;
+}
+
+}    // namespace anoctl
