@@ -9,11 +9,13 @@
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include <support/bytes.hpp>
 #include <support/files.hpp>
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/udp_peer.hpp>
 #include <support/wait.hpp>
@@ -192,7 +194,54 @@ TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
     EXPECT_EQ(none.exit_code(), 2);
     Monitor behind{{"--id", "euler", "pty:/tmp/x", "--count", "1"}};
     EXPECT_EQ(behind.exit_code(), 2);
-    EXPECT_NE(behind.err().find("link is required, before the options"), std::string::npos) << behind.err();
+    EXPECT_NE(behind.err().find("LINK is missing: it stands before the options"), std::string::npos) << behind.err();
+}
+
+TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
+    const support::TemporaryFolder folder;
+    support::PtyDevice device{(folder.path() / "tty").string()};
+    Monitor monitor{{"serial:" + device.path() + ",baud=500000,profile=vendor,hello=on,limit.0x01=50,send.deny=bulk,receive.deny=0xA0,id=3"}};
+    EXPECT_TRUE(monitor.says("is up"));
+    EXPECT_EQ(monitor.err().find("anoctl: of no effect here: hello, limit.0x01, send.deny, receive.deny, id. monitor only listens; "
+                                 "--id, --from and --to choose what is shown\n"), 0u) << monitor.err();
+    Monitor plain{{"serial:/nowhere/tty,baud=500000,profile=vendor,parity=even,max_data=100,name=fc,encoding=gbk"}};
+    EXPECT_TRUE(plain.says("waiting"));
+    EXPECT_EQ(plain.err().find("no effect"), std::string::npos) << plain.err();
+}
+
+TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
+    const support::TemporaryFolder folder;
+    const std::string path = (folder.path() / "app").string();
+    Monitor first{{"pty:" + path}};
+    ASSERT_TRUE(support::wait_until([&] { return std::filesystem::is_symlink(path); })) << first.err();
+    Monitor second{{"pty:" + path}};
+    EXPECT_TRUE(second.says("is in use by another gateway; to watch one that runs, give it one more link, "))
+        << second.err();
+    EXPECT_TRUE(second.says(" and start anoctl monitor udp-listen:127.0.0.1:6670\n")) << second.err();
+}
+
+TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_port) {
+    const support::TemporaryFolder folder;
+    support::PtyDevice device{(folder.path() / "tty").string()};
+    support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"serial:" + device.path() + ",name=fc"}};
+    ASSERT_TRUE(gateway.until_up("fc"));
+    Monitor monitor{{"serial:" + device.path()}};
+    EXPECT_TRUE(monitor.says("); to watch one that runs, give it one more link, ")) << monitor.err();
+}
+
+TEST(AnoctlMonitor, watches_a_gateway_as_the_readme_says) {
+    const support::TemporaryFolder folder;
+    Monitor monitor{{"udp-listen:127.0.0.1:0"}};
+    ASSERT_TRUE(monitor.says(", port ")) << monitor.err();
+    const std::string port = std::to_string(std::stoi(monitor.err().substr(monitor.err().find(", port ") + 7)));
+    support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(),
+                            {"sim:fc,name=fc", "udp-listen:127.0.0.1:0,name=ground", "udp:127.0.0.1:" + port + ",name=watch",
+                             "--route", "0xFE=ground", "--route", "0xFE=watch"}};
+    ASSERT_TRUE(gateway.until_up("ground"));
+    support::UdpPeer host;
+    host.send(gateway.port("ground"), support::frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    EXPECT_TRUE(monitor.shows(" 0xFE 0xFF 0xE0 ")) << "to everybody";
+    EXPECT_TRUE(monitor.shows(" 0xDC 0xFE 0xE3 ")) << "to the host, which has spoken at another link";
 }
 
 TEST(AnoctlMonitor, says_why_nothing_is_shown) {
@@ -204,6 +253,10 @@ TEST(AnoctlMonitor, says_why_nothing_is_shown) {
     EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate?\n")) << monitor.err();
     device.write(euler);
     EXPECT_TRUE(monitor.shows("euler"));
+    EXPECT_TRUE(support::wait_until([&] {
+        device.write(support::Bytes(20, 0x55));
+        return monitor.err().find("tty: bytes but no frames any more: was the baud rate changed, or the firmware?\n") != std::string::npos;
+    }, 2 * support::patience)) << monitor.err();
 }
 
 }    // namespace

@@ -3,18 +3,23 @@
 #include "frame_printer.hpp"
 
 #include <daemon/config.hpp>
+#include <daemon/key_facts.hpp>
 #include <gateway/hints.hpp>
 #include <link/asio.hpp>
 #include <link/clocks.hpp>
 #include <link/kinds.hpp>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <bitset>
 #include <chrono>
 #include <csignal>
 #include <memory>
+#include <optional>
 #include <ostream>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -28,7 +33,30 @@ constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Duration look_every = std::chrono::seconds{3};
 constexpr char only_listens[] = "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
 
+constexpr char how_to_watch[] = "; to watch one that runs, give it one more link, udp:127.0.0.1:6670,name=watch, and --route 0xFE=watch "
+                               "(and one for every link with a host), and start anoctl monitor udp-listen:127.0.0.1:6670";
+
 using IdSet = std::bitset<256>;
+
+// Keys of a link that say what is sent, or what a gateway does with what came.
+bool matters_to_a_listener(std::string_view key) {
+    constexpr std::string_view others[]{"id",    "hello", "flood",   "broadcast", "group", "present_as",   "queue",    "rate",
+                                        "pace",  "latency", "pack", "mtu",       "trusted", "max_data_out", "required"};
+    constexpr std::string_view groups[]{"send.", "receive.", "limit.", "age."};
+    return std::find(std::begin(others), std::end(others), key) == std::end(others) &&
+           std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
+}
+
+/// "hello, limit.0x01": the keys of a LINK text that have no effect here.
+std::string idle_keys(std::string_view link) {
+    std::string idle;
+    const auto pieces = split(link, ',');
+    for (const std::string_view piece : std::span{pieces}.subspan(1)) {
+        const std::string_view key = piece.substr(0, piece.find('='));
+        if (!matters_to_a_listener(key)) idle.append(idle.empty() ? "" : ", ").append(key);
+    }
+    return idle;
+}
 
 struct Filter {
     IdSet ids, from, to;
@@ -86,7 +114,7 @@ private:
         channels_[index(channel.id)].reset();
     }
     void receive(Channel& channel, ano::FrameView frame) override {
-        channel.heard_at = now_;
+        channel.hear(now_);
         ++seen_;
         if (done_ || !filter_.takes(frame)) return;
         const auto time = std::chrono::system_clock::now().time_since_epoch();
@@ -110,7 +138,8 @@ private:
         why_.clear();
     }
     void link_down(Link& link, std::string why) override {
-        if (why != why_) complain() << link.name() << ": waiting: " << why << std::endl;
+        const bool has_gateway = why.ends_with("in use by another gateway") || why.find("in use by anogated (") != why.npos;
+        if (why != why_) complain() << link.name() << ": waiting: " << why << (has_gateway ? how_to_watch : "") << std::endl;
         up_ = false;
         why_ = std::move(why);
     }
@@ -121,12 +150,12 @@ private:
         return loop_;
     }
 
-    // As long as there was no frame: what a gateway's status would say of the link.
+    // What a gateway's status would say of the link; after the first frame, only when something is wrong.
     void look_later() {
         look_.expires_after(look_every);
         look_.async_wait([this](error_code ec) {
-            if (ec || done_ || seen_ > 0) return;
-            std::string hint = anogate::hint(figures());
+            if (ec || done_) return;
+            std::string hint = seen_ > 0 ? hint_of_trouble(figures()) : anogate::hint(figures());
             if (!hint.empty() && figures().received.bytes_in == 0 && !figures().listens) hint += only_listens;
             if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
             hint_ = std::move(hint);
@@ -146,6 +175,12 @@ private:
             if (!channel) continue;
             ++f.channels;
             add(f.received, channel->received());
+            f.skipped_since += channel->skipped_since_heard();
+            const auto ago = [&](TimePoint then, std::optional<Duration>& least) {
+                if (then != TimePoint{}) least = std::min(least.value_or(Duration::max()), now_ - then);
+            };
+            ago(channel->heard_at, f.silent_for);
+            ago(channel->arrived_at, f.bytes_ago);
             f.v7_frames += channel->parser.counters().v7_frames;
         }
         return f;
@@ -209,6 +244,8 @@ struct MonitorOptions {
     int run(Streams& streams) const {
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
         const LinkSettings settings = link_settings();
+        if (const std::string idle = idle_keys(link); !idle.empty())
+            streams.err << "anoctl: of no effect here: " << idle << ". monitor only listens; --id, --from and --to choose what is shown\n";
         return Monitor{settings, filter, count, streams, as_said_of(settings)}.run();
     }
 
@@ -233,11 +270,7 @@ private:
     static IdSet ids_of(const std::vector<std::string>& words) {
         if (words.empty()) return IdSet{}.set();
         IdSet set;
-        for (const std::string& word : words) {
-            const auto id = ano::message_id(word);
-            if (const auto* fault = std::get_if<ano::JsonFault>(&id)) throw UsageError{"--id: " + fault->what};
-            set.set(std::get<std::uint8_t>(id));
-        }
+        for (const std::string& word : words) set.set(message_id_of(word, "--id: "));
         return set;
     }
     static IdSet addresses_of(const char* option, const std::vector<std::string>& words) {
