@@ -23,7 +23,7 @@ std::string hex(std::uint32_t number) {
 /// In hex, unless it looks as if the 0x of its digits was forgotten.
 std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
     const std::string digits = std::to_string(base);
-    const unsigned long meant = std::stoul(digits, nullptr, 16);
+    const std::uint64_t meant = std::stoull(digits, nullptr, 16);
     return meant % range == 0 && meant <= last_base ? digits + " (did you mean 0x" + digits + "?)" : hex(base);
 }
 
