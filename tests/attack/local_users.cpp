@@ -497,6 +497,80 @@ TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_othe
     EXPECT_EQ(as_nobody(ours), 11) << "another user's is not used: the lock is beside the path";
 }
 
+/// Where a user's gateways keep their locks.
+class LockFiles : public testing::Test {
+protected:
+    void SetUp() override {
+        fs::permissions(dir.path(), fs::perms{0755});
+        fs::create_directory(own);
+        if (::geteuid() == 0) {
+            ASSERT_EQ(::chown(own.c_str(), nobody, nobody), 0);
+        }
+    }
+    /// What `work` returns, done by a user who has his locks in a folder of his own; 100: there is no such user here.
+    int as_user(const std::function<int()>& work) {
+        return Child{[&] {
+            if (::geteuid() == 0 && !become_nobody()) return 100;
+            if (::access("/run/anogate", W_OK) == 0 || ::setenv("XDG_RUNTIME_DIR", own.c_str(), 1) != 0) return 100;
+            return work();
+        }}.wait();
+    }
+    auto locks() { return std::distance(fs::directory_iterator{own + "/anogate"}, fs::directory_iterator{}); }
+    /// Takes `name` and ends as if killed; what it returns says whether it had it, and `inside` what it did with it.
+    int killed_with(const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
+        return Child{[&]() -> int {
+            anogate::PathClaim claim;
+            ::_exit(claim.take(dir / name).error.empty() ? inside() : 50);
+        }}.wait();
+    }
+    TempDir dir;
+    std::string own = dir / "own";
+};
+
+TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
+    const int result = as_user([&] {
+        anogate::PathClaim held, next;
+        if (!held.take(dir / "held").error.empty()) return 1;
+        if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50) return 2;    // a is held while b is taken
+        std::ofstream{own + "/anogate/notes"} << "no lock of ours";
+        if (locks() != 4) return 3;
+        if (!next.take(dir / "next").error.empty()) return 4;
+        if (locks() != 3) return 5;
+        return killed_with("held") == 50 && killed_with("next") == 50 ? 0 : 6;
+    });
+    if (result == 100) GTEST_SKIP() << "needs a user who may not write to /run/anogate";
+    EXPECT_EQ(result, 0);
+}
+
+TEST_F(LockFiles, two_never_have_one_name_whoever_takes_old_ones_away) {
+    const int result = as_user([&] {
+        std::vector<std::unique_ptr<Child>> others, takers;
+        for (const std::string name : {"x", "y"})
+            others.push_back(std::make_unique<Child>([&, name]() -> int {
+                for (;;) anogate::PathClaim{}.take(dir / name);
+            }));
+        const auto alone = [&] {
+            const int marker = ::open((own + "/marker").c_str(), O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+            return marker >= 0 && ::sched_yield() == 0 && ::unlink((own + "/marker").c_str()) == 0 ? 0 : 1;
+        };
+        for (int i = 0; i < 3; ++i)
+            takers.push_back(std::make_unique<Child>([&] {
+                int had = 0;
+                for (int round = 0; round < (sanitized ? 20 : 200); ++round) {
+                    const int outcome = killed_with("app", alone);
+                    if (outcome != 0 && outcome != 50) return outcome;
+                    had += outcome == 0 ? 1 : 0;
+                }
+                return had > 0 ? 0 : 2;
+            }));
+        for (const auto& taker : takers)
+            if (const int failed = taker->wait(); failed != 0) return failed;
+        return 0;
+    });
+    if (result == 100) GTEST_SKIP() << "needs a user who may not write to /run/anogate";
+    EXPECT_EQ(result, 0) << "1: two had it at once; 2: somebody never had it";
+}
+
 /// Several of the same user.
 class Instances : public testing::Test {
 protected:
