@@ -638,7 +638,7 @@ TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
 
 TEST(PrintConfig, leaves_out_what_is_not_set) {
     const std::string printed = print_config(settings_of(R"({"links": ["serial:/dev/x", "udp:1.2.3.4:5"]})"));
-    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\""})
+    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\"", "\"interface\"", "\"socket\"", "\"file\"", "\"\""})
         EXPECT_EQ(printed.find(key), std::string::npos) << key;
     for (const char* key : {"\"baud\": 500000", "\"name\": \"x\"", "\"unknown\": \"flood\""})
         EXPECT_NE(printed.find(key), std::string::npos) << key;
