@@ -484,6 +484,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     } else if (link.kind == "udp") {
         link.udp.peer = random_endpoint(random, v6);
         if (random.one_in(2)) link.udp.bind = WrittenEndpoint{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
+        link.udp.interface = random.of({"", "wg0"});
     } else if (link.kind == "can") {
         link.can.interface = "can" + unique;
         link.can.fd = random.one_in(2);
