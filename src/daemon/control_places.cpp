@@ -14,7 +14,7 @@ std::optional<std::size_t> longest(std::span<const Visitor> visitors, Among amon
     return found;
 }
 
-/// Of those `among` all, whose request nobody has in full.
+/// Who of them gives way first of those whose request is not here in full.
 template <class Among>
 std::optional<std::size_t> easiest(std::span<const Visitor> visitors, Among among) {
     const auto all = [&](Asking asking) { return [&among, asking](const Visitor& v) { return among(v) && v.asking == asking; }; };

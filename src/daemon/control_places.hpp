@@ -25,10 +25,10 @@ struct Visitor {
 
 /// All places are taken by `visitors`, and one of `user` wants one: whose place it gets, by number; nothing: it is refused.
 /// Each user that is there has the same share. Who has his share gets a place of his own alone; who has less gets one of who has
-/// most beyond it. Of those who ask nothing and those who asked half a request the sort gives way that has more, so that a crowd
-/// of the one costs none of the other; then who was not heard yet; always the one since the longest time. A whole request gives
-/// way to a user who has less than his share, and to none of the same one. `first` (root and our own user) gets a place also
-/// where there are more users than places.
+/// most beyond it. First gives way who asks nothing or asked half a request: of these two sorts the one that has more, so that a
+/// crowd of the one costs none of the other. Then who was not heard yet. Of a sort, the one that has said nothing for longest. A
+/// whole request gives way to a user who has less than his share, never to one of the same user. `first` (root and our own user)
+/// gets a place also where there are more users than places.
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uint32_t user, bool first);
 
 }  // namespace anogate
