@@ -26,17 +26,21 @@ class LoopWatch {
 public:
     /// Beats later than this are late; below it, the machine is busy.
     static constexpr ano::Duration lateness = std::chrono::milliseconds{50};
-    /// A standstill longer than this is told.
+    /// A standstill longer than this is told,
     static constexpr ano::Duration told = std::chrono::milliseconds{500};
+    /// and a shorter one that may have begun so long before the beat was due.
+    static constexpr ano::Duration unseen = std::chrono::milliseconds{120};
 
     struct Turn {
         ano::Duration stood{};        // how long it stood still before this turn, at least; zero: not at all
         ano::Duration suspended{};    // of the time since the turn before, what the clock of TimePoint does not count
+        bool is_told = false;
     };
     Turn turn(const ClockReading& clocks) noexcept {
         const ClockReading before = clocks_;
         clocks_ = clocks;
         if (!beats_) return {};
+        if (clocks.now - before.now > told) gap_ = {before.now, clocks.now};
         const ano::Duration asleep = (clocks.boot - before.boot) - (clocks.now - before.now);
         const ano::Duration suspended = asleep > lateness ? asleep : ano::Duration{};    // below it, the clocks were not read at once
         const ano::Duration late = std::max(clocks.now - due_ + suspended, suspended);
@@ -45,12 +49,17 @@ public:
         stood_until_ = clocks.now;
         due_ = clocks.now + period_;
         is_over_ = false;
-        if (late > told) {
-            ++standstills_;
-            told_until_ = clocks.now;
-            longest_ = std::max(longest_, late);
-        }
-        return {late, suspended};
+        const bool is_told = late + std::min(period_, unseen) > told;
+        if (is_told) count(late);
+        return {late, suspended, is_told};
+    }
+    /// Something that was to be read arrived at `arrived`, by its stamp. It may have been waiting for all of a standstill that no
+    /// beat was due in. How long that was, when it is to be told; zero: it is not, or was already.
+    ano::Duration waited(ano::TimePoint arrived) noexcept {
+        if (gap_.until - std::max(arrived, gap_.since) <= told) return {};
+        const ano::Duration stood = gap_.until - std::max(arrived, gap_.since);
+        count(stood);
+        return stood;
     }
     /// The next beat is `period` from the last turn().
     void beat(ano::Duration period) noexcept {
@@ -75,7 +84,19 @@ public:
     ano::TimePoint last_standstill() const noexcept { return told_until_; }
 
 private:
+    // Between two turns.
+    struct Gap {
+        ano::TimePoint since{}, until{};
+    };
+    void count(ano::Duration stood) noexcept {
+        gap_ = {};
+        ++standstills_;
+        told_until_ = clocks_.now;
+        longest_ = std::max(longest_, stood);
+    }
+
     ClockReading clocks_{};    // of the last turn
+    Gap gap_{};                // the last that was longer than `told` and is not counted
     ano::Duration period_{};
     ano::TimePoint due_{};     // the next beat
     ano::Duration stood_since_{};

@@ -29,6 +29,7 @@ struct LinkFigures {
     SendCounters sent;
     std::uint64_t v7_frames = 0;
     std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
+    bool ring_is_certain = true;    // or a device on two links
     std::uint64_t gateways = 0;     // other gateways' listening ports that were refused
     std::uint64_t no_place = 0;     // datagrams of strangers that were refused for want of a place
     ano::Duration up_for{};

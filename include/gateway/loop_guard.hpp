@@ -71,7 +71,7 @@ public:
         Fate fate = Fate::passes;
         bool probe = false;           // rings().ask() should leave by the channel first
         std::uint32_t copies = 1;     // so often it is to leave: those withheld before it as well
-        bool elsewhere = false;       // it ends, and nothing of it went out by this channel: a device on two links, or a ring
+        bool elsewhere = false;       // it ends, and may be what a device on two links said, not a copy of ours
         Duration wait{};
         std::uint32_t repeats = 0;    // when the channel brings the same more often while it waits, it need not wait any longer
     };
@@ -86,10 +86,11 @@ public:
     }
     void close(ChannelId channel) noexcept { rings_.close(channel); }
 
-    /// A frame that came in by `from`.
+    /// A frame that came in by `from`. A copy that waited to be read is one all the same.
     Judgement judge(const Said& said, ChannelId from, TimePoint now) noexcept {
-        if (now >= quiet_at_) return {};
-        Sent* known = sent_.find(said.key, now);
+        const TimePoint arrived = std::min(said.arrived, now);
+        if (arrived >= quiet_at_) return {};
+        Sent* known = sent_.find(said.key, arrived);
         if (!known) return {};
         const Judgement judgement = judge(*known, said, from, now);
         if (judgement.fate == Fate::withheld || now < known->withheld_until) {    // its next is awaited as long as another
@@ -178,7 +179,9 @@ private:
         }
         if (!went) return {.fate = Fate::ends, .elsewhere = true};
         rings_.brought_back_ones_own(from, now);
-        return {Fate::ends, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
+        return {.fate = Fate::ends,
+                .probe = rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing),
+                .elsewhere = !rings_.is_probed(from)};
     }
     // By the channel that brought it first.
     Judgement repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {

@@ -37,12 +37,12 @@ public:
           shift_{64 - std::countr_zero(std::bit_ceil(std::max(capacity / ways, std::size_t{2})))},
           sets_{new Set[std::size_t{1} << (64 - shift_)]} {}
 
-    /// What was remembered of `key` less than `window` before `now`, or nullptr. Valid until the next put().
-    Value* find(std::uint64_t key, ano::TimePoint now) noexcept {
+    /// What was remembered of `key` less than `window` before `at`, or since, or nullptr. Valid until the next put().
+    Value* find(std::uint64_t key, ano::TimePoint at) noexcept {
         Slot* slot = slot_of(key);
-        return slot && now < slot->at + window_ ? &slot->value : nullptr;
+        return slot && at < slot->at + window_ ? &slot->value : nullptr;
     }
-    /// When it was put in; for one that find() gave at the same `now`.
+    /// When it was put in; for one that find() gave.
     ano::TimePoint put_at(std::uint64_t key) noexcept { return slot_of(key)->at; }
     /// Remembers `value` from `now` on, in place of what was known of `key`.
     void put(std::uint64_t key, const Value& value, ano::TimePoint now) noexcept {
@@ -84,14 +84,15 @@ public:
     explicit DuplicateGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
         : brought_{window, capacity} {}
 
-    /// A frame came by `from`, a member of `group` (1 to 64). True: another member brought it less than the window
+    /// A frame came by `from`, a member of `group` (1 to 64); it `arrived` before, where it waited to be read. True: another member brought it less than the window
     /// before. A sender that repeats one and the same state, such as sticks that rest, is still heard when its link
     /// fails: once the member that brought it repeatedly is silent, the others count. That holds for frames a newer one
     /// may replace alone; a command never comes through twice.
-    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now) noexcept {
+    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now,
+                   ano::TimePoint arrived = ano::TimePoint::max()) noexcept {
         key = (key & ~std::uint64_t{0xFF}) | group;    // in place of HEAD, which all share
         heard_at_[index(from)] = now;
-        if (const Brought* known = brought_.find(key, now); known && known->by != from) {
+        if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
             if (!(replaces != Replaces::nothing && known->repeats && failed)) return true;
             brought_.put(key, {from, true}, now);

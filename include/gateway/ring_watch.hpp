@@ -97,6 +97,7 @@ public:
     /// What a ring is made of: what leaves by `out` comes back by `back`; the same where the probe can't tell.
     struct Ring {
         LinkId out{}, back{};
+        bool certain = true;    // or a device on two links
     };
     std::optional<Ring> ring(ChannelId channel, TimePoint now) const noexcept {
         const Facts& f = facts_[index(channel)];
@@ -152,7 +153,9 @@ public:
     /// It brought back what its one sender had said and what had gone out by it. Where no probe may go, that is what tells a
     /// ring; a device with two cables looks the same.
     void brought_back_ones_own(ChannelId channel, TimePoint now) noexcept {
-        if (!is_probed(channel)) came_round(channel, now);
+        if (is_probed(channel)) return;
+        const auto known = ring(channel, now);
+        note(channel, known && known->certain ? *known : Ring{of(channel).link, of(channel).link, false}, now);
     }
     /// Whatever the probe said, what goes out comes round by it.
     void came_round(ChannelId channel, TimePoint now) noexcept { note(channel, {of(channel).link, of(channel).link}, now); }

@@ -134,6 +134,8 @@ private:
     void claim(std::uint8_t source, ChannelId from, TimePoint now);
     void refuse(std::uint8_t source, TimePoint now);
     void settle();
+    /// Of the addresses in `untold`, new_conflicts_ or new_claimants_, the first: it counts as told now.
+    std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
     void move(std::uint8_t source, ChannelId to);
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
     bool was_first(std::uint8_t source, ChannelId channel) const noexcept;

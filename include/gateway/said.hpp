@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
+#include <ano/time.hpp>
 #include <gateway/claims.hpp>
 #include <gateway/recent.hpp>
 #include <gateway/treatment.hpp>
@@ -20,6 +21,7 @@ struct Said {
     bool waited = false;    // it was told to wait, and did,
     bool hurried = false;   // until the channel brought the next of the same
     Speaks speaks = Speaks::somewhere;
+    ano::TimePoint arrived = ano::TimePoint::max();    // where it waited to be read; else it arrived when it is judged
 };
 inline Said said_by(ano::FrameView frame) noexcept {
     const Treatment treatment = treatment_of(frame.id());

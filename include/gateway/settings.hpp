@@ -44,7 +44,7 @@ struct SerialSettings {
 
 struct UdpListenSettings {
     WrittenEndpoint local;
-    std::string interface;    // only what comes by it is heard; empty: by any
+    std::string interface;    // nothing is heard or said by another; empty: by any
     Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
     std::optional<std::uint16_t> max_per_address;    // nothing: a quarter of max_peers, two at least
@@ -58,6 +58,7 @@ struct UdpListenSettings {
 struct UdpSettings {
     WrittenEndpoint peer;
     std::optional<WrittenEndpoint> bind;
+    std::string interface;    // as of UdpListenSettings
     bool operator==(const UdpSettings&) const = default;
 };
 

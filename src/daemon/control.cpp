@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <optional>
 
@@ -30,8 +31,10 @@ constexpr std::size_t most_body = 64 * 1024;
 constexpr std::size_t read_size = 4 * 1024;
 constexpr auto patience = std::chrono::seconds{30};
 constexpr auto stalled_after = std::chrono::seconds{1};
+constexpr std::size_t most_leaving = 32;
+constexpr auto moment = std::chrono::seconds{1};
 constexpr std::string_view no_place =
-    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nConnection: close\r\n\r\n"
+    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nRetry-After: 1\r\nConnection: close\r\n\r\n"
     "{\"error\": \"all places are taken by those who ask just now\"}\n";
 
 using ano::Clock;
@@ -50,6 +53,37 @@ std::uint32_t user_of(Local::socket& socket) {
 
 }  // namespace
 
+// The end of a connection whose client is told why. What it still says is heard for a moment and forgotten: were the socket closed
+// before that is read, the client would learn of the end of the connection alone.
+class Control::Farewell : public std::enable_shared_from_this<Farewell> {
+public:
+    explicit Farewell(Local::socket socket) : stream_{std::move(socket)} {}
+
+    void close() {
+        error_code ignored;
+        stream_.socket().close(ignored);
+    }
+    void say(std::string_view words) {
+        error_code ignored;
+        ::send(stream_.socket().native_handle(), words.data(), words.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+        stream_.socket().shutdown(Local::socket::shutdown_send, ignored);
+        stream_.expires_after(moment);
+        hear();
+    }
+
+private:
+    void hear() {
+        stream_.async_read_some(asio::buffer(room_), [self = shared_from_this()](error_code ec, std::size_t size) {
+            self->heard_ += size;
+            if (!ec && self->heard_ < most_header + most_body) self->hear();
+        });
+    }
+
+    beast::basic_stream<Local> stream_;
+    std::array<char, 1024> room_;
+    std::size_t heard_ = 0;
+};
+
 // One connection, from its first request to its last.
 class Control::Session : public std::enable_shared_from_this<Session> {
 public:
@@ -60,7 +94,16 @@ public:
         stream_.socket().close(ignored);
     }
 
-    Visitor visitor(ano::TimePoint now) const { return {user_, asks_ && now - since_ < stalled_after, since_}; }
+    Visitor visitor(ano::TimePoint now) const {
+        const bool stalled = !awaits_turn_ && now - since_ >= stalled_after;
+        return {user_, stalled ? Asking::nothing : asking_, since_};
+    }
+
+    /// Its place is another's now. Who is not in the middle of an answer, and may be about to read one, is told.
+    void leave() {
+        if (asking_ == Asking::nothing || (asking_ == Asking::whole && !awaits_turn_)) return close();
+        control_.refuse(stream_.release_socket());
+    }
 
     /// Waits for the next request, of which some may be here.
     void start() {
@@ -70,9 +113,9 @@ public:
         request_->eager(true);
         stream_.expires_after(patience);
         since_ = Clock::now();
-        asks_ = buffer_.size() > 0;
-        if (asks_) hear();
-        else read();
+        if (buffer_.size() == 0) return read();
+        asking_ = Asking::half;
+        hear();
     }
 
     /// Its turn: the request is answered.
@@ -81,8 +124,10 @@ public:
         response_ = answer(request_->get());
         stream_.expires_after(patience);
         since_ = Clock::now();
+        awaits_turn_ = false;
         http::async_write(stream_, response_, [self = shared_from_this()](error_code ec, std::size_t) {
             if (ec) return;
+            self->asking_ = Asking::nothing;
             if (self->response_.keep_alive()) return self->start();
             self->stream_.socket().shutdown(Local::socket::shutdown_send, ec);
         });
@@ -94,7 +139,7 @@ private:
             if (ec) return;
             self->buffer_.commit(size);
             self->since_ = Clock::now();
-            self->asks_ = true;
+            self->asking_ = Asking::half;
             self->hear();
         });
     }
@@ -103,8 +148,10 @@ private:
         error_code ec;
         buffer_.consume(request_->put(buffer_.data(), ec));
         if (ec && ec != http::error::need_more) return;
-        if (request_->is_done()) control_.await_turn(shared_from_this());
-        else read();
+        if (!request_->is_done()) return read();
+        asking_ = Asking::whole;
+        awaits_turn_ = true;
+        control_.await_turn(shared_from_this());
     }
 
     http::response<http::string_body> answer(const http::request<http::string_body>& request) const {
@@ -139,8 +186,9 @@ private:
 
     Control& control_;
     std::uint32_t user_;
-    bool asks_ = false;           // some of a request is here, or it is answered
-    ano::TimePoint since_;     // it came, or came on
+    Asking asking_ = Asking::unheard;
+    bool awaits_turn_ = false;    // with a whole request
+    ano::TimePoint since_;        // it came, or came on
     beast::basic_stream<Local> stream_;
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> request_;
@@ -178,10 +226,7 @@ void Control::accept() {
 }
 
 void Control::admit(Local::socket socket) {
-    if (!make_place(user_of(socket))) {
-        ::send(socket.native_handle(), no_place.data(), no_place.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-        return;
-    }
+    if (!make_place(user_of(socket))) return refuse(std::move(socket));
     auto session = std::make_shared<Session>(*this, std::move(socket));
     sessions_.push_back(session);
     session->start();
@@ -194,9 +239,22 @@ bool Control::make_place(std::uint32_t user) {
     for (const auto& session : sessions_) visitors.push_back(session.lock()->visitor(Clock::now()));
     const auto place = gives_way(visitors, user, user == 0 || user == ::geteuid());
     if (!place) return false;
-    sessions_[*place].lock()->close();
+    const auto leaves = sessions_[*place].lock();
     sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(*place));
+    std::erase(waiting_, leaves);
+    leaves->leave();
     return true;
+}
+
+void Control::refuse(Local::socket socket) {
+    std::erase_if(leaving_, [](const auto& farewell) { return farewell.expired(); });
+    if (leaving_.size() == most_leaving) {
+        leaving_.front().lock()->close();
+        leaving_.pop_front();
+    }
+    const auto farewell = std::make_shared<Farewell>(std::move(socket));
+    leaving_.push_back(farewell);
+    farewell->say(no_place);
 }
 
 void Control::await_turn(std::shared_ptr<Session> session) {
@@ -229,6 +287,9 @@ void Control::stop() {
     for (const auto& session : sessions_)
         if (const auto alive = session.lock()) alive->close();
     sessions_.clear();
+    for (const auto& farewell : leaving_)
+        if (const auto alive = farewell.lock()) alive->close();
+    leaving_.clear();
 }
 
 }  // namespace anogate

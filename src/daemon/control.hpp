@@ -42,10 +42,12 @@ public:
     void stop();
 
 private:
+    class Farewell;
     class Session;
     void accept();
     void admit(asio::local::stream_protocol::socket socket);
     bool make_place(std::uint32_t user);
+    void refuse(asio::local::stream_protocol::socket socket);
     void await_turn(std::shared_ptr<Session> session);
     void give_turn();
 
@@ -57,6 +59,7 @@ private:
     std::vector<std::weak_ptr<Session>> sessions_;
     std::deque<std::shared_ptr<Session>> waiting_;    // each with a whole request
     bool turn_given_ = false;
+    std::deque<std::weak_ptr<Farewell>> leaving_;
 };
 
 }  // namespace anogate

@@ -65,16 +65,28 @@ std::uint32_t default_queue(std::size_t max_data) {
     return std::max(usual, static_cast<std::uint32_t>(2 * (ano::overhead + max_data)));
 }
 
-/// The local endpoint that a link binds; port 0 when it binds none of its own choice.
-WrittenEndpoint local_endpoint(const LinkSettings& link) {
-    if (link.kind == "udp-listen") return link.udp_listen.local;
-    if (link.kind == "udp" && link.udp.bind) return *link.udp.bind;
+/// What a link binds; port 0 when that is none of its own choice.
+struct Bound {
+    WrittenEndpoint local{};
+    std::string interface{};    // empty: any
+};
+Bound bound_by(const LinkSettings& link) {
+    if (link.kind == "udp-listen") return {link.udp_listen.local, link.udp_listen.interface};
+    if (link.kind == "udp" && link.udp.bind) return {*link.udp.bind, link.udp.interface};
     return {};
 }
 
-bool collide(const WrittenEndpoint& a, const WrittenEndpoint& b) {
-    if (a.port == 0 || a.port != b.port || a.address.v6 != b.address.v6) return false;
+bool collide(const Bound& one, const Bound& other) {
+    const WrittenEndpoint &a = one.local, &b = other.local;
+    if (a.port == 0 || a.port != b.port) return false;
+    if (!one.interface.empty() && !other.interface.empty() && one.interface != other.interface) return false;
+    if (a.address.v6 != b.address.v6) return (a.address.v6 ? a : b).address.is_any();    // [::] takes IPv4 too
     return a == b || a.address.is_any() || b.address.is_any();
+}
+
+/// A number may be that of the interface of a name.
+bool is_another(const std::string& interface, const std::string& of_address) {
+    return !interface.empty() && !of_address.empty() && interface != of_address && !is_number(of_address);
 }
 
 bool share_ids(const CanSettings& a, const CanSettings& b) {
@@ -91,6 +103,7 @@ public:
             link(i);
             if (links_[i].kind == "serial") serial(i);
             if (links_[i].kind == "udp") udp(i);
+            if (links_[i].kind == "udp-listen") one_interface(i, links_[i].udp_listen.interface, links_[i].udp_listen.local);
             if (links_[i].kind == "can") can(i);
             for (std::size_t k = 0; k < i; ++k) pair(k, i);
         }
@@ -201,7 +214,7 @@ private:
             error(draft_.links[i], "address",
                   "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
         const IpAddress& address = udp.peer.address;
-        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() &&
+        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
             !(udp.bind && !udp.bind->interface.empty()))
             error(draft_.links[i], "address",
                   "'" + peer + "' is the same on every interface; say which: [" + address.text() +
@@ -209,6 +222,14 @@ private:
         if (udp.bind && udp.bind->address.v6 != udp.peer.address.v6)
             error(draft_.links[i], "bind",
                   "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
+        one_interface(i, udp.interface, udp.peer);
+        if (udp.bind) one_interface(i, udp.interface, *udp.bind);
+    }
+
+    void one_interface(std::size_t i, const std::string& interface, const WrittenEndpoint& endpoint) {
+        if (is_another(interface, endpoint.interface))
+            error(draft_.links[i], "interface",
+                  "'interface' " + in_quotes(interface) + " is not that of " + endpoint.text() + ": take one of them away");
     }
 
     void can(std::size_t i) {
@@ -236,9 +257,9 @@ private:
         if (!b.can.interface.empty() && a.can.interface == b.can.interface && share_ids(a.can, b.can))
             error(origin, "interface",
                   "'interface' " + in_quotes(b.can.interface) + " is used by " + who(first) + " already, under the same CAN ids");
-        if (const WrittenEndpoint local = local_endpoint(b); collide(local_endpoint(a), local))
+        if (const Bound bound = bound_by(b); collide(bound_by(a), bound))
             error(origin, b.kind == "udp" ? "bind" : "address",
-                  "local port " + std::to_string(local.port) + " is used by " + who(first) + " already");
+                  "local port " + std::to_string(bound.local.port) + " is used by " + who(first) + " already");
     }
 
     void groups() {
@@ -314,7 +335,7 @@ private:
         if (tunnel.links.empty() && tunnel.wrap.empty())
             warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
-            if (collide(local_endpoint(links_[i]), WrittenEndpoint{{tunnel.bind, tunnel.port}}))
+            if (collide(bound_by(links_[i]), {WrittenEndpoint{{tunnel.bind, tunnel.port}}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 

@@ -98,6 +98,7 @@ void Gateway::add_links() {
         LinkState& added = links_.emplace_back();
         added.link = make_link(id, link, {io_, alarms_, *this, batch_, sender_});
         added.group = number;
+        if (is_stream(link)) streams_.insert(id);
         give_rules(added, link.rules, link.profile != Profile::vendor);
         give_hello(added, link);
     }
@@ -200,17 +201,30 @@ void Gateway::beat() {
     noticed_ = false;
     turn();
     if (!noticed_) loop_.end_standstill();
-    const Duration period = noticed_ || streams_speak() ? beat_of_streams : calm_beat;
+    calm_ = !noticed_ && !streams_speak();
+    const Duration period = calm_ ? calm_beat : beat_of_streams;
     loop_.beat(period + beat_slack);
     beat_.set(now_ + period);
+}
+
+void Gateway::hasten_beat() {
+    calm_ = false;
+    loop_.beat(beat_of_streams + beat_slack);
+    beat_.set_no_later(now_ + beat_of_streams);
 }
 
 bool Gateway::streams_speak() const {
     for (const ChannelId id : used_) {
         const Channel& channel = *channels_[index(id)];
-        if (now_ - channel.arrived_at < calm_after && is_stream(links_[index(channel.link)].link->settings())) return true;
+        if (streams_.contains(channel.link) && now_ - channel.arrived_at < calm_after) return true;
     }
     return false;
+}
+
+// Where no beat was due, what waited tells of a standstill.
+void Gateway::notice_wait() {
+    const Duration stood = loop_.waited(arrived_at_);
+    if (stood > Duration::zero()) standstill_log_.stood({.stood = stood, .is_told = true}, now_);
 }
 
 void Gateway::stood_still(const LoopWatch::Turn& turn) {
@@ -262,6 +276,8 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     arrived_at_ = std::min(from.arrived_at, now_);
+    if (!releasing_) notice_wait();
+    if (calm_ && streams_.contains(from.link)) hasten_beat();
     from.heard_at = now_;
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
@@ -302,6 +318,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
 Said Gateway::said_at(const Channel& from, ano::FrameView frame) const {
     Said said = said_by(frame);
     said.speaks = router_.speaks(frame.source(), from.id);
+    said.arrived = arrived_at_;
     return said;
 }
 
@@ -349,7 +366,8 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     }
     if (judgement.fate == LoopGuard::Fate::withheld) return true;
     const std::uint8_t group = links_[index(from.link)].group;
-    if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, treatment.replaces, now_)) return false;
+    if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, treatment.replaces, now_, arrived_at_))
+        return false;
     ++from.routed.duplicate;
     return true;
 }

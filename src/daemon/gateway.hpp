@@ -127,7 +127,9 @@ private:
     bool is_stale(LinkId to, ano::FrameView frame) const;
     void beat();
     bool streams_speak() const;
+    void hasten_beat();
     void stood_still(const LoopWatch::Turn& turn);
+    void notice_wait();
     void look_at_questions();
     void look_at_hellos();
     void await_hellos();
@@ -171,6 +173,8 @@ private:
     StandstillLog standstill_log_;
     Alarm beat_;
     bool noticed_ = false;    // a standstill, since the beat was due
+    bool calm_ = true;        // no serial port or pty spoke lately: the beat is slow
+    LinkSet streams_;         // serial ports and ptys
     TimePoint started_at_{};
     Alarm hello_due_;
     Alarm questions_due_;

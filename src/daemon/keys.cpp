@@ -333,6 +333,7 @@ constexpr std::array<Key<Section>, N + M> operator+(const Key<Section> (&a)[N], 
 }
 
 constexpr std::string_view paced = "serial pty can udp udp-listen", datagrams = "udp udp-listen";
+constexpr std::string_view one_interface = "hear and send by this network interface alone, such as wg0 (default: any)";
 
 constexpr Key<G> gateway_rows[] = {
     address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
@@ -369,9 +370,7 @@ constexpr Key<L> own_link_rows[] = {
         of("serial"),
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
-    text<&L::udp_listen, &Listen::interface>("interface", 1, longest_interface,
-                                             "hear only what comes by this network interface, such as wg0 (default: any)") |
-        of("udp-listen"),
+    text<&L::udp_listen, &Listen::interface>("interface", 1, longest_interface, one_interface) | of("udp-listen"),
     duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
                                                     "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
@@ -399,6 +398,7 @@ constexpr Key<L> own_link_rows[] = {
     endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
     endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") |
         of("udp"),
+    text<&L::udp, &UdpSettings::interface>("interface", 1, longest_interface, one_interface) | of("udp"),
 
     text<&L::can, &Can::interface>("interface", 1, longest_interface, "the CAN interface; its bit rate is the system's business") |
         of("can") | needed,

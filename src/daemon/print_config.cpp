@@ -69,7 +69,7 @@ template <class Section>
 void print_keys(const Section& section, Keys<Section> keys, Json& into, std::string_view kind = {}) {
     for (const Key<Section>& key : keys) {
         const auto text = key.text_in(section);
-        if (!text || !key.is_of(kind)) continue;
+        if (!text || text->empty() || !key.is_of(kind)) continue;
         Json* object = &into;
         const auto names = split(key.name, '.');
         for (const std::string_view outer : std::span{names}.first(names.size() - 1)) object = &(*object)[std::string{outer}];

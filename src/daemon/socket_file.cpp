@@ -10,7 +10,7 @@
 namespace anogate {
 namespace {
 
-constexpr int backlog = 16;
+constexpr int backlog = 128;    // clients that come while the loop is at other work
 constexpr char another_path[] = " (give another path by --control, or --control none)";
 constexpr char in_use[] = ": another program is using it (give this one another by --control)";
 

@@ -14,7 +14,7 @@ namespace anogate {
 class StandstillLog {
 public:
     void stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
-        if (turn.stood <= LoopWatch::told) return;
+        if (!turn.is_told) return;
         if (now < next_) return void(++unsaid_);
         next_ = now + spacing;
         const double seconds = std::chrono::duration<double>(turn.stood).count();

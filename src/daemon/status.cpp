@@ -77,6 +77,7 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
         if (const auto ring = gateway.rings().ring(id, now)) {
             f.ring_out = gateway.links()[index(ring->out)].link->name();
             f.ring_back = gateway.links()[index(ring->back)].link->name();
+            f.ring_is_certain = ring->certain;
         }
         add(f.received, channel.received());
         add(f.sent, channel.sent());

@@ -36,6 +36,8 @@ std::string nothing_at_all(const LinkFigures& link) {
 
 std::string ring(const LinkFigures& link) {
     const std::string back{link.ring_back};
+    if (!link.ring_is_certain)
+        return "the same device on two links? give them one `group`; or a ring: what goes out comes back by " + back;
     if (link.ring_out == link.ring_back) return "a ring: what goes out comes back by " + back;
     return "a ring: what goes out by " + std::string{link.ring_out} + " comes back by " + back;
 }

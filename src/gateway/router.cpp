@@ -155,24 +155,25 @@ std::vector<Conflict> Router::conflicts(TimePoint now) const {
     return result;
 }
 
-bool Router::take_new_conflict(Conflict& conflict) {
-    if (new_conflicts_.none()) return false;
+std::optional<std::uint8_t> Router::tell_first(std::bitset<256>& untold) {
+    if (untold.none()) return std::nullopt;
     std::size_t a = 0;
-    while (!new_conflicts_[a]) ++a;
-    new_conflicts_.reset(a);
+    while (!untold[a]) ++a;
+    untold.reset(a);
     untold_ = new_conflicts_.any() || new_claimants_.any();
-    conflict = conflicts_[a];
-    return true;
+    return static_cast<std::uint8_t>(a);
+}
+
+bool Router::take_new_conflict(Conflict& conflict) {
+    const auto address = tell_first(new_conflicts_);
+    if (address) conflict = conflicts_[*address];
+    return address.has_value();
 }
 
 bool Router::take_claimant(Claimant& claimant) {
-    if (new_claimants_.none()) return false;
-    std::size_t a = 0;
-    while (!new_claimants_[a]) ++a;
-    new_claimants_.reset(a);
-    untold_ = new_conflicts_.any() || new_claimants_.any();
-    claimant = {static_cast<std::uint8_t>(a), claimants_[a]};
-    return true;
+    const auto address = tell_first(new_claimants_);
+    if (address) claimant = {*address, claimants_[*address]};
+    return address.has_value();
 }
 
 void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {

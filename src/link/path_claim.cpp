@@ -3,18 +3,25 @@
 #include <link/own_folder.hpp>
 #include <link/path_claim.hpp>
 
+#include <dirent.h>
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 
 #include <cstdlib>
 #include <functional>
+#include <memory>
+#include <string_view>
 
 namespace anogate {
 namespace {
 
 constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
 constexpr int most_tries = 16;    // of a lock file that others remove just then
+constexpr int most_looked_at = 1000;    // lock files, each time
+constexpr int lock_flags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+constexpr char lock_prefix[] = ".lock-";
 
 // Only if nobody else can put anything there. Who owns /run/anogate was decided by root.
 UniqueFd open_trusted(const std::string& path, mode_t mode, uid_t owner) {
@@ -34,23 +41,54 @@ UniqueFd open_lock_folder() {
 }
 
 std::string lock_name(const struct stat& folder, const std::string& file) {
-    return ".lock-" + std::to_string(folder.st_dev) + "-" + std::to_string(folder.st_ino) + "-" +
+    return lock_prefix + std::to_string(folder.st_dev) + "-" + std::to_string(folder.st_ino) + "-" +
            std::to_string(std::hash<std::string>{}(file));
 }
 
 bool is_same(const struct stat& one, const struct stat& other) { return one.st_dev == other.st_dev && one.st_ino == other.st_ino; }
 
+bool is_at(const UniqueFd& folder, const char* name, const struct stat& file) {
+    struct stat there {};
+    return ::fstatat(folder.get(), name, &there, AT_SYMLINK_NOFOLLOW) == 0 && is_same(file, there);
+}
+
+// Who has the lock of a file, and only who has it, may remove it: who opened it meanwhile then has a lock on nothing, and sees that.
+void remove_stale(const UniqueFd& folder, const char* name) {
+    const UniqueFd file{::openat(folder.get(), name, lock_flags)};
+    struct stat info {};
+    if (!file || ::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return;
+    if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0 && is_at(folder, name, info)) ::unlinkat(folder.get(), name, 0);
+}
+
+// What killed gateways left.
+void sweep(const UniqueFd& folder) {
+    UniqueFd readable{::openat(folder.get(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+    const std::unique_ptr<DIR, int (*)(DIR*)> list{readable ? ::fdopendir(readable.get()) : nullptr, ::closedir};
+    if (!list) return;
+    readable.release();
+    for (int i = 0; i < most_looked_at; ++i) {
+        const dirent* const entry = ::readdir(list.get());
+        if (!entry) return;
+        if (std::string_view{entry->d_name}.starts_with(lock_prefix)) remove_stale(folder, entry->d_name);
+    }
+}
+
 }  // namespace
 
-// Whoever ends removes its file: a lock on one that has gone is a lock on nothing.
+// Whoever ends removes its file: a lock on one that has gone is a lock on nothing. Where others sweep, one may be locked for that.
 PathClaim::Lock PathClaim::lock(bool trusted) {
     for (int i = 0; i < most_tries; ++i) {
-        lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0600)};
-        struct stat opened {}, there {};
+        lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), lock_flags | O_CREAT, 0600)};
+        struct stat opened {};
         if (!lock_ || ::fstat(lock_.get(), &opened) != 0) return Lock::impossible;
         if (!trusted && (!S_ISREG(opened.st_mode) || opened.st_uid != ::geteuid())) return Lock::impossible;
-        if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK ? Lock::in_use : Lock::impossible;
-        if (::fstatat(folder_.get(), name_.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 && is_same(opened, there)) return Lock::ours;
+        if (::flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) {
+            if (is_at(folder_, name_.c_str(), opened)) return Lock::ours;
+        } else {
+            if (errno != EWOULDBLOCK) return Lock::impossible;
+            if (!trusted) return Lock::in_use;
+            ::sched_yield();
+        }
     }
     return Lock::in_use;
 }
@@ -69,6 +107,7 @@ PathClaim::Outcome PathClaim::take(const std::filesystem::path& path) {
     if (!trusted) folder_ = folder.take();
     const Lock result = lock(trusted);
     const int error = errno;
+    if (result == Lock::ours && trusted) sweep(folder_);
     if (result == Lock::ours) return {};
     lock_ = UniqueFd{};
     if (result == Lock::in_use) return {path.string() + " is in use by another gateway", true};

@@ -43,7 +43,7 @@ StreamLink::Opened SerialLink::open_wire() {
     const SerialSettings& serial = settings().serial;
     UniqueFd fd{::open(serial.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     if (!fd) return {{}, open_error_text(serial.device, errno)};
-    // Exclusive for every user but root, by TIOCEXCL; for root too, among programs that lock, by flock.
+    // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
     if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return {{}, busy_text(serial.device)};
     terminal::claim(fd.get());
     if (std::string error = terminal::configure(fd.get(), serial, actual_baud_); !error.empty()) {

@@ -3,6 +3,7 @@
 #include <link/termios.hpp>
 
 #include <asm/termbits.h>
+#include <linux/major.h>
 #include <linux/serial.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -39,6 +40,12 @@ void ask_for_low_latency(int fd) noexcept {
     ::ioctl(fd, TIOCSSERIAL, &serial);
 }
 
+bool is_pseudo(int fd) noexcept {
+    struct stat status {};
+    return ::fstat(fd, &status) == 0 && major(status.st_rdev) >= UNIX98_PTY_SLAVE_MAJOR &&
+           major(status.st_rdev) < UNIX98_PTY_SLAVE_MAJOR + UNIX98_PTY_MAJOR_COUNT;
+}
+
 std::size_t bytes_in(int fd, unsigned long queue) noexcept {
     int bytes = 0;
     return ::ioctl(fd, queue, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
@@ -66,7 +73,11 @@ void make_raw(int fd) noexcept {
     ::ioctl(fd, TCSETS2, &t);
 }
 
-void claim(int fd) noexcept { ::ioctl(fd, TIOCEXCL); }
+// The kernel forgets TIOCEXCL when the last user has closed a port, but that of a pseudo-terminal with its master: who was killed
+// would have shut it for as long as that is there.
+void claim(int fd) noexcept {
+    if (!is_pseudo(fd)) ::ioctl(fd, TIOCEXCL);
+}
 void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
 // First what the driver has, by the time it takes; then what is in the chip, to the last bit where the driver shows it.

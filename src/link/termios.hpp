@@ -12,7 +12,7 @@ std::string configure(int fd, const SerialSettings& settings, std::uint32_t& act
 /// Raw mode for the user's side of a pseudo-terminal.
 void make_raw(int fd) noexcept;
 
-/// Nobody else may open the port (root excepted), until give_back().
+/// Nobody else may open the port (root excepted), until give_back(). Not of a pseudo-terminal, which would outlive us.
 void claim(int fd) noexcept;
 void give_back(int fd) noexcept;
 

@@ -3,6 +3,7 @@
 #include <link/feed.hpp>
 #include <link/udp_link.hpp>
 
+#include <net/if.h>
 #include <netinet/in.h>
 
 #include <algorithm>
@@ -54,10 +55,16 @@ void UdpLink::try_open() {
     descriptor_.open(std::move(opened.fd));
     arrival_.found_empty(context_.host.turn());
     descriptor_.read_with([this] { read(); });
-    const UdpSettings& udp = settings().udp;
-    interface_watch_.start(udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer);
-    if (udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
+    interface_watch_.start(watched());
+    if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
     context_.host.link_up(*this);
+}
+
+// The endpoint that names the interface on which all depends, if any does.
+WrittenEndpoint UdpLink::watched() const {
+    const UdpSettings& udp = settings().udp;
+    if (!udp.interface.empty()) return {udp.peer, udp.interface};
+    return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
 OpenedSocket UdpLink::open_to_peer() {
@@ -74,7 +81,7 @@ OpenedSocket UdpLink::open_to_peer() {
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
-    OpenedSocket opened = open_udp(local, multicast);
+    OpenedSocket opened = open_udp(local, multicast, settings().udp.interface);
     if (!opened.fd) return opened;
     to_ = SocketAddress::of(peer, local.address.v6);
     to_interface_ = peer.address.scope;
@@ -87,13 +94,15 @@ OpenedSocket UdpLink::open_to_peer() {
     return opened;
 }
 
-// By the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is in the group
-// already is as good.
+// By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
+// in the group already is as good.
 std::string UdpLink::join_group(int fd) const {
     const WrittenEndpoint& peer = settings().udp.peer;
     const auto& bind = settings().udp.bind;
-    unsigned interface = to_interface_;
-    if (bind && !bind->address.is_any()) {
+    const std::string& name = settings().udp.interface;
+    unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
+    if (!name.empty() && interface == 0) return no_interface(name);
+    if (name.empty() && bind && !bind->address.is_any()) {
         const auto now = endpoint_now(*bind);
         interface = now ? interface_of(now->address) : 0;
         if (interface == 0) return "no interface has the address " + bind->text() + " now";
@@ -112,7 +121,7 @@ std::string UdpLink::join_group(int fd) const {
     if (done) return {};
     if (interface == 0 && errno == ENODEV)
         return "no route leads to the multicast group " + peer.address.text() +
-               "; name an interface by its address: bind=ADDRESS:" + std::to_string(peer.port);
+               "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port);
     return "can't join the multicast group " + peer.address.text() + ": " + error_text(errno);
 }
 

@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 
@@ -53,7 +54,8 @@ public:
         char buffer[65536];
         ssize_t n;
         while ((n = ::read(fd_.get(), buffer, sizeof buffer)) > 0) heard_.append(buffer, static_cast<std::size_t>(n));
-        closed_ = closed_ || n == 0 || (errno != EAGAIN && errno != EINTR);
+        cut_off_ = cut_off_ || (n < 0 && errno != EAGAIN && errno != EINTR);
+        closed_ = closed_ || n == 0 || cut_off_;
         return heard_;
     }
     std::size_t answers() {
@@ -62,11 +64,14 @@ public:
         return count;
     }
     bool is_closed() { return heard(), closed_; }
+    /// Before the end could be read: what was not read yet may be lost.
+    bool is_cut_off() { return heard(), cut_off_; }
 
 private:
     anogate::UniqueFd fd_;
     std::string heard_;
     bool closed_ = false;
+    bool cut_off_ = false;
 };
 
 /// A gateway with its control socket, in the test's own thread.
@@ -157,13 +162,29 @@ TEST_F(LocalUsers, forty_idle_clients_do_not_keep_the_next_one_waiting) {
     EXPECT_TRUE(is_answered(*idle.back())) << "it asks when it likes";
 }
 
-TEST_F(LocalUsers, clients_that_asked_half_a_question_give_way_after_a_second) {
+TEST_F(LocalUsers, who_asked_half_a_question_gives_way_to_who_asks_a_whole_one) {
     std::vector<std::unique_ptr<Client>> half;
     for (int i = 0; i < 32; ++i) {
         half.push_back(connect());
         ASSERT_TRUE(half.back()->send("GET /sta"));
     }
-    EXPECT_TRUE(gateway.until([&] { return is_answered(*connect()); }));
+    settle();
+    const auto next = connect();
+    EXPECT_TRUE(is_answered(*next));
+    EXPECT_TRUE(half.front()->heard().starts_with("HTTP/1.1 503 Service Unavailable")) << "and is told";
+    EXPECT_TRUE(half.front()->is_closed() && !half.front()->is_cut_off());
+    EXPECT_FALSE(half.back()->is_closed());
+}
+
+TEST_F(LocalUsers, who_was_not_heard_yet_keeps_his_place_before_half_questions) {
+    std::vector<std::unique_ptr<Client>> half;
+    const auto slow = connect();
+    for (int i = 0; i < 100; ++i) {
+        half.push_back(connect());
+        ASSERT_TRUE(half.back()->send("GET /sta"));
+    }
+    EXPECT_FALSE(slow->is_closed());
+    EXPECT_TRUE(is_answered(*slow));
 }
 
 TEST_F(LocalUsers, nobody_is_cut_short_for_one_of_the_same_user_and_that_one_is_told) {
@@ -176,10 +197,57 @@ TEST_F(LocalUsers, nobody_is_cut_short_for_one_of_the_same_user_and_that_one_is_
             settle();
         }
         const auto next = connect();
-        ASSERT_TRUE(gateway.until([&] { return !next->heard().empty(); }));
-        told = next->heard().starts_with("HTTP/1.1 503 Service Unavailable") && next->is_closed();
+        if (!next->send("GET /status HTTP/1.1\r\nHost: x\r\n")) break;    // it is refused already, and does not know
+        settle();
+        if (!next->send("\r\n")) break;
+        ASSERT_TRUE(gateway.until([&] { return next->is_closed(); }));
+        told = next->heard().starts_with("HTTP/1.1 503 Service Unavailable") &&
+               next->heard().find("\r\nRetry-After: 1\r\n") != std::string::npos && !next->is_cut_off();
     }
     EXPECT_TRUE(told);
+}
+
+TEST_F(LocalUsers, those_who_are_refused_and_stay_cost_little_and_not_for_long) {
+    const auto open = [] { return std::distance(fs::directory_iterator{"/proc/self/fd"}, fs::directory_iterator{}); };
+    const auto before = open();
+    std::vector<std::unique_ptr<Client>> stay;
+    for (int i = 0; i < 300; ++i) {
+        stay.push_back(connect());
+        ASSERT_TRUE(stay.back()->send("GET /sta"));
+        settle();
+    }
+    EXPECT_LE(open() - before - 300, 32 + 32) << "those with a place, and those who are being told";
+    EXPECT_TRUE(gateway.until([&] { return open() - before - 300 <= 32; }));
+}
+
+/// Somebody of the same user floods us: he connects, says half a request, and goes on with the next.
+class Flooded : public LocalUsers {
+protected:
+    int flood() {
+        std::deque<Client> held;
+        for (;;) {
+            held.emplace_back(socket);
+            held.back().send("GET /sta");
+            if (held.size() > 64) held.pop_front();
+        }
+    }
+    /// How many of 60 whole requests, one after the other, are not answered.
+    int failures() {
+        int failed = 0;
+        for (int i = 0; i < 60; ++i) failed += http(socket, "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200") ? 0 : 1;
+        return failed;
+    }
+    bool has_ended(const Child& child) {
+        siginfo_t info{};
+        return ::waitid(P_PID, static_cast<id_t>(child.pid()), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+    }
+};
+
+TEST_F(Flooded, every_whole_request_is_answered) {
+    const Child first{[&] { return flood(); }}, second{[&] { return flood(); }};
+    Child asks{[&] { return failures(); }};
+    ASSERT_TRUE(gateway.until([&] { return has_ended(asks); }, 30s));
+    EXPECT_EQ(asks.wait(), 0);
 }
 
 /// With clients of another user, in a process of their own.
@@ -427,6 +495,80 @@ TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_othe
     };
     EXPECT_EQ(as_nobody(own), 10);
     EXPECT_EQ(as_nobody(ours), 11) << "another user's is not used: the lock is beside the path";
+}
+
+/// Where a user's gateways keep their locks.
+class LockFiles : public testing::Test {
+protected:
+    void SetUp() override {
+        fs::permissions(dir.path(), fs::perms{0755});
+        fs::create_directory(own);
+        if (::geteuid() == 0) {
+            ASSERT_EQ(::chown(own.c_str(), nobody, nobody), 0);
+        }
+    }
+    /// What `work` returns, done by a user who has his locks in a folder of his own; 100: there is no such user here.
+    int as_user(const std::function<int()>& work) {
+        return Child{[&] {
+            if (::geteuid() == 0 && !become_nobody()) return 100;
+            if (::access("/run/anogate", W_OK) == 0 || ::setenv("XDG_RUNTIME_DIR", own.c_str(), 1) != 0) return 100;
+            return work();
+        }}.wait();
+    }
+    auto locks() { return std::distance(fs::directory_iterator{own + "/anogate"}, fs::directory_iterator{}); }
+    /// Takes `name` and ends as if killed; what it returns says whether it had it, and `inside` what it did with it.
+    int killed_with(const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
+        return Child{[&]() -> int {
+            anogate::PathClaim claim;
+            ::_exit(claim.take(dir / name).error.empty() ? inside() : 50);
+        }}.wait();
+    }
+    TempDir dir;
+    std::string own = dir / "own";
+};
+
+TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
+    const int result = as_user([&] {
+        anogate::PathClaim held, next;
+        if (!held.take(dir / "held").error.empty()) return 1;
+        if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50) return 2;    // a is held while b is taken
+        std::ofstream{own + "/anogate/notes"} << "no lock of ours";
+        if (locks() != 4) return 3;
+        if (!next.take(dir / "next").error.empty()) return 4;
+        if (locks() != 3) return 5;
+        return killed_with("held") == 50 && killed_with("next") == 50 ? 0 : 6;
+    });
+    if (result == 100) GTEST_SKIP() << "needs a user who may not write to /run/anogate";
+    EXPECT_EQ(result, 0);
+}
+
+TEST_F(LockFiles, two_never_have_one_name_whoever_takes_old_ones_away) {
+    const int result = as_user([&] {
+        std::vector<std::unique_ptr<Child>> others, takers;
+        for (const std::string name : {"x", "y"})
+            others.push_back(std::make_unique<Child>([&, name]() -> int {
+                for (;;) anogate::PathClaim{}.take(dir / name);
+            }));
+        const auto alone = [&] {
+            const int marker = ::open((own + "/marker").c_str(), O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+            return marker >= 0 && ::sched_yield() == 0 && ::unlink((own + "/marker").c_str()) == 0 ? 0 : 1;
+        };
+        for (int i = 0; i < 3; ++i)
+            takers.push_back(std::make_unique<Child>([&] {
+                int had = 0;
+                for (int round = 0; round < (sanitized ? 20 : 200); ++round) {
+                    const int outcome = killed_with("app", alone);
+                    if (outcome != 0 && outcome != 50) return outcome;
+                    had += outcome == 0 ? 1 : 0;
+                }
+                return had > 0 ? 0 : 2;
+            }));
+        for (const auto& taker : takers)
+            if (const int failed = taker->wait(); failed != 0) return failed;
+        return 0;
+    });
+    if (result == 100) GTEST_SKIP() << "needs a user who may not write to /run/anogate";
+    EXPECT_EQ(result, 0) << "1: two had it at once; 2: somebody never had it";
 }
 
 /// Several of the same user.

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -85,12 +86,14 @@ void Socket::send(std::span<const std::uint8_t> bytes) const {
     must(::send(fd_, bytes.data(), bytes.size(), 0) >= 0, "send");
 }
 
-bool Socket::wait(std::chrono::milliseconds patience) const {
+bool Socket::wait_for(std::span<const std::uint8_t> bytes, std::chrono::milliseconds patience) const {
     const auto until = std::chrono::steady_clock::now() + patience;
     std::array<std::uint8_t, 2048> buffer;
-    while (::recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT) < 0)
-        if (std::chrono::steady_clock::now() > until) return false;
-    return true;
+    while (std::chrono::steady_clock::now() <= until) {
+        const auto size = ::recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT);
+        if (size >= 0 && std::ranges::equal(bytes, std::span{buffer}.first(static_cast<std::size_t>(size)))) return true;
+    }
+    return false;
 }
 
 Sink::Sink(std::vector<int> fds) : fds_{std::move(fds)} {

@@ -32,9 +32,9 @@ public:
     void connect(std::uint16_t port);
     /// To whom it is connected.
     void send(std::span<const std::uint8_t> bytes) const;
-    /// Takes one datagram; false when none came in time. Asks without a pause, so that only the sender's way is
-    /// measured.
-    bool wait(std::chrono::milliseconds patience) const;
+    /// Takes datagrams up to the one of these `bytes`; false when it did not come in time. Asks without a pause, so that only
+    /// the sender's way is measured.
+    bool wait_for(std::span<const std::uint8_t> bytes, std::chrono::milliseconds patience) const;
 
 private:
     int fd_;

@@ -15,9 +15,10 @@
 
 // In place of libc's: a user of the system has some 128 instances, and others may have taken them all.
 static bool inotify_instances_left = true;
+static int inotify_instances_made = 0;
 
 extern "C" int inotify_init1(int flags) noexcept {
-    if (inotify_instances_left) return static_cast<int>(::syscall(SYS_inotify_init1, flags));
+    if (inotify_instances_left) return ++inotify_instances_made, static_cast<int>(::syscall(SYS_inotify_init1, flags));
     errno = EMFILE;
     return -1;
 }
@@ -105,8 +106,9 @@ TEST(PtyLink, watches_again_when_there_is_inotify) {
     const TempDir dir;
     std::optional<WithoutInotify> without{std::in_place};
     RunningGateway daemon{pty("app", dir / "app")};
+    const int made_before = inotify_instances_made;
     without.reset();
-    daemon.run_for(150ms);
+    ASSERT_TRUE(daemon.until([&] { return inotify_instances_made > made_before; }));
     without.emplace();    // what it has it keeps
     PortUser app{dir / "app"};
     EXPECT_TRUE(daemon.until_up("app"));

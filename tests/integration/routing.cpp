@@ -334,6 +334,30 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
     EXPECT_TRUE(hint_is(""));
 }
 
+// What comes by one cable goes out by the other while nobody is known to want it: nothing tells it from a ring.
+TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
+    TempDir dir;
+    PtyDevice one{dir / "one"}, two{dir / "two"};
+    RunningGateway daemon{serial("one", one.path()), serial("two", two.path()), udp_listen("ground")};
+    ASSERT_TRUE(daemon.until_up("one") && daemon.until_up("two"));
+    const std::string words = "the same device on two links? give them one `group`";
+    std::uint8_t count = 0;
+    EXPECT_TRUE(daemon.until([&] {
+        one.write(frame(0xDC, 0xFE, 0x03, {count}));
+        two.write(frame(0xDC, 0xFE, 0x03, {count++}));
+        daemon.run_for(20ms);
+        const std::string by_one = daemon.link("one").at("hint"), by_two = daemon.link("two").at("hint");
+        return by_one.starts_with(words) && by_two.starts_with(words);
+    })) << daemon.link("one").at("hint") << " / " << daemon.link("two").at("hint");
+    for (int i = 0; i < 100; ++i) {    // and it stays so
+        one.write(frame(0xDC, 0xFE, 0x03, {count}));
+        two.write(frame(0xDC, 0xFE, 0x03, {count++}));
+        daemon.run_for(20ms);
+        EXPECT_TRUE(std::string{daemon.link("one").at("hint")}.starts_with(words)) << daemon.link("one").at("hint");
+        EXPECT_TRUE(std::string{daemon.link("two").at("hint")}.starts_with(words)) << daemon.link("two").at("hint");
+    }
+}
+
 TEST(Gateway, sixty_four_channels_and_no_more) {
     auto ground = udp_listen("ground");
     ground.udp_listen.max_peers = 100;

@@ -164,24 +164,58 @@ TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
     EXPECT_EQ(child.wait(), 0);
 }
 
-TEST(SerialLink, nobody_else_opens_the_port_while_it_is_ours_and_anybody_may_afterwards) {
-    if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody: root itself opens exclusive ports";
-    const TempDir dir;
-    ::chmod(dir.path().c_str(), 0755);
-    PtyDevice fc{dir / "fc"};
-    ::chmod(fc.terminal().c_str(), 0666);
-    const PortUser keeps_it_alive{fc.path()};    // a pty forgets TIOCEXCL with its last user
-    const auto open_as_nobody = [&] {
+/// A gateway as root has the port; others are those of nobody.
+class SerialLinkOfRoot : public testing::Test {
+protected:
+    void SetUp() override {
+        if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody: root itself opens exclusive ports";
+        ::chmod(dir.path().c_str(), 0755);
+        ::chmod(fc.terminal().c_str(), 0666);
+    }
+    int open_as_nobody() {
         return Child{[&] {
             if (!become_nobody()) return 1;
             return ::open(fc.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
         }}.wait();
-    };
+    }
+    /// What the status of a gateway of nobody says of the port; the child exits with 0 when `expected` comes.
+    int gateway_of_nobody(const std::string& state, const std::string& error) {
+        return Child{[&] {
+            if (!become_nobody()) return 1;
+            RunningGateway daemon{serial("fc", fc.path())};
+            const auto is_so = [&](const nlohmann::json& link) { return link.at("state") == state && link.at("error") == error; };
+            return daemon.until([&] { return is_so(daemon.link("fc")); }) ? 0 : 2;
+        }}.wait();
+    }
+    TempDir dir;
+    PtyDevice fc{dir / "fc"};
+};
+
+TEST_F(SerialLinkOfRoot, no_other_gateway_has_the_port_while_it_is_ours_and_any_may_afterwards) {
     RunningGateway daemon{serial("fc", fc.path())};
     ASSERT_TRUE(daemon.until_up("fc"));
-    EXPECT_EQ(open_as_nobody(), EBUSY);
+    EXPECT_EQ(gateway_of_nobody("waiting", fc.path() + " is in use by another program"), 0);
     daemon.stop();
+    EXPECT_EQ(gateway_of_nobody("up", ""), 0);
+}
+
+// The master of a pseudo-terminal keeps it, with all that was made of it, when its last user is gone.
+TEST_F(SerialLinkOfRoot, who_is_killed_leaves_a_pseudo_terminal_to_everybody) {
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    Child killed{[&] {
+        RunningGateway daemon{serial("fc", fc.path())};
+        if (!daemon.until_up("fc") || ::write(ready[1], "", 1) != 1) return 1;
+        return ::pause();
+    }};
+    ::close(ready[1]);
+    char byte;
+    ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+    ::close(ready[0]);
+    ::kill(killed.pid(), SIGKILL);
+    killed.wait();
     EXPECT_EQ(open_as_nobody(), 0);
+    EXPECT_EQ(gateway_of_nobody("up", ""), 0);
 }
 
 TEST(SerialLink, closing_must_not_reset_the_board_behind_the_port) {

@@ -125,6 +125,24 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
     EXPECT_GT(gateway.at("longest_standstill_s"), 1.0);
 }
 
+TEST_F(Standstill, of_half_a_second_is_told_where_a_stream_speaks) {
+    app->write(numbered(0xFE, command, 2));
+    ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 1; }));
+    stand_still_with([&] { app->write(numbered(0xFE, command, 3)); }, 520ms);
+    go_on();
+    EXPECT_TRUE(daemon.until_says("stood still for 0."));
+    EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
+}
+
+TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
+    app.reset();
+    ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.link("app").at("state") == "waiting"; }));
+    stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 4)); }, 520ms);
+    go_on();
+    EXPECT_TRUE(daemon.until_says("stood still for 0."));
+    EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
+}
+
 TEST_F(Standstill, makes_nobody_who_spoke_meanwhile_a_peer_that_is_gone) {
     stand_still_with([&] {
         for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read takes

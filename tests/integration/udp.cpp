@@ -1,5 +1,7 @@
 // The UDP link with one fixed peer, a broadcast address and a multicast group included.
+#include <support/namespaces.hpp>
 #include <support/network_namespace.hpp>
+#include <support/open_network_beside.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -14,6 +16,12 @@ using namespace std::chrono_literals;
 using namespace support;
 
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+/// `interface` may be empty.
+anogate::LinkSettings on_interface(anogate::LinkSettings link, const std::string& interface) {
+    link.udp.interface = interface;
+    return link;
+}
 
 void join(const UdpPeer& peer, const std::string& group) {
     const auto to = anogate::SocketAddress::of(endpoint(group), peer.local().address.v6);
@@ -166,6 +174,84 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
 }
 
+TEST(UdpLink, its_interface_is_that_of_a_multicast_group) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    t.vehicle.ip("route add 224.0.0.0/4 dev wifi0");
+    const auto daemon = t.gateway({on_interface(udp("group", "239.1.2.3:17000"), "wg0"), udp_listen("air")});
+    const Inside inside{t.vehicle};
+    ASSERT_TRUE(daemon->until_up("group")) << daemon->link("group");
+    const auto ground = t.at(t.ground), stranger = t.at(t.stranger, "192.168.7.66:0");
+    t.stranger.ip("route add 224.0.0.0/4 dev wifi0");
+    t.ground.ip("route add 224.0.0.0/4 dev wg0");
+    ASSERT_TRUE(stranger->send(endpoint("239.1.2.3:17000"), vendor::who_are_you));
+    ASSERT_TRUE(ground->send(endpoint("239.1.2.3:17000"), vendor::who_are_you));
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("group", "frames_in") == 1; }));
+    daemon->run_for(20ms);
+    EXPECT_EQ(daemon->count("group", "frames_in"), 1u);
+}
+
+TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_address) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    const auto ground = t.at(t.ground, "10.77.0.2:6670"), stranger = t.at(t.stranger, "10.77.0.2:6670");
+    const Inside inside{t.vehicle};
+    for (const bool bound : {false, true}) {
+        auto link = on_interface(udp("ground", "10.77.0.2:6670"), bound ? "wg0" : "");
+        link.udp.bind = endpoint("10.77.0.1:6669");
+        const auto daemon = t.gateway({link});
+        ASSERT_TRUE(daemon->until_up("ground"));
+        for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:6669"), vendor::who_are_you);
+        ground->send(endpoint("10.77.0.1:6669"), vendor::who_are_you);
+        const std::uint64_t heard = bound ? 1 : 4;
+        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; }))
+            << (bound ? "bound: " : "not bound: ") << daemon->link("ground").dump();
+        EXPECT_EQ(daemon->count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
+    }
+}
+
+TEST(UdpLink, of_an_interface_sends_by_it_whatever_the_routes_say) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    for (const Namespace* space : {&t.ground, &t.stranger}) space->ip("address add 10.78.0.5/32 dev lo");
+    t.vehicle.ip("route add 10.78.0.0/24 via 192.168.7.66 metric 10");
+    t.vehicle.ip("route add 10.78.0.0/24 via 10.77.0.2 metric 20");
+    const auto ground = t.at(t.ground, "10.78.0.5:6670"), stranger = t.at(t.stranger, "10.78.0.5:6670");
+    const Inside inside{t.vehicle};
+    for (const bool bound : {false, true}) {
+        const auto daemon = t.gateway({on_interface(udp("far", "10.78.0.5:6670"), bound ? "wg0" : ""), udp_listen("air")});
+        ASSERT_TRUE(daemon->until_up("far"));
+        UdpPeer air;
+        air.send(daemon->port("air"), telemetry);
+        UdpPeer &meant = bound ? *ground : *stranger, &other = bound ? *stranger : *ground;
+        EXPECT_TRUE(daemon->until([&] { return meant.heard() == telemetry; })) << (bound ? "bound" : "not bound");
+        EXPECT_TRUE(other.heard().empty());
+        meant.forget();
+    }
+}
+
+TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    const auto daemon = t.gateway({on_interface(udp("ground", "10.77.0.2:6670"), "wg0"), udp_listen("air")});
+    ASSERT_TRUE(daemon->until_up("ground"));
+    t.vehicle.ip("link delete wg0");
+    {
+        const Inside inside{t.vehicle};
+        ASSERT_TRUE(daemon->until_waiting("ground"));
+    }
+    EXPECT_EQ(daemon->link("ground").at("error"), "no network interface wg0 now");
+    t.join_ground();
+    const Inside inside{t.vehicle};
+    ASSERT_TRUE(daemon->until_up("ground"));
+    const auto ground = t.at(t.ground, "10.77.0.2:6670");
+    UdpPeer air;
+    EXPECT_TRUE(daemon->until([&] {
+        air.send(daemon->port("air"), telemetry);
+        return !ground->heard().empty();
+    }));
+}
+
 TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
     const NetworkNamespace network;
     ANOGATE_NEEDS_NETWORK(network);
@@ -198,7 +284,7 @@ TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
                 network.run("link set va up"));
     RunningGateway daemon{udp("group", "239.1.2.3:17000")};
     EXPECT_EQ(daemon.link("group").at("error"),
-              "no route leads to the multicast group 239.1.2.3; name an interface by its address: bind=ADDRESS:17000");
+              "no route leads to the multicast group 239.1.2.3; name an interface: interface=NAME, or by its address bind=ADDRESS:17000");
 }
 
 TEST(UdpLink, ipv6_multicast_on_an_interface) {

@@ -1,5 +1,6 @@
 // The listening UDP link: who becomes a peer, for how long, and what each one gets.
 #include <support/namespaces.hpp>
+#include <support/open_network_beside.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
@@ -326,31 +327,12 @@ TEST(UdpListenLink, a_port_in_use_is_waited_for_and_taken_when_it_is_free) {
     EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
 }
 
-// The vehicle has a private network, wg0, beside an open one where somebody uses the addresses of the private one.
-struct OpenNetworkBeside {
-    Namespace vehicle, ground, stranger;
-
-    OpenNetworkBeside() {
-        join_ground();
-        vehicle.join(stranger, "wifi0", "192.168.7.1/24", "192.168.7.66/24");
-        stranger.ip("address add 10.77.0.2/32 dev lo");
-        stranger.ip("route add 10.77.0.1/32 via 192.168.7.1");
-        const Inside inside{vehicle};
-        for (const char* one : {"all", "default", "wifi0"}) std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
-    }
-    void join_ground() { vehicle.join(ground, "wg0", "10.77.0.1/24", "10.77.0.2/24"); }
-    /// The vehicle's gateway; `interface` may be empty.
-    std::unique_ptr<RunningGateway> gateway(const std::string& interface) {
-        auto link = udp_listen("ground", "10.77.0.1:12333");
-        link.udp_listen.interface = interface;
-        const Inside inside{vehicle};
-        return std::make_unique<RunningGateway>(settings_of({link}));
-    }
-    std::unique_ptr<UdpPeer> at(const Namespace& space) {
-        const Inside inside{space};
-        return std::make_unique<UdpPeer>("10.77.0.2:0");
-    }
-};
+/// `interface` may be empty.
+anogate::LinkSettings port_of(const std::string& name, const std::string& local, const std::string& interface) {
+    auto link = udp_listen(name, local);
+    link.udp_listen.interface = interface;
+    return link;
+}
 
 TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_addresses) {
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
@@ -358,7 +340,7 @@ TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_
     const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
     const Inside inside{t.vehicle};
     for (const bool bound : {false, true}) {
-        const auto daemon = t.gateway(bound ? "wg0" : "");
+        const auto daemon = t.gateway({port_of("ground", "10.77.0.1:12333", bound ? "wg0" : "")});
         ASSERT_TRUE(daemon->until_up("ground"));
         for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
         ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
@@ -374,7 +356,7 @@ TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_
 TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
     OpenNetworkBeside t;
-    const auto daemon = t.gateway("wg0");
+    const auto daemon = t.gateway({port_of("ground", "10.77.0.1:12333", "wg0")});
     ASSERT_TRUE(daemon->until_up("ground"));
     t.vehicle.ip("link delete wg0");
     {
@@ -388,6 +370,22 @@ TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_
     const auto ground = t.at(t.ground);
     ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
     EXPECT_TRUE(daemon->until([&] { return peers(*daemon) == 1; }));
+}
+
+TEST(UdpListenLink, one_port_is_had_by_one_link_of_each_interface) {
+    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    OpenNetworkBeside t;
+    const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
+    const auto daemon = t.gateway({port_of("private", "0.0.0.0:12333", "wg0"), port_of("open", "0.0.0.0:12333", "wifi0"),
+                                   port_of("both", "0.0.0.0:12333", ""), port_of("again", "0.0.0.0:12333", "wg0")});
+    const Inside inside{t.vehicle};
+    ASSERT_TRUE(daemon->until_up("private") && daemon->until_up("open"));
+    for (const char* third : {"both", "again"}) EXPECT_EQ(daemon->link(third).at("error"), "port 12333 is in use by another program");
+    ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
+    for (int i = 0; i < 2; ++i) stranger->send(endpoint("192.168.7.1:12333"), vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("private", "frames_in") + daemon->count("open", "frames_in") == 3; }));
+    EXPECT_EQ(daemon->count("private", "frames_in"), 1u);
+    EXPECT_EQ(daemon->count("open", "frames_in"), 2u);
 }
 
 TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {

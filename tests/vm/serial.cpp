@@ -4,6 +4,8 @@
 #include "running_gateway.hpp"
 #include "udp_app.hpp"
 
+#include <support/child.hpp>
+
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
@@ -163,6 +165,32 @@ TEST_F(Serial, modem_lines_are_held_as_told) {
         EXPECT_EQ(port.find("DTR") != port.npos, on) << port;
         EXPECT_EQ(port.find("RTS") != port.npos, on) << port;
     }
+}
+
+TEST_F(Serial, no_other_user_opens_a_port_that_is_ours_and_any_may_when_we_are_gone) {
+    if (!in_vm()) GTEST_SKIP() << "needs a UART: only in tests/vm/machine";
+    ASSERT_EQ(run("chmod 666 /dev/ttyS1"), 0);
+    const auto open_as_nobody = [] {
+        return support::Child{[] {
+            if (!support::become_nobody()) return 1;
+            return ::open("/dev/ttyS1", O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
+        }}.wait();
+    };
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    support::Child killed{[&] {
+        Loop own;
+        RunningGateway gateway{own, {"serial:/dev/ttyS1,baud=115200"}};
+        return gateway.up("ttyS1") && ::write(ready[1], "", 1) == 1 ? ::pause() : 1;
+    }};
+    ::close(ready[1]);
+    char byte;
+    ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+    EXPECT_EQ(open_as_nobody(), EBUSY);
+    ::kill(killed.pid(), SIGKILL);
+    killed.wait();
+    EXPECT_EQ(open_as_nobody(), 0);
+    ::close(ready[0]);
 }
 
 int main(int argc, char** argv) {

@@ -484,6 +484,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
     } else if (link.kind == "udp") {
         link.udp.peer = random_endpoint(random, v6);
         if (random.one_in(2)) link.udp.bind = WrittenEndpoint{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
+        link.udp.interface = random.of({"", "wg0"});
     } else if (link.kind == "can") {
         link.can.interface = "can" + unique;
         link.can.fd = random.one_in(2);
@@ -638,7 +639,7 @@ TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
 
 TEST(PrintConfig, leaves_out_what_is_not_set) {
     const std::string printed = print_config(settings_of(R"({"links": ["serial:/dev/x", "udp:1.2.3.4:5"]})"));
-    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\""})
+    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\"", "\"interface\"", "\"socket\"", "\"file\"", "\"\""})
         EXPECT_EQ(printed.find(key), std::string::npos) << key;
     for (const char* key : {"\"baud\": 500000", "\"name\": \"x\"", "\"unknown\": \"flood\""})
         EXPECT_NE(printed.find(key), std::string::npos) << key;

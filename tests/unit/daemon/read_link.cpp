@@ -308,6 +308,34 @@ TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
     EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
 }
 
+TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
+    EXPECT_EQ(faults_of({"udp:1.2.3.4:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,interface="), "'interface' must be text of 1 to 15 bytes, not ''");
+    EXPECT_EQ(fault_of("serial:/dev/x,interface=wg0"), "'interface' is not a key of serial, but of udp-listen, udp, can");
+    EXPECT_EQ(faults_of({"udp:[fe80::1]:5,interface=wg0", "udp:[fe80::1%wg0]:5,interface=wg0", "udp:[fe80::1%3]:5,interface=wg0"}), "");
+    for (const char* link : {"udp:[fe80::1%wg1]:5,interface=wg0", "udp:[fe80::2]:5,bind=[fe80::1%wg1]:5,interface=wg0",
+                             "udp-listen:[fe80::1%wg1]:5,interface=wg0"})
+        EXPECT_EQ(fault_of(link), "'interface' 'wg0' is not that of [fe80::1%wg1]:5: take one of them away");
+}
+
+TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
+    const auto collide = [](const std::string& a, const std::string& b) {
+        const std::string faults = faults_of({a.c_str(), b.c_str()});
+        EXPECT_TRUE(faults.empty() || faults.find("local port 5 is used by") != std::string::npos) << faults;
+        return !faults.empty();
+    };
+    for (const char* other : {"udp-listen:0.0.0.0:5", "udp-listen:10.0.0.1:5", "udp:10.0.0.2:6,bind=0.0.0.0:5"}) {
+        const std::string link = std::string{other} + ",name=other";
+        EXPECT_FALSE(collide("udp-listen:0.0.0.0:5,interface=wg0", link + ",interface=wg1")) << link;
+        EXPECT_TRUE(collide("udp-listen:0.0.0.0:5,interface=wg0", link + ",interface=wg0")) << link;
+        EXPECT_TRUE(collide("udp-listen:0.0.0.0:5,interface=wg0", link)) << link;
+        EXPECT_TRUE(collide(link, "udp-listen:0.0.0.0:5,interface=wg0")) << link;
+        EXPECT_TRUE(collide(link, "udp-listen:[::]:5")) << link;
+        EXPECT_TRUE(collide("udp-listen:[::]:5", link)) << link;
+        EXPECT_FALSE(collide(link, "udp-listen:[::1]:5")) << link;
+    }
+}
+
 TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("/dev/ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
     EXPECT_EQ(fault_of("1.2.3.4:5"), "no kind (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");

@@ -213,19 +213,47 @@ using Watch = ArrivalTest;
 TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
     idle(10s);
     EXPECT_EQ(loop.standstills(), 0u);
-    pass(period + LoopWatch::told);
-    EXPECT_EQ(turn().stood, LoopWatch::told);
+    pass(LoopWatch::told);
+    EXPECT_FALSE(turn().is_told);
     EXPECT_EQ(loop.standstills(), 0u);
     beat();
-    pass(period + LoopWatch::told + 1ms);
-    EXPECT_EQ(turn().stood, LoopWatch::told + 1ms);
-    EXPECT_EQ(turn().stood, 0s);    // once
+    pass(LoopWatch::told + 1ms);
+    EXPECT_TRUE(turn().is_told);
+    EXPECT_FALSE(turn().is_told) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
     beat();
     pass(9s);
     beat();
     EXPECT_EQ(loop.standstills(), 2u);
     EXPECT_EQ(loop.longest(), 9s - period);
+}
+
+// Between calm beats, what waited to be read tells of what the beats can't.
+TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
+    loop.beat(520ms);
+    pass(10ms);
+    turn();
+    pass(5ms);
+    const Duration came = stamp();
+    pass(LoopWatch::told + 1ms);
+    EXPECT_FALSE(turn().is_told);
+    const TimePoint arrived = wire.stamped(came, loop);
+    EXPECT_EQ(loop.waited(clocks.now), 0s) << "it woke the loop, which had nothing to do before";
+    EXPECT_EQ(loop.waited(arrived), LoopWatch::told + 1ms);
+    EXPECT_EQ(loop.waited(arrived), 0s) << "once";
+    EXPECT_EQ(loop.standstills(), 1u);
+    EXPECT_EQ(loop.longest(), LoopWatch::told + 1ms);
+}
+
+// Who can't keep up does not stand still.
+TEST_F(Watch, is_not_told_by_what_waited_while_it_ran) {
+    const Duration came = stamp();
+    idle(900ms);
+    EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 0s);
+    pass(700ms);
+    EXPECT_TRUE(turn().is_told);
+    EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 0s) << "nor when the beat has told it";
+    EXPECT_EQ(loop.standstills(), 1u);
 }
 
 TEST_F(Watch, tells_how_long_the_machine_slept) {

@@ -64,6 +64,8 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     EXPECT_EQ(hint(link), "a ring: what goes out by ground comes back by radio");
     link.ring_out = "radio";
     EXPECT_EQ(hint(link), "a ring: what goes out comes back by radio");
+    link.ring_is_certain = false;
+    EXPECT_EQ(hint(link), "the same device on two links? give them one `group`; or a ring: what goes out comes back by radio");
     link.up = false;
     EXPECT_EQ(hint(link), "");
 }

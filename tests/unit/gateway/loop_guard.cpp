@@ -186,6 +186,16 @@ TEST_F(Guarded, where_no_probe_may_go_what_a_device_said_tells_of_a_ring) {
     EXPECT_EQ(fate(host(2), 8, start + 70s), Fate::passes) << "not for ever";
 }
 
+// In a socket, while the loop stood still.
+TEST_F(Guarded, a_copy_that_waited_to_be_read_is_one_all_the_same) {
+    EXPECT_EQ(pass(device(1), 0, channels({1, 2}), start), Fate::passes);
+    Said copy = device(1);
+    copy.arrived = start + 1s;
+    EXPECT_EQ(fate(copy, 1, start + 4s), Fate::ends);
+    copy.arrived = start + 2s;
+    EXPECT_EQ(fate(copy, 1, start + 4s), Fate::passes);
+}
+
 TEST_F(Guarded, a_sender_that_repeats_itself_loses_nothing) {
     std::uint32_t passed = 0;
     auto now = start;

@@ -57,6 +57,13 @@ TEST(DuplicateGuard, lets_one_copy_through) {
     EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 2s));
 }
 
+TEST(DuplicateGuard, a_copy_that_waited_to_be_read_is_one_all_the_same) {
+    DuplicateGuard guard;
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 4s, start + 1999ms));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 4s, start + 2s));
+}
+
 TEST(DuplicateGuard, the_same_link_may_repeat) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));

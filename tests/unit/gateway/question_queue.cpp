@@ -1,0 +1,85 @@
+#include <gateway/question_queue.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+
+constexpr std::uint8_t host = 0xFE, fc = 0xDC;
+constexpr ano::TimePoint start{1h};
+
+Bytes question(std::uint8_t number) { return support::frame(host, fc, 0xE0, {2, number, 0}); }
+
+/// As many as a device may be asked have left and were not answered; what is asked now waits.
+class BusyDevice : public testing::Test {
+protected:
+    void SetUp() override {
+        outbox.open();
+        for (std::uint8_t n = 0; n < InFlight::most; ++n) ask(n);
+        ASSERT_EQ(send(start), InFlight::most);
+        ASSERT_EQ(queue.waiting(), 0u);
+    }
+    void ask(std::uint8_t number, ChannelId from = ourselves, ano::TimePoint now = start) {
+        const Bytes frame = question(number);
+        queue.push(ano::FrameView{frame}, treatment_of(0xE0), now, from);
+    }
+    std::size_t send(ano::TimePoint now) {
+        std::array<std::span<const std::uint8_t>, 16> pieces;
+        const std::size_t count = outbox.gather(pieces, now);
+        for (std::size_t i = 0; i < count; ++i) outbox.sent_frame();
+        return count;
+    }
+
+    Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
+    QuestionQueue queue{outbox, {.bytes = 1000, .age = 5s}};
+};
+
+TEST_F(BusyDevice, what_waits_for_it_ages_while_the_machine_sleeps) {
+    ask(8, ChannelId{0});
+    ask(9, ChannelId{1});
+    ask(10, ChannelId{0});
+    queue.grow_older(5s);
+    EXPECT_FALSE(queue.release(start));
+    EXPECT_EQ(queue.waiting(), 0u);
+    EXPECT_EQ(queue.counters().stale, 3u);
+}
+
+TEST_F(BusyDevice, what_waits_for_it_has_left_what_the_sleep_left_of_its_time) {
+    ask(8);
+    queue.grow_older(3s);
+    queue.grow_older(1900ms);
+    EXPECT_EQ(queue.next_look(start), start + 100ms);
+    EXPECT_FALSE(queue.release(start + 99ms));
+    EXPECT_EQ(queue.waiting(), 1u);
+    EXPECT_FALSE(queue.release(start + 100ms));
+    EXPECT_EQ(queue.counters().stale, 1u);
+}
+
+TEST_F(BusyDevice, what_came_after_the_sleep_is_as_young_as_it_is) {
+    ask(8);
+    queue.grow_older(5s);
+    ask(9, ourselves, start + 1ms);    // which drops the other
+    EXPECT_EQ(queue.counters().stale, 1u);
+    EXPECT_EQ(queue.waiting(), 1u);
+    EXPECT_TRUE(queue.release(start + InFlight::patience));
+    EXPECT_EQ(send(start + InFlight::patience), 1u);
+}
+
+TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
+    ask(8);
+    queue.grow_older(4s);
+    EXPECT_TRUE(queue.release(start + InFlight::patience));
+    EXPECT_EQ(send(start + 1s), 0u);
+    EXPECT_EQ(outbox.counters().stale, 1u);
+}
+
+}  // namespace
+}  // namespace anogate
