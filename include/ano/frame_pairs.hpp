@@ -2,11 +2,11 @@
 #pragma once
 #include <ano/heard.hpp>
 #include <ano/prefix_sums.hpp>
+#include <ano/room.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 namespace ano {
@@ -51,8 +51,8 @@ private:
     // Both are rings over the stream. Of what ends, or would end, at a place, the latest to begin comes first; it is told
     // by its size, which the place where it ends makes a place where it begins.
     std::size_t mask_;
-    std::unique_ptr<std::uint16_t[]> ends_;      // by end: the first candidate; once it was judged, the first good frame
-    std::unique_ptr<std::uint16_t[]> nexts_;     // by begin: the next candidate of the same end
+    Room<std::uint16_t> ends_;      // by end: the first candidate; once it was judged, the first good frame
+    Room<std::uint16_t> nexts_;     // by begin: the next candidate of the same end
 
     std::size_t credit_ = most_credit;
     Place origin_ = 0;          // of the buffer's first byte

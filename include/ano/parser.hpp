@@ -11,11 +11,11 @@
 #include <ano/frame_pairs.hpp>
 #include <ano/heard.hpp>
 #include <ano/prefix_sums.hpp>
+#include <ano/room.hpp>
 #include <ano/time.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 
@@ -98,7 +98,7 @@ private:
 
     Options options_;
     std::size_t capacity_;
-    std::unique_ptr<std::uint8_t[]> buffer_;    // left uninitialised: pages never used cost nothing
+    Room<std::uint8_t> buffer_;
     std::size_t pos_ = 0;        // first byte not yet judged
     std::size_t end_ = 0;        // end of the bytes put in
     std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it

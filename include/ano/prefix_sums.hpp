@@ -1,8 +1,9 @@
 // Both checks of any stretch of a buffer in constant time, after each of its bytes was summed once.
 #pragma once
+#include <ano/room.hpp>
+
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 namespace ano {
@@ -37,9 +38,9 @@ public:
 private:
     void extend_to(const std::uint8_t* bytes, std::size_t to) noexcept;
 
-    std::unique_ptr<std::uint8_t[]> sum_;    // sum_[i]: the sum of the bytes before i
-    std::unique_ptr<std::uint8_t[]> add_;    // add_[i]: the sum of sum_[k + 1] for the places k before i
-    std::unique_ptr<std::uint8_t[]> gap_;    // gap_[i]: sum_[i] less byte i, the sum before a frame whose SC stands at i
+    Room<std::uint8_t> sum_;    // sum_[i]: the sum of the bytes before i
+    Room<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for the places k before i
+    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] less byte i, the sum before a frame whose SC stands at i
     std::size_t end_ = 0;
 };
 

@@ -6,6 +6,7 @@
 //          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // what would leave, in order
 //          queue.next(), queue.take() …                                        // leaves, in that very order
 #pragma once
+#include <ano/room.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/waiting_frame.hpp>
 
@@ -13,7 +14,6 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 
 namespace anogate {
 
@@ -180,7 +180,7 @@ private:
     Number in_turn(Number ring) noexcept;
 
     WaitingFrame* frames_;
-    std::unique_ptr<Node[]> nodes_;    // left uninitialised: pages never used cost nothing
+    ano::Room<Node> nodes_;
     std::int32_t quantum_;
     Number used_ = first_flow;    // nodes_[first_flow, used_) have been flows
     Number free_ = nobody;        // of those, the free ones

@@ -6,6 +6,7 @@
 //          outbox.set_congested()                          // when the wire took no more and frames still wait
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/room.hpp>
 #include <ano/time.hpp>
 #include <gateway/class_shares.hpp>
 #include <gateway/counters.hpp>
@@ -17,7 +18,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 namespace anogate {
@@ -134,8 +134,8 @@ private:
 
     Options options_;
     std::size_t capacity_;                     // of the arena: twice the bound, so that compacting is rare
-    std::unique_ptr<std::uint8_t[]> arena_;    // both left uninitialised: pages never used cost nothing
-    std::unique_ptr<WaitingFrame[]> entries_;
+    ano::Room<std::uint8_t> arena_;
+    ano::Room<WaitingFrame> entries_;
     Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
     Index free_ = none;      // of those, the free ones
     std::size_t end_ = 0;    // where the next frame's bytes go

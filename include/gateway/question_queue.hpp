@@ -5,6 +5,7 @@
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
 //          if (questions.release(now)) ...          // at next_look(); true: flush it
 #pragma once
+#include <ano/room.hpp>
 #include <gateway/fair_queue.hpp>
 #include <gateway/in_flight.hpp>
 #include <gateway/outbox.hpp>
@@ -12,7 +13,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 
 namespace anogate {
@@ -65,9 +65,9 @@ private:
     Outbox& outbox_;
     InFlight in_flight_;
     Options options_;
-    std::unique_ptr<std::uint8_t[]> room_;      // twice the bound, so that compacting is rare
+    ano::Room<std::uint8_t> room_;      // twice the bound, so that compacting is rare
     std::size_t end_ = 0;                       // where the next one's bytes go
-    std::unique_ptr<WaitingFrame[]> frames_;    // both left uninitialised: pages never used cost nothing
+    ano::Room<WaitingFrame> frames_;
     FrameIndex used_ = 0;                       // frames_[0, used_) have been used since nothing waited last
     FrameIndex free_ = no_frame;                // of those, the free ones
     FrameList in_room_ = no_frames;             // all, in the order in which they came and of their bytes

@@ -7,6 +7,7 @@
 //         tunnel.begin_wrap(rule, …), add(), end_wrap()
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/room.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/settings.hpp>
 #include <gateway/tunnel_policy.hpp>
@@ -15,7 +16,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -65,7 +65,7 @@ private:
 /// Makes one tunnel frame at a time in memory of its own. Allocates once.
 class TunnelWriter {
 public:
-    TunnelWriter() : buffer_{new std::uint8_t[ano::largest_frame]} {}    // unused pages cost nothing
+    TunnelWriter() : buffer_{ano::largest_frame} {}
 
     /// A frame of `id` from `source` to `destination`, with at most `max_data` bytes of DATA.
     void begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept;
@@ -79,7 +79,7 @@ public:
 private:
     std::size_t inner_at() const noexcept { return ano::header_size + tunnel_head_size(buffer_[3]); }
 
-    std::unique_ptr<std::uint8_t[]> buffer_;
+    ano::Room<std::uint8_t> buffer_;
     std::size_t end_ = 0;
     std::size_t most_ = 0;    // end_ may be
 };

@@ -32,8 +32,8 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 // What is asked for stands in less than a largest frame, and its candidates end less than one behind that.
 FramePairs::FramePairs(std::size_t max_data)
     : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, largest_data))) - 1},
-      ends_{new std::uint16_t[mask_ + 1]},
-      nexts_{new std::uint16_t[mask_ + 1]},
+      ends_{mask_ + 1},
+      nexts_{mask_ + 1},
       forgotten_{0 - static_cast<Place>(mask_) - 1} {}    // a whole round back: the first search clears the ring
 
 bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums,

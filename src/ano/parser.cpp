@@ -65,7 +65,7 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
 FrameParser::FrameParser(Options options)
     : options_{options},
       capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
-      buffer_{new std::uint8_t[capacity_ + block]},    // HEADs are looked for by whole blocks
+      buffer_{capacity_ + block},    // HEADs are looked for by whole blocks
       sums_{capacity_},
       pairs_{options.max_data} {
     options_.max_data = std::min(options.max_data, largest_data);

@@ -36,7 +36,7 @@ Bytes sums_from(std::uint64_t& carry, Bytes x) noexcept {
 }  // namespace
 
 PrefixSums::PrefixSums(std::size_t capacity)
-    : sum_{new std::uint8_t[capacity + 1]}, add_{new std::uint8_t[capacity + 1]}, gap_{new std::uint8_t[capacity + 1]} {}
+    : sum_{capacity + 1}, add_{capacity + 1}, gap_{capacity + 1} {}
 
 void PrefixSums::extend(std::span<const std::uint8_t> bytes, std::size_t to) noexcept {
     extend_to(bytes.data(), std::min(std::max(to, end_ + stride), bytes.size()));

@@ -8,6 +8,7 @@
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
+#include <daemon/rooms.hpp>
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
 #include <link/ip_socket.hpp>
@@ -19,7 +20,6 @@
 #include <iostream>
 
 #include <fcntl.h>
-#include <malloc.h>
 #include <unistd.h>
 
 namespace anogate {
@@ -46,14 +46,6 @@ void fill_standard_files() {
     int fd = 0;
     while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
     if (fd > STDERR_FILENO) ::close(fd);
-}
-
-// What a peer needs is large and mostly never touched: from the system by itself it costs what is touched, and goes back when the
-// peer goes. Left to itself the C library takes such pieces from its heap as soon as one was freed, where each peer touches the
-// pages of others and the holes between them: memory grew with every peer that came and went.
-void take_large_pieces_from_the_system() {
-    constexpr int large = 8 * 1024;    // bytes
-    ::mallopt(M_MMAP_THRESHOLD, large);
 }
 
 // What runs: the gateway, its control interface, and what the system tells us by signals.
@@ -194,7 +186,7 @@ int run(int argc, char** argv) {
 
 // What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
 int run_program(int argc, char** argv) {
-    take_large_pieces_from_the_system();
+    take_rooms_from_the_system();
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});
     let_sigterm_end_at_once();
     int status = 1;

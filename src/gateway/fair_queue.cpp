@@ -1,7 +1,6 @@
 #include <gateway/fair_queue.hpp>
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 namespace anogate {
@@ -13,8 +12,7 @@ constexpr int longest_search = 16;
 }    // namespace
 
 FairQueue::FairQueue(WaitingFrame* frames, std::size_t most_frames, std::int32_t quantum)
-    : frames_{frames}, nodes_{new Node[first_flow + std::min(most_frames, channels * 256)]}, quantum_{quantum} {
-    static_assert(std::is_trivially_default_constructible_v<Node>);    // or all of them would be touched here
+    : frames_{frames}, nodes_{first_flow + std::min(most_frames, channels * 256)}, quantum_{quantum} {
     clear();
 }
 

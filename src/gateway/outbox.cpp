@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-#include <type_traits>
 
 namespace anogate {
 namespace {
@@ -27,12 +26,11 @@ std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
 Outbox::Outbox(const Options& options)
     : options_{options},
       capacity_{2 * options.bytes},
-      arena_{new std::uint8_t[capacity_]},
-      entries_{new WaitingFrame[options.bytes / ano::overhead + 2]},
+      arena_{capacity_},
+      entries_{options.bytes / ano::overhead + 2},
       queues_{FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[0]},
               FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[1]},
               FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[2]}} {
-    static_assert(std::is_trivially_default_constructible_v<WaitingFrame>);    // or all of them would be touched here
     buckets_.fill(no_frames);
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }

@@ -16,8 +16,8 @@ std::size_t most_frames(const QuestionQueue::Options& options) noexcept { return
 QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
     : outbox_{outbox},
       options_{options},
-      room_{new std::uint8_t[2 * options.bytes]},
-      frames_{new WaitingFrame[most_frames(options)]},
+      room_{2 * options.bytes},
+      frames_{most_frames(options)},
       turns_{frames_.get(), most_frames(options), one_by_one} {
     outbox_.tell(&in_flight_);
 }

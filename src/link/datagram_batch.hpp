@@ -1,5 +1,6 @@
 // Room to receive many datagrams with one system call. One for the whole loop: it is empty again when a read ends.
 #pragma once
+#include <ano/room.hpp>
 #include <link/clocks.hpp>
 
 #include <netinet/in.h>
@@ -8,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <optional>
 #include <span>
 
@@ -51,7 +51,10 @@ public:
     static constexpr std::size_t most = 32;
     static constexpr std::size_t room = 65536;    // of each: the largest datagram there is
 
-    DatagramBatch() : bytes_{new std::uint8_t[most * room]} {}    // uninitialised: unused pages cost nothing
+    // So that the first burst does not make the program larger, each has at once what a short datagram takes.
+    DatagramBatch() : bytes_{most * room} {
+        for (std::size_t i = 0; i < most; ++i) bytes_[i * room] = 0;
+    }
 
     /// Reads what is there, up to `most` datagrams. Returns how many, 0 when there is none, or -1 and errno.
     int receive(int fd) noexcept {
@@ -77,7 +80,7 @@ public:
     }
 
 private:
-    std::unique_ptr<std::uint8_t[]> bytes_;
+    ano::Room<std::uint8_t> bytes_;
     std::array<mmsghdr, most> messages_;
     std::array<iovec, most> pieces_;
     std::array<sockaddr_storage, most> senders_;

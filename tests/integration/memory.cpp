@@ -1,0 +1,87 @@
+// How much memory the program holds when peers come and go.
+#include <support/process.hpp>
+#include <support/sanitized.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+
+#include <deque>
+
+namespace {
+
+using namespace support;
+
+constexpr int places = 16;    // max_peers, unless said otherwise
+const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+// Strangers of whom each sends from a port of its own, once, and takes the place of another.
+class Strangers {
+public:
+    explicit Strangers(const Daemon& daemon) : daemon_{daemon}, ground_{daemon.port("ground")}, air_{daemon.port("air")} {}
+
+    // Each is there before the next one comes, and is sent what a vehicle says. Now and then somebody looks at the status, which
+    // takes memory between that of peers.
+    bool come(int count) {
+        for (int i = 0; i < count; ++i) {
+            here_.emplace_back();
+            here_.back().send(ground_, vendor::who_are_you);
+            const auto speak = [&] { vehicle_.send(air_, telemetry), std::this_thread::sleep_for(std::chrono::milliseconds{1}); };
+            if (!wait_until([&] { return !here_.back().heard().empty(); }, patience, speak)) return false;
+            if (here_.size() > places) here_.pop_front();
+            if (i % places == 0) daemon_.status();
+        }
+        return true;
+    }
+
+private:
+    const Daemon& daemon_;
+    std::uint16_t ground_, air_;
+    UdpPeer vehicle_;
+    std::deque<UdpPeer> here_;
+};
+
+TEST(Memory, who_takes_the_place_of_another_takes_no_more) {
+    if (sanitized) GTEST_SKIP() << "a sanitizer keeps what is freed";
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=air"}};
+    ASSERT_TRUE(daemon.until_up("ground") && daemon.until_up("air"));
+    Strangers strangers{daemon};
+    ASSERT_TRUE(strangers.come(2 * places));
+    const long before = daemon.proc_status("RssAnon");
+    ASSERT_TRUE(strangers.come(60 * places));
+    const long after = daemon.proc_status("RssAnon");
+    EXPECT_LT(after - before, 128) << "KB, from " << before;
+    EXPECT_EQ(daemon.link("ground").at("channels").size(), std::size_t{places});
+}
+
+TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
+    if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ground"));
+    const rlim_t some = 512 * 1024;    // what a peer may come to need is more, and an answer to us is less
+    const rlim_t now = static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024;
+    const rlimit little{now + some, RLIM_INFINITY}, any{RLIM_INFINITY, RLIM_INFINITY};
+    ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
+    UdpPeer stranger;
+    stranger.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(wait_until([&] { return daemon.count("ground", "denied_in") == 1; })) << daemon.output();
+    EXPECT_EQ(daemon.link("ground").at("channels").size(), 0u);
+    ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
+    stranger.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(wait_until([&] { return daemon.link("ground").at("channels").size() == 1; })) << "there is memory again";
+}
+
+// Rooms are mostly never touched. A huge page is touched whole, and joined to one later, whoever asks for it.
+TEST(Memory, has_no_huge_pages) {
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ground"));
+    EXPECT_EQ(daemon.proc_status("THP_enabled"), 0);
+}
+
+}  // namespace
