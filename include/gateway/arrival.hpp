@@ -2,7 +2,7 @@
 //
 // Flow:    loop.turn(clocks)                                   // whenever something is read, and at each beat
 //          channel.arrived_at = arrival.stamped(stamp, loop)   // or unstamped(loop)
-//          arrival.found_empty(loop)                           // nothing more waits
+//          arrival.found_empty(loop.before())                  // nothing more waits, and the turn before was ahead of the read
 //          loop.beat(period)                                   // at least once in a `period`, after turn()
 #pragma once
 #include <ano/time.hpp>
@@ -37,7 +37,7 @@ public:
         bool is_told = false;
     };
     Turn turn(const ClockReading& clocks) noexcept {
-        const ClockReading before = clocks_;
+        const ClockReading before = before_ = clocks_;
         clocks_ = clocks;
         if (!beats_) return {};
         if (clocks.now - before.now > told) gap_ = {before.now, clocks.now};
@@ -71,6 +71,8 @@ public:
     void end_standstill() noexcept { is_over_ = true; }
 
     const ClockReading& clocks() const noexcept { return clocks_; }
+    /// Of the turn before the last.
+    const ClockReading& before() const noexcept { return before_; }
     ano::TimePoint now() const noexcept { return clocks_.now; }
     /// It stood still, and there are wires that nobody has looked at since.
     bool is_behind() const noexcept { return !is_over_; }
@@ -96,6 +98,7 @@ private:
     }
 
     ClockReading clocks_{};    // of the last turn
+    ClockReading before_{};    // of the one before
     Gap gap_{};                // the last that was longer than `told` and is not counted
     ano::Duration period_{};
     ano::TimePoint due_{};     // the next beat
@@ -126,9 +129,10 @@ public:
             old_since_ = std::max(loop.stood_since(), empty_.boot);
         return old_since_ ? c.now - (c.boot - *old_since_) : c.now;
     }
-    /// Nothing more waits on the wire.
-    void found_empty(const LoopWatch& loop) noexcept {
-        empty_ = loop.clocks();
+    /// Nothing more waits on the wire: a read found that, and the clocks were read `before` it. Behind the read the loop may stand
+    /// still before it can read them.
+    void found_empty(const ClockReading& before) noexcept {
+        empty_ = before;
         old_since_.reset();
     }
     /// What is left on the wire is as old as the standstill: read until it is found empty.

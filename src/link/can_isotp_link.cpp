@@ -51,6 +51,7 @@ void CanIsotpLink::read() {
         return transfer_failed(error);
     }
     const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
     const auto on_frame = [this](ano::FrameView frame) { context_.host.receive(channel(), frame); };
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         channel().arrived_at = context_.batch.arrived_at(i, arrival_, loop);
@@ -59,7 +60,7 @@ void CanIsotpLink::read() {
         while (const auto frame = channel().parser.next()) on_frame(*frame);
         trouble_.clear();
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
     context_.host.flush();
 }
 

@@ -52,7 +52,7 @@ void CanLink::try_open() {
     found_room();
     descriptor_.open(std::move(opened.fd));
     keep_stamps(descriptor_.fd());
-    arrival_.found_empty(context_.host.turn());
+    arrival_.found_empty(context_.host.turn().clocks());
     pacing_.start(settings().rate, settings().latency);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);

@@ -71,12 +71,13 @@ void CanStreamLink::read() {
     const int count = batch_->receive(fd());
     if (count < 0) return fail(can_error_text(can(), errno));
     const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         channel().arrived_at = arrival(batch_->messages[i].msg_hdr, arrival_, loop);
         streams_.receive(batch_->frames[i].can_id & CAN_EFF_MASK, batch_->data(i), loop.now(),
                          [this](ano::FrameView frame) { context_.host.receive(channel(), frame); });
     }
-    if (static_cast<std::size_t>(count) < Batch::most) arrival_.found_empty(loop);
+    if (static_cast<std::size_t>(count) < Batch::most) arrival_.found_empty(asked);
     batch_ends();
 }
 

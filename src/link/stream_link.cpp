@@ -45,7 +45,7 @@ void StreamLink::try_open() {
     }
     backoff_.came_up(now);
     descriptor_.open(std::move(opened.fd));
-    arrival_.found_empty(context_.host.turn());
+    arrival_.found_empty(context_.host.turn().clocks());
     pacing_.start(settings().rate != 0 ? settings().rate : line_rate(), settings().latency);
     resume_reading();
     came_up();
@@ -76,7 +76,7 @@ void StreamLink::read() {
         const ssize_t n = ::read(descriptor_.fd(), room.data(), room.size());
         const int error = n < 0 ? errno : 0;
         if (error == EINTR) break;
-        if (n <= 0) arrival_.found_empty(context_.host.turn());
+        if (n <= 0) arrival_.found_empty(context_.host.turn().before());
         if (error == EAGAIN) break;
         if (n <= 0) return wire_ended(error);
         const LoopWatch& loop = context_.host.turn();

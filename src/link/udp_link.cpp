@@ -53,7 +53,7 @@ void UdpLink::try_open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
     descriptor_.open(std::move(opened.fd));
-    arrival_.found_empty(context_.host.turn());
+    arrival_.found_empty(context_.host.turn().clocks());
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
     if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
@@ -170,6 +170,7 @@ void UdpLink::read() {
         return fail(error_text(settings().udp.peer.text(), error));
     }
     const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
     const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
@@ -179,7 +180,7 @@ void UdpLink::read() {
         feed_datagram(channel_->parser, context_.batch.datagram(at), now,
                       [&](ano::FrameView frame) { take(frame); });
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
 }

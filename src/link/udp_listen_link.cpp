@@ -94,7 +94,7 @@ void UdpListenLink::try_open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
     descriptor_.open(std::move(socket.fd));
-    arrival_.found_empty(context_.host.turn());
+    arrival_.found_empty(context_.host.turn().clocks());
     opened(local_);
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(listen.interface.empty() ? listen.local : WrittenEndpoint{listen.local, listen.interface});
@@ -133,12 +133,13 @@ void UdpListenLink::read() {
         return fail(error_text(local_.text(), error));
     }
     const LoopWatch& loop = context_.host.turn();
+    const ClockReading asked = loop.before();
     const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
         take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(loop);
+    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
     context_.host.flush();
 }
 

@@ -17,7 +17,7 @@ protected:
     ArrivalTest() {
         turn();
         loop.beat(period);
-        wire.found_empty(loop);
+        wire.found_empty(loop.clocks());
     }
 
     void pass(Duration time) {
@@ -97,7 +97,7 @@ TEST_F(Stamped, of_the_future_is_now) {
 
 TEST_F(Stamped, is_no_older_than_the_wire_was_empty) {
     idle(1s);
-    wire.found_empty(loop);
+    wire.found_empty(loop.clocks());
     pass(30ms);
     EXPECT_EQ(age_by(stamp() - 49ms), 30ms);
 }
@@ -109,7 +109,7 @@ TEST_F(Stamped, means_nothing_when_the_clock_was_set) {
         set_clock(step);
         pass(1ms);
         EXPECT_EQ(age_by(came), 0s) << step.count();    // the loop ran: it can't have waited
-        wire.found_empty(loop);
+        wire.found_empty(loop.clocks());
     }
 }
 
@@ -123,10 +123,10 @@ TEST_F(Stamped, is_as_old_as_the_standstill_when_the_clock_was_set_meanwhile) {
         const Duration after = stamp();
         EXPECT_EQ(age_by(came), 9s) << step.count();
         EXPECT_EQ(age_by(after), 9s) << step.count();
-        wire.found_empty(loop);
+        wire.found_empty(loop.clocks());
         pass(1ms);
         EXPECT_EQ(age_by(stamp()), 0s) << step.count();
-        wire.found_empty(loop);
+        wire.found_empty(loop.clocks());
         beat();
     }
 }
@@ -139,11 +139,33 @@ TEST_F(Stamped, follows_a_clock_that_is_pulled_slowly) {
         const Duration came = stamp();
         pass(3ms);
         EXPECT_EQ(age_by(came), 3ms);
-        wire.found_empty(loop);
+        wire.found_empty(loop.clocks());
     }
 }
 
+// A standstill may begin as soon as the read has returned.
+TEST_F(Stamped, is_no_younger_for_a_standstill_right_behind_the_read) {
+    idle(1s);
+    turn();
+    pass(1ms);    // the read finds nothing more
+    pass(2s);     // and the clocks are read behind the standstill
+    const Duration came = stamp() - 1s;
+    turn();
+    wire.found_empty(loop.before());
+    EXPECT_EQ(age_by(came), 1s);
+}
+
 using Unstamped = ArrivalTest;
+
+TEST_F(Unstamped, is_no_younger_for_a_standstill_right_behind_the_read) {
+    idle(1s);
+    turn();
+    pass(2s);
+    turn();
+    wire.found_empty(loop.before());
+    pass(1ms);
+    EXPECT_EQ(age(), 2001ms);
+}
 
 TEST_F(Unstamped, is_of_now_while_the_loop_runs) {
     EXPECT_EQ(age(), 0s);
@@ -164,7 +186,7 @@ TEST_F(Unstamped, is_as_old_as_a_standstill) {
     EXPECT_TRUE(wire.is_behind());
     pass(1ms);
     EXPECT_EQ(age(), 9002ms);
-    wire.found_empty(loop);
+    wire.found_empty(loop.clocks());
     EXPECT_FALSE(wire.is_behind());
     EXPECT_EQ(age(), 0s);
 }
@@ -173,7 +195,7 @@ TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
     idle(1s);
     pass(50ms);
     turn();
-    wire.found_empty(loop);
+    wire.found_empty(loop.clocks());
     pass(9s);
     EXPECT_EQ(age(), 9s);
 }
