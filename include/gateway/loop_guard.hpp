@@ -58,8 +58,8 @@ public:
     static constexpr std::uint8_t enough = 3;
     /// What goes round together, sent late at once, comes within this time.
     static constexpr Duration come_together = std::chrono::milliseconds{100};
-    /// Of states that a ring may have multiplied; commands wait for RingWatch::patience.
-    static constexpr Duration longest_state_wait = std::chrono::milliseconds{250};
+    /// Of states that a ring may have multiplied: shorter than sticks may be old. Commands wait for RingWatch::patience.
+    static constexpr Duration longest_state_wait = std::chrono::milliseconds{150};
 
     enum class Fate : std::uint8_t {
         passes,
@@ -181,7 +181,7 @@ private:
         rings_.brought_back_ones_own(from, now);
         return {.fate = Fate::ends,
                 .probe = rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing),
-                .elsewhere = !rings_.is_probed(from)};
+                .elsewhere = !rings_.is_probed(from) || rings_.is_clear(from, now)};
     }
     // By the channel that brought it first.
     Judgement repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
