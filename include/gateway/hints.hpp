@@ -27,6 +27,7 @@ struct LinkFigures {
     std::size_t channels = 0;
     ReceiveCounters received;     // all channels, and what belongs to none
     SendCounters sent;
+    std::uint64_t came_stale = 0;   // of `sent.stale`: had waited elsewhere, while the gateway stood still
     std::uint64_t v7_frames = 0;
     std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
     bool ring_is_certain = true;    // or a device on two links

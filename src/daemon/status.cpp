@@ -67,6 +67,7 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.hidden = hidden_device(gateway, state.link->id(), now);
     f.received = state.gone_received;
     f.sent = state.gone_sent;
+    f.came_stale = state.came_stale;
     const Stray stray = state.link->stray();
     add(f.received, stray.received);
     f.v7_frames = stray.v7_frames;

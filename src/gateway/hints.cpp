@@ -9,6 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint64_t enough_bytes = 64;          // to tell that no frame is among them
 constexpr std::uint64_t enough_frames = 20;         // to speak of a share
+constexpr std::uint64_t enough_long = 5;            // among good frames, where noise would damage others as well
 constexpr ano::Duration patience = 3s;              // shorter silences are no news
 constexpr ano::Duration still = 2s;                 // bytes younger than that still come
 
@@ -65,9 +66,10 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
         return "older V7 frames (0xAA) seen: switch the device to protocol V8";
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
-        return link.kind == "serial" ? "bytes but no frames: wrong baud rate?" : "bytes but no frames: is the sender speaking V8?";
+        return link.kind == "serial" ? "bytes but no frames: wrong baud rate, or another protocol?" : "bytes but no frames: is the sender speaking V8?";
     if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
-    if (in.frames_in == 0 && in.bad_length > 0 && in.bad_length >= in.bad_check)
+    const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check : in.bad_length >= enough_long && in.bad_check == 0;
+    if (too_long)
         return "frames longer than max_data are refused: raise max_data on this link";
     if (link.gateways > 0)
         return "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other";
@@ -90,7 +92,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return "many damaged frames: check cable, ground and baud rate";
-    const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale;
+    const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale - link.came_stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
     if (in.bytes_in == 0 && link.up_for >= patience) {
@@ -107,7 +109,9 @@ std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, fals
 std::string hint(const LinkFigures& link) {
     std::string text = trouble(link, true);
     if (!text.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return text;
-    return "silent for " + seconds(*link.silent_for) + or_hello(link);
+    const bool spoke_by_itself = link.received.frames_in >= enough_frames;
+    text = "silent for " + seconds(*link.silent_for);
+    return spoke_by_itself ? text : text + or_hello(link);
 }
 
 }  // namespace anogate

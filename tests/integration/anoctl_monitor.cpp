@@ -250,7 +250,7 @@ TEST(AnoctlMonitor, says_why_nothing_is_shown) {
     Monitor monitor{{"serial:" + device.path()}};
     ASSERT_TRUE(monitor.says("is up")) << monitor.err();
     device.write(support::Bytes(200, 0x55));
-    EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate?\n")) << monitor.err();
+    EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate, or another protocol?\n")) << monitor.err();
     device.write(euler);
     EXPECT_TRUE(monitor.shows("euler"));
     EXPECT_TRUE(support::wait_until([&] {

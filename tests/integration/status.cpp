@@ -103,7 +103,7 @@ TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(Bytes(500, 0xF8));
-    EXPECT_TRUE(hint_says("fc", "bytes but no frames: wrong baud rate?"));
+    EXPECT_TRUE(hint_says("fc", "bytes but no frames: wrong baud rate, or another protocol?"));
     for (int i = 0; i < 30; ++i) fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
 }
@@ -115,14 +115,14 @@ TEST_F(Hints, are_news_once_while_the_link_is_up) {
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.write(Bytes(500, 0xF8));
     ASSERT_TRUE(hint_says("fc", "bytes but no frames"));
-    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate?"});
+    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.unplug();
     ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("state") == "waiting"; }));
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.plug();
     ASSERT_TRUE(daemon->until_up("fc"));
-    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate?"});
+    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
 }
 
 TEST_F(Hints, older_frames_are_named) {

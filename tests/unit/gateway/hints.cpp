@@ -86,6 +86,8 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
         link.received.frames_in = link.received.bytes_in = 1000;
         EXPECT_EQ(hint(link), "");
         link.silent_for = 12s;
+        EXPECT_EQ(hint(link), "silent for 12 s") << "it spoke by itself";
+        link.received.frames_in = 19;
         EXPECT_EQ(hint(link), "silent for 12 s" + advice);
     }
     LinkFigures program{};
