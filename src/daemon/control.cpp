@@ -2,6 +2,7 @@
 
 #include <daemon/control.hpp>
 #include <daemon/control_places.hpp>
+#include <daemon/rooms.hpp>
 #include <link/own_folder.hpp>
 
 #include <boost/beast/core.hpp>
@@ -32,6 +33,7 @@ constexpr std::size_t read_size = 4 * 1024;
 constexpr auto patience = std::chrono::seconds{30};
 constexpr auto stalled_after = std::chrono::seconds{1};
 constexpr std::size_t most_leaving = 32;
+constexpr std::size_t enough_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 constexpr auto moment = std::chrono::seconds{1};
 constexpr std::string_view no_place =
     "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\nRetry-After: 1\r\nConnection: close\r\n\r\n"
@@ -121,6 +123,7 @@ public:
     /// Its turn: the request is answered.
     void write() {
         if (!stream_.socket().is_open()) return;
+        if (!memory_is_left(enough_memory)) return close();
         response_ = answer(request_->get());
         stream_.expires_after(patience);
         since_ = Clock::now();
@@ -145,6 +148,7 @@ private:
     }
 
     void hear() {
+        if (!memory_is_left(enough_memory)) return close();
         error_code ec;
         buffer_.consume(request_->put(buffer_.data(), ec));
         if (ec && ec != http::error::need_more) return;
@@ -226,6 +230,7 @@ void Control::accept() {
 }
 
 void Control::admit(Local::socket socket) {
+    if (!memory_is_left(enough_memory)) return;
     if (!make_place(user_of(socket))) return refuse(std::move(socket));
     auto session = std::make_shared<Session>(*this, std::move(socket));
     sessions_.push_back(session);

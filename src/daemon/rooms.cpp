@@ -33,4 +33,11 @@ void take_rooms_from_the_system() noexcept {
     keep_pages_small();
 }
 
+bool memory_is_left(std::size_t size) noexcept {
+    void* const room = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (room == MAP_FAILED) return false;
+    ::munmap(room, size);
+    return true;
+}
+
 }  // namespace anogate

@@ -1,4 +1,5 @@
 // How much memory the program holds when peers come and go.
+#include <link/descriptor.hpp>
 #include <support/process.hpp>
 #include <support/sanitized.hpp>
 #include <support/temp_dir.hpp>
@@ -7,9 +8,16 @@
 
 #include <gtest/gtest.h>
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
+#include <algorithm>
 #include <deque>
+#include <thread>
+#include <vector>
 
 namespace {
 
@@ -74,6 +82,46 @@ TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
     stranger.send(daemon.port("ground"), vendor::who_are_you);
     EXPECT_TRUE(wait_until([&] { return daemon.link("ground").at("channels").size() == 1; })) << "there is memory again";
+}
+
+anogate::UniqueFd connected_to(const std::string& path) {
+    anogate::UniqueFd fd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    return fd;
+}
+
+// All that was said was read, or the other end has closed.
+bool was_heard(int fd) {
+    int waiting = 0;
+    char byte;
+    const bool closed = ::recv(fd, &byte, 1, MSG_DONTWAIT | MSG_PEEK) >= 0 || errno != EAGAIN;
+    return closed || (::ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting == 0);
+}
+
+// Requests that come in pieces, and are never whole, take what there is.
+TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
+    if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("ground"));
+    const rlimit any{RLIM_INFINITY, RLIM_INFINITY};
+    const std::string beginning = "POST /status HTTP/1.1\r\nContent-Length: 65536\r\n\r\n" + std::string(60'000, 'x');
+    for (const rlim_t some : {0, 512 * 1024, 1024 * 1024}) {
+        const rlimit little{static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024 + some, RLIM_INFINITY};
+        ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
+        std::vector<anogate::UniqueFd> clients;
+        for (int i = 0; i < 32; ++i) {
+            clients.push_back(connected_to(dir / "control"));
+            ::send(clients.back().get(), beginning.data(), beginning.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        }
+        EXPECT_TRUE(wait_until([&] { return std::ranges::all_of(clients, [](const auto& client) { return was_heard(client.get()); }); }));
+        clients.clear();
+        ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
+        EXPECT_EQ(daemon.count("ground", "frames_in"), 0u) << "it lives, and answers";
+    }
 }
 
 // Rooms are mostly never touched. A huge page is touched whole, and joined to one later, whoever asks for it.
