@@ -66,10 +66,11 @@ void sweep(const UniqueFd& folder) {
     const std::unique_ptr<DIR, int (*)(DIR*)> list{readable ? ::fdopendir(readable.get()) : nullptr, ::closedir};
     if (!list) return;
     readable.release();
-    for (int i = 0; i < most_looked_at; ++i) {
-        const dirent* const entry = ::readdir(list.get());
-        if (!entry) return;
-        if (std::string_view{entry->d_name}.starts_with(lock_prefix)) remove_stale(folder, entry->d_name);
+    int looked_at = 0;
+    while (const dirent* const entry = ::readdir(list.get())) {
+        if (!std::string_view{entry->d_name}.starts_with(lock_prefix)) continue;
+        remove_stale(folder, entry->d_name);
+        if (++looked_at == most_looked_at) return;
     }
 }
 
