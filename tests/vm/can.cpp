@@ -375,7 +375,9 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
         EXPECT_TRUE(loop.until([&] { return !gateway.up("vcan0") && gateway.link("vcan0")["error"].get<std::string>().find(why) == 0; })) << why;
         other.send(frame(0x05, 0xFE, 0x03), gateway.port("other"));
         EXPECT_EQ(received(app, 1).size(), 1u);
+        const auto refused = gateway.count("vcan0", "link_down");
         app.send(frame(0xFE, 0xDC, 0x03), gateway.port("app"));    // for the link that is down: counted there
+        EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "link_down") == refused + 1; }));
     };
     const auto comes_back = [&](const char* change) {
         EXPECT_EQ(run(change), 0);
