@@ -19,9 +19,8 @@ constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, Age
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
 constexpr std::uint8_t firmware_id = 0xF0;
 constexpr Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
-constexpr Duration calm_beat = std::chrono::milliseconds{500};
+constexpr Duration calm_beat = std::chrono::milliseconds{500};    // where no stream is open
 constexpr Duration beat_slack = std::chrono::milliseconds{20};
-constexpr Duration calm_after = std::chrono::seconds{2};    // without a byte of a stream: who sends nothing is to cost nothing
 
 // Of what hosts say, sticks alone overtake.
 bool keeps_order(ano::FrameView frame) {
@@ -201,7 +200,7 @@ void Gateway::beat() {
     noticed_ = false;
     turn();
     if (!noticed_) loop_.end_standstill();
-    calm_ = !noticed_ && !streams_speak();
+    calm_ = !noticed_ && !streams_are_open();
     const Duration period = calm_ ? calm_beat : beat_of_streams;
     loop_.beat(period + beat_slack);
     beat_.set(now_ + period);
@@ -213,10 +212,10 @@ void Gateway::hasten_beat() {
     beat_.set_no_later(now_ + beat_of_streams);
 }
 
-bool Gateway::streams_speak() const {
+bool Gateway::streams_are_open() const {
     for (const ChannelId id : used_) {
         const Channel& channel = *channels_[index(id)];
-        if (streams_.contains(channel.link) && now_ - channel.arrived_at < calm_after) return true;
+        if (streams_.contains(channel.link) && channel.outbox.is_open()) return true;
     }
     return false;
 }
@@ -277,7 +276,6 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     ++frame_number_;
     arrived_at_ = std::min(from.arrived_at, now_);
     if (!releasing_) notice_wait();
-    if (calm_ && streams_.contains(from.link)) hasten_beat();
     from.hear(now_);
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
@@ -502,8 +500,10 @@ void Gateway::say(ChannelId to, ano::FrameView frame) {
 
 void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment, TimePoint arrived_at) {
     Channel& channel = *channels_[index(to)];
-    if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(treatment, now_ - arrived_at))
+    if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(treatment, now_ - arrived_at)) {
+        ++links_[index(channel.link)].came_stale;
         return channel.outbox.refuse(&SendCounters::stale);    // it counts for no limit, and awaits no answer
+    }
     channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
     if (ruled_.contains(channel.link)) {
         LinkState& link = links_[index(channel.link)];
@@ -616,6 +616,7 @@ void Gateway::link_up(Link& link) {
     s.up = s.was_up = true;
     s.since = now_;
     s.error.clear();
+    if (calm_ && beat_.is_set() && streams_.contains(link.id())) hasten_beat();
     gpio_->link_state(link.id(), true);
     if (s.hello) s.hello->came_up(now_);
     await_hellos();
@@ -673,6 +674,7 @@ void Gateway::finish_stop() {
     stop_check_.cancel();
     beat_.cancel();
     peer_log_.finish();
+    standstill_log_.finish();
     for (LinkState& s : links_) s.link->stop();
     release_.cancel();
     gpio_->stop();

@@ -36,6 +36,7 @@ struct LinkState {
     ChannelSet channels;
     ReceiveCounters gone_received;    // of channels that are no more
     SendCounters gone_sent;           // and of frames for a link that had no channel
+    std::uint64_t came_stale = 0;     // of what is `stale`: was so when it was to be sent here
     Untaken untaken;                  // of what came for hosts
     std::uint8_t group = 0;           // 1 to 64: its number; 0: none
     std::unique_ptr<Rules> rules;        // nullptr: none
@@ -126,7 +127,7 @@ private:
     void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
     bool is_stale(LinkId to, ano::FrameView frame) const;
     void beat();
-    bool streams_speak() const;
+    bool streams_are_open() const;
     void hasten_beat();
     void stood_still(const LoopWatch::Turn& turn);
     void notice_wait();
@@ -173,7 +174,7 @@ private:
     StandstillLog standstill_log_;
     Alarm beat_;
     bool noticed_ = false;    // a standstill, since the beat was due
-    bool calm_ = true;        // no serial port or pty spoke lately: the beat is slow
+    bool calm_ = true;        // no serial port or pty is open: the beat is slow
     LinkSet streams_;         // serial ports and ptys
     TimePoint started_at_{};
     Alarm hello_due_;

@@ -4,29 +4,35 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
 
 namespace anogate {
 
-/// At most a line in ten seconds: on a machine that is too slow for what it has to do, it stands still all the time.
+/// Five lines at once, then one in ten seconds: on a machine that is too slow for what it has to do, it stands still all the time.
 class StandstillLog {
 public:
     void stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
         if (!turn.is_told) return;
         if (now < next_) return void(++unsaid_);
-        next_ = now + spacing;
+        next_ = std::max(next_, now - at_once * spacing) + spacing;
         const double seconds = std::chrono::duration<double>(turn.stood).count();
         const char* why = turn.suspended > ano::Duration::zero() ? "the machine slept" : "stopped, or the machine was too busy";
         const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";
-        spdlog::warn("stood still for {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
+        spdlog::warn("stood still for at least {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
+    }
+    /// Nothing more will be told.
+    void finish() const {
+        if (unsaid_ > 0) spdlog::warn("stood still {} times more", unsaid_);
     }
 
 private:
     static constexpr ano::Duration spacing = std::chrono::seconds{10};
+    static constexpr int at_once = 5;
 
-    ano::TimePoint next_ = ano::TimePoint::min();
+    ano::TimePoint next_{};    // when there is room for another line
     std::uint64_t unsaid_ = 0;
 };
 
