@@ -24,6 +24,7 @@ struct LinkFigures {
     bool up = false;
     bool listens = false;         // has a channel a peer, and waits for them
     bool waits_to_hear = false;   // never speaks first, and could be told to
+    bool for_hosts = false;       // a route leads hosts' frames here: who is there may only listen
     std::size_t channels = 0;
     ReceiveCounters received;     // all channels, and what belongs to none
     SendCounters sent;

@@ -587,10 +587,10 @@ bool Gateway::is_own_port(std::uint16_t port) const {
                                     [port](const LinkState& s) { return s.link->local_port() == port; });
 }
 
-bool Gateway::listens_at(std::uint16_t port) const {
+bool Gateway::hears_at(std::uint16_t port) const {
     return std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) {
         const std::string& kind = s.link->settings().kind;
-        return (kind == "udp-listen" || kind == "tunnel") && s.link->local_port() == port;
+        return (kind == "udp-listen" || kind == "udp" || kind == "tunnel") && port != 0 && s.link->local_port() == port;
     });
 }
 

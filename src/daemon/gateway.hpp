@@ -79,7 +79,7 @@ public:
     void say(ChannelId to, ano::FrameView frame);
     void send(LinkId to, ano::FrameView frame) override;
     bool is_own_port(std::uint16_t port) const override;
-    bool listens_at(std::uint16_t port) const override;
+    bool hears_at(std::uint16_t port) const override;
 
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 namespace anogate {
 namespace {
 
@@ -53,6 +55,12 @@ std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
     return 0;
 }
 
+bool leads_hosts_to(const Settings& settings, const std::string& link) {
+    return std::ranges::any_of(settings.routes, [&](const RouteSettings& route) {
+        return route.link == link && route.first <= ano::address::host && ano::address::host <= route.last;
+    });
+}
+
 Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     Totals t;
     LinkFigures& f = t.figures;
@@ -61,6 +69,7 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
     f.channels = state.channels.size();
     f.waits_to_hear = !f.listens && state.link->settings().hello_interval() == Duration{};
+    f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
     f.up_for = now - state.since;
     f.untaken_for = state.untaken.duration(now);
     f.shared = shared_source(gateway, state.link->id(), now);

@@ -25,7 +25,7 @@ std::string hex(std::uint8_t address) {
 // For a link to a device that may be waiting for the same.
 std::string or_hello(const LinkFigures& link) {
     const bool device = link.kind == "serial" || link.kind == "udp" || link.kind == "can";
-    return link.waits_to_hear && device ? " (some speak only when spoken to: try hello=on)" : "";
+    return link.waits_to_hear && device && !link.for_hosts ? " (some speak only when spoken to: try hello=on)" : "";
 }
 
 std::string nothing_at_all(const LinkFigures& link) {
@@ -95,7 +95,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale - link.came_stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
         return "frames are dropped: the link is slower than what is sent to it";
-    if (in.bytes_in == 0 && link.up_for >= patience) {
+    if (in.bytes_in == 0 && link.up_for >= patience && !link.for_hosts) {
         std::string nothing = nothing_at_all(link);
         return nothing.empty() ? nothing : nothing + or_hello(link);
     }

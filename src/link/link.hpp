@@ -36,8 +36,8 @@ public:
     /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
     virtual void doubt(Link&) {}
 
-    /// A link of ours waits for datagrams at this UDP port.
-    virtual bool listens_at(std::uint16_t) const { return false; }
+    /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
+    virtual bool hears_at(std::uint16_t) const { return false; }
 
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;

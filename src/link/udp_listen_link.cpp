@@ -270,11 +270,11 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
     return peers_.back().get();
 }
 
-// Our own socket is no peer either, nor is another one of ours that listens.
+// Our own socket is no peer either, nor is that of another link of ours.
 bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     const bool near = is_near(sender.address, now);    // looks at our networks, if need be
     if (!anogate::can_be_peer(sender, networks_)) return false;
-    if (!near || !context_.host.listens_at(sender.port)) return true;
+    if (!near || !context_.host.hears_at(sender.port)) return true;
     return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
                return network.address == sender.address;
            });

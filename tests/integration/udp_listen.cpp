@@ -49,6 +49,19 @@ TEST(UdpListenLink, a_peer_is_known_after_one_whole_good_frame_and_not_before) {
     EXPECT_EQ(t.daemon.count("ground", "frames_in"), 1u);
 }
 
+TEST(UdpListenLink, a_link_of_the_same_gateway_is_no_peer) {
+    std::string ground_at;
+    {
+        const UdpPeer free;
+        ground_at = free.local().text();
+    }
+    const auto ground = udp_listen("ground", ground_at);
+    const auto own = udp("own", ground_at);
+    RunningGateway daemon{ground, own, sim("fc", 50)};
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") > 3; }));
+    EXPECT_EQ(daemon.link("ground").at("channels").size(), 0u);
+}
+
 TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
     TwoLinks t;
     UdpPeer first, second, third;

@@ -83,6 +83,9 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
         link.waits_to_hear = true;
         EXPECT_TRUE(ends_with_it(link)) << hint(link);
         EXPECT_EQ(hint(link), hint_of_trouble(link));
+        link.for_hosts = true;
+        EXPECT_EQ(hint(link), "") << "who watches does not speak";
+        link.for_hosts = false;
         link.received.frames_in = link.received.bytes_in = 1000;
         EXPECT_EQ(hint(link), "");
         link.silent_for = 12s;
