@@ -109,7 +109,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
     ASSERT_TRUE(daemon.until_up("ground"));
     const rlimit any{RLIM_INFINITY, RLIM_INFINITY};
     const std::string beginning = "POST /status HTTP/1.1\r\nContent-Length: 65536\r\n\r\n" + std::string(60'000, 'x');
-    for (const rlim_t some : {0, 512 * 1024, 1024 * 1024}) {
+    for (const rlim_t some : {rlim_t{0}, rlim_t{512 * 1024}, rlim_t{1024 * 1024}}) {
         const rlimit little{static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024 + some, RLIM_INFINITY};
         ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
         std::vector<anogate::UniqueFd> clients;
