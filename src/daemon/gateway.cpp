@@ -19,7 +19,8 @@ constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, Age
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
 constexpr std::uint8_t firmware_id = 0xF0;
 constexpr Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
-constexpr Duration calm_beat = std::chrono::milliseconds{500};    // where no stream is open
+constexpr Duration calm_beat = std::chrono::milliseconds{500};
+constexpr Duration calm_after = std::chrono::seconds{2};    // without a byte of a stream: who sends nothing is to cost nothing
 constexpr Duration beat_slack = std::chrono::milliseconds{20};
 
 // Of what hosts say, sticks alone overtake.
@@ -200,7 +201,7 @@ void Gateway::beat() {
     noticed_ = false;
     turn();
     if (!noticed_) loop_.end_standstill();
-    calm_ = !noticed_ && !streams_are_open();
+    calm_ = !noticed_ && !streams_speak();
     const Duration period = calm_ ? calm_beat : beat_of_streams;
     loop_.beat(period + beat_slack);
     beat_.set(now_ + period);
@@ -212,10 +213,10 @@ void Gateway::hasten_beat() {
     beat_.set_no_later(now_ + beat_of_streams);
 }
 
-bool Gateway::streams_are_open() const {
+bool Gateway::streams_speak() const {
     for (const ChannelId id : used_) {
         const Channel& channel = *channels_[index(id)];
-        if (streams_.contains(channel.link) && channel.outbox.is_open()) return true;
+        if (streams_.contains(channel.link) && now_ - channel.arrived_at < calm_after) return true;
     }
     return false;
 }
@@ -275,7 +276,11 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     arrived_at_ = std::min(from.arrived_at, now_);
-    if (!releasing_) notice_wait();
+    if (streams_.contains(from.link)) {
+        if (calm_) hasten_beat();
+    } else if (!releasing_) {
+        notice_wait();
+    }
     from.hear(now_);
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
@@ -616,7 +621,6 @@ void Gateway::link_up(Link& link) {
     s.up = s.was_up = true;
     s.since = now_;
     s.error.clear();
-    if (calm_ && beat_.is_set() && streams_.contains(link.id())) hasten_beat();
     gpio_->link_state(link.id(), true);
     if (s.hello) s.hello->came_up(now_);
     await_hellos();

@@ -127,7 +127,7 @@ private:
     void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
     bool is_stale(LinkId to, ano::FrameView frame) const;
     void beat();
-    bool streams_are_open() const;
+    bool streams_speak() const;
     void hasten_beat();
     void stood_still(const LoopWatch::Turn& turn);
     void notice_wait();
@@ -174,7 +174,7 @@ private:
     StandstillLog standstill_log_;
     Alarm beat_;
     bool noticed_ = false;    // a standstill, since the beat was due
-    bool calm_ = true;        // no serial port or pty is open: the beat is slow
+    bool calm_ = true;        // no serial port or pty spoke lately: the beat is slow
     LinkSet streams_;         // serial ports and ptys
     TimePoint started_at_{};
     Alarm hello_due_;
