@@ -232,6 +232,22 @@ TEST_F(Guarded, a_device_that_seems_to_repeat_itself_faster_than_any_is_asked_ab
     EXPECT_EQ(pass(telemetry, 0, channels({1, 2}), now + 20ms), Fate::passes) << "the device itself, again";
 }
 
+// Two hosts whose sticks rest: what waited for longer would be dropped behind it.
+TEST_F(Guarded, a_state_waits_for_less_than_it_may_be_old) {
+    Said sticks = host(1);
+    sticks.state = true;
+    guard.remember(sticks, channel(0), channels({1, 2}), TimePoint{1h});
+    int waited = 0;
+    for (unsigned n = 0; n < 3; ++n) {
+        const auto judgement = guard.judge(sticks, channel(1), TimePoint{1h} + 1ms);
+        if (judgement.probe) guard.rings().ask(channel(1), TimePoint{1h} + 1ms);
+        if (judgement.fate != Fate::waits) continue;
+        ++waited;
+        EXPECT_LT(judgement.wait, AgeLimits{}.control);
+    }
+    EXPECT_GT(waited, 0);
+}
+
 // Sticks at rest for hours: whoever listens to them must not take their sender for lost.
 TEST_F(Guarded, sticks_that_rest_are_never_withheld_for_long) {
     Said sticks = host(1);
