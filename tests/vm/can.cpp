@@ -239,11 +239,11 @@ TEST_F(Can, what_cansend_sends_arrives_classic_extended_and_fd) {
         CanSettings can;
         can.extended = *extended;
         can.fd = *fd;
-        RunningGateway gateway{loop, {std::string{"can:vcan0"} + (can.extended ? ",extended" : "") + (can.fd ? ",fd" : ""), app.link("app")}};
+        RunningGateway gateway{loop, {std::string{"can:vcan0"} + (can.extended ? ",extended" : "") + (can.fd ? ",fd" : ""), app.link("app") + ",age.telemetry=60s"}};
         const Bytes sent = frame(0xDC, 0xFE, 0x03, data_of(20));
         std::string command = "true";
         for (const std::string& piece : cut(sent, can)) command += " && cansend vcan0 '" + piece + "'";
-        ASSERT_EQ(run(command), 0);
+        ASSERT_EQ(run(command), 0);    // the loop stands still meanwhile
         EXPECT_EQ(received(app, 1), Frames{sent});
         EXPECT_EQ(gateway.count("vcan0", "skipped_bytes"), 0u);
         EXPECT_EQ(gateway.count("vcan0", "bytes_in"), sent.size());
