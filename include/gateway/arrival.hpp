@@ -56,8 +56,8 @@ public:
     /// Something that was to be read arrived at `arrived`, by its stamp. It may have been waiting for all of a standstill that no
     /// beat was due in. How long that was, when it is to be told; zero: it is not, or was already.
     ano::Duration waited(ano::TimePoint arrived) noexcept {
-        if (gap_.until - std::max(arrived, gap_.since) <= told) return {};
         const ano::Duration stood = gap_.until - std::max(arrived, gap_.since);
+        if (stood <= told) return {};
         count(stood);
         return stood;
     }

@@ -221,10 +221,13 @@ bool Gateway::streams_speak() const {
     return false;
 }
 
-// Where no beat was due, what waited tells of a standstill.
-void Gateway::notice_wait() {
-    const Duration stood = loop_.waited(arrived_at_);
-    if (stood > Duration::zero()) standstill_log_.stood({.stood = stood, .is_told = true}, now_);
+// Between calm beats: a stream wants more of them, and the stamp of what waited tells as well.
+void Gateway::notice_standstill(LinkId from) {
+    if (streams_.contains(from)) {
+        if (calm_) hasten_beat();
+    } else if (const Duration stood = loop_.waited(arrived_at_); stood > Duration::zero()) {
+        standstill_log_.stood({.stood = stood, .is_told = true}, now_);
+    }
 }
 
 void Gateway::stood_still(const LoopWatch::Turn& turn) {
@@ -276,11 +279,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     arrived_at_ = std::min(from.arrived_at, now_);
-    if (streams_.contains(from.link)) {
-        if (calm_) hasten_beat();
-    } else if (!releasing_) {
-        notice_wait();
-    }
+    if (!releasing_) notice_standstill(from.link);
     from.hear(now_);
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
@@ -590,13 +589,6 @@ void Gateway::refuse(LinkId to, std::uint64_t SendCounters::*cause) {
 bool Gateway::is_own_port(std::uint16_t port) const {
     return port != 0 && std::any_of(links_.begin(), links_.end(),
                                     [port](const LinkState& s) { return s.link->local_port() == port; });
-}
-
-bool Gateway::hears_at(std::uint16_t port) const {
-    return std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) {
-        const std::string& kind = s.link->settings().kind;
-        return (kind == "udp-listen" || kind == "udp" || kind == "tunnel") && port != 0 && s.link->local_port() == port;
-    });
 }
 
 // A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.

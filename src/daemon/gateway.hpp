@@ -79,7 +79,6 @@ public:
     void say(ChannelId to, ano::FrameView frame);
     void send(LinkId to, ano::FrameView frame) override;
     bool is_own_port(std::uint16_t port) const override;
-    bool hears_at(std::uint16_t port) const override;
 
     const Settings& settings() const noexcept { return settings_; }
     const Router& router() const noexcept { return router_; }
@@ -130,7 +129,7 @@ private:
     bool streams_speak() const;
     void hasten_beat();
     void stood_still(const LoopWatch::Turn& turn);
-    void notice_wait();
+    void notice_standstill(LinkId from);
     void look_at_questions();
     void look_at_hellos();
     void await_hellos();

@@ -37,7 +37,7 @@ public:
     virtual void doubt(Link&) {}
 
     /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
-    virtual bool hears_at(std::uint16_t) const { return false; }
+    virtual bool is_own_port(std::uint16_t) const { return false; }
 
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;

@@ -29,7 +29,7 @@ TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> 
       tunnel_{*settings.tunnel,
               settings.gateway.id,
               {[this](const IpAddress& there) { return our_address(there); },
-               [this](std::uint16_t port) { return host_.is_own_port(port); }}},
+               [this](std::uint16_t port) { return this->context().host.is_own_port(port); }}},
       wrap_to_{std::move(wrap_to)} {}
 
 void TunnelLink::carry(Channel& from, ano::FrameView frame) {

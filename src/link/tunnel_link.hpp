@@ -24,8 +24,6 @@ public:
     virtual void learn(Channel& from, ano::FrameView frame) = 0;
     /// To every channel of `to`.
     virtual void send(LinkId to, ano::FrameView frame) = 0;
-    /// One of the gateway's links listens on this UDP port.
-    virtual bool is_own_port(std::uint16_t port) const = 0;
 
 protected:
     ~TunnelHost() = default;

@@ -274,7 +274,7 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
 bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     const bool near = is_near(sender.address, now);    // looks at our networks, if need be
     if (!anogate::can_be_peer(sender, networks_)) return false;
-    if (!near || !context_.host.hears_at(sender.port)) return true;
+    if (!near || !context_.host.is_own_port(sender.port)) return true;
     return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
                return network.address == sender.address;
            });

@@ -125,6 +125,14 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
     EXPECT_GT(gateway.at("longest_standstill_s"), 1.0);
 }
 
+TEST_F(Standstill, each_of_two_in_a_row_is_in_the_log) {
+    for (const auto& [time, words] : {std::pair{700ms, "stood still for at least 0."}, std::pair{1700ms, "stood still for at least 1."}}) {
+        stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 5)); }, time);
+        go_on();
+        EXPECT_TRUE(daemon.until_says(words));
+    }
+}
+
 TEST_F(Standstill, of_half_a_second_is_told_where_a_stream_speaks) {
     app->write(numbered(0xFE, command, 2));
     ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 1; }));

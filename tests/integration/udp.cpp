@@ -200,13 +200,7 @@ TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_
         auto link = on_interface(udp("ground", "10.77.0.2:6670"), bound ? "wg0" : "");
         link.udp.bind = endpoint("10.77.0.1:6669");
         const auto daemon = t.gateway({link});
-        ASSERT_TRUE(daemon->until_up("ground"));
-        for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:6669"), vendor::who_are_you);
-        ground->send(endpoint("10.77.0.1:6669"), vendor::who_are_you);
-        const std::uint64_t heard = bound ? 1 : 4;
-        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; }))
-            << (bound ? "bound: " : "not bound: ") << daemon->link("ground").dump();
-        EXPECT_EQ(daemon->count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
+        OpenNetworkBeside::expect_heard(*daemon, *ground, *stranger, "10.77.0.1:6669", bound);
     }
 }
 
@@ -234,16 +228,8 @@ TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) 
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
     OpenNetworkBeside t;
     const auto daemon = t.gateway({on_interface(udp("ground", "10.77.0.2:6670"), "wg0"), udp_listen("air")});
-    ASSERT_TRUE(daemon->until_up("ground"));
-    t.vehicle.ip("link delete wg0");
-    {
-        const Inside inside{t.vehicle};
-        ASSERT_TRUE(daemon->until_waiting("ground"));
-    }
-    EXPECT_EQ(daemon->link("ground").at("error"), "no network interface wg0 now");
-    t.join_ground();
+    t.expect_ground_to_follow(*daemon);
     const Inside inside{t.vehicle};
-    ASSERT_TRUE(daemon->until_up("ground"));
     const auto ground = t.at(t.ground, "10.77.0.2:6670");
     UdpPeer air;
     EXPECT_TRUE(daemon->until([&] {

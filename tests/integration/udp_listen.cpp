@@ -354,13 +354,7 @@ TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_
     const Inside inside{t.vehicle};
     for (const bool bound : {false, true}) {
         const auto daemon = t.gateway({port_of("ground", "10.77.0.1:12333", bound ? "wg0" : "")});
-        ASSERT_TRUE(daemon->until_up("ground"));
-        for (int i = 0; i < 3; ++i) stranger->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
-        ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
-        const std::uint64_t heard = bound ? 1 : 4;
-        ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") >= heard; }))
-            << (bound ? "bound: " : "not bound: ") << daemon->link("ground").dump();
-        EXPECT_EQ(daemon->count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
+        OpenNetworkBeside::expect_heard(*daemon, *ground, *stranger, "10.77.0.1:12333", bound);
         EXPECT_EQ(peers(*daemon), bound ? 1u : 2u);
         EXPECT_EQ(daemon->link("ground").at("kernel_drops"), 0);
     }
@@ -370,16 +364,8 @@ TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
     OpenNetworkBeside t;
     const auto daemon = t.gateway({port_of("ground", "10.77.0.1:12333", "wg0")});
-    ASSERT_TRUE(daemon->until_up("ground"));
-    t.vehicle.ip("link delete wg0");
-    {
-        const Inside inside{t.vehicle};
-        ASSERT_TRUE(daemon->until_waiting("ground"));
-    }
-    EXPECT_EQ(daemon->link("ground").at("error"), "no network interface wg0 now");
-    t.join_ground();
+    t.expect_ground_to_follow(*daemon);
     const Inside inside{t.vehicle};
-    ASSERT_TRUE(daemon->until_up("ground"));
     const auto ground = t.at(t.ground);
     ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
     EXPECT_TRUE(daemon->until([&] { return peers(*daemon) == 1; }));

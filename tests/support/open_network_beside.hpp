@@ -3,6 +3,7 @@
 #include "namespaces.hpp"
 #include "running_gateway.hpp"
 #include "udp_peer.hpp"
+#include "vendor_frames.hpp"
 
 #include <fstream>
 #include <memory>
@@ -33,6 +34,31 @@ struct OpenNetworkBeside {
     std::unique_ptr<UdpPeer> at(const Namespace& space, const std::string& local = "10.77.0.2:0") {
         const Inside inside{space};
         return std::make_unique<UdpPeer>(local);
+    }
+    /// The stranger speaks three times, then the ground station once, to `port` of the link "ground". It hears what comes by wg0
+    /// alone where it is `bound` to that, else all.
+    static void expect_heard(RunningGateway& daemon, UdpPeer& ground, UdpPeer& stranger, const std::string& port, bool bound) {
+        const auto to = endpoint(port);
+        ASSERT_TRUE(daemon.until_up("ground"));
+        for (int i = 0; i < 3; ++i) stranger.send(to, vendor::who_are_you);
+        ground.send(to, vendor::who_are_you);
+        const std::uint64_t heard = bound ? 1 : 4;
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") >= heard; }))
+            << (bound ? "bound: " : "not bound: ") << daemon.link("ground").dump();
+        EXPECT_EQ(daemon.count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
+    }
+    /// wg0 goes and comes, and the link "ground", which is bound to it, with it.
+    void expect_ground_to_follow(RunningGateway& daemon) {
+        ASSERT_TRUE(daemon.until_up("ground"));
+        vehicle.ip("link delete wg0");
+        {
+            const Inside inside{vehicle};
+            ASSERT_TRUE(daemon.until_waiting("ground"));
+        }
+        EXPECT_EQ(daemon.link("ground").at("error"), "no network interface wg0 now");
+        join_ground();
+        const Inside inside{vehicle};
+        ASSERT_TRUE(daemon.until_up("ground"));
     }
 };
 

@@ -14,6 +14,25 @@ LinkFigures line_that_sent(std::uint64_t frames) {
     return link;
 }
 
+TEST(Hint, what_was_stale_when_it_came_makes_no_link_slow) {
+    LinkFigures link = line_that_sent(100);
+    link.sent.stale = link.came_stale = 50;
+    EXPECT_EQ(hint(link), "");
+    link.sent.stale += 11;
+    EXPECT_EQ(hint(link), "frames are dropped: the link is slower than what is sent to it");
+}
+
+TEST(Hint, frames_that_are_too_long_are_named_among_good_ones) {
+    LinkFigures link = line_that_sent(100);
+    link.received.frames_in = 1000;
+    link.received.bad_length = 4;
+    EXPECT_EQ(hint(link), "");
+    link.received.bad_length = 5;
+    EXPECT_EQ(hint(link), "frames longer than max_data are refused: raise max_data on this link");
+    link.received.bad_check = 1;
+    EXPECT_EQ(hint(link), "") << "noise looks like long frames as well";
+}
+
 TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_drops) {
     for (const auto cause : {&SendCounters::superseded, &SendCounters::stale, &SendCounters::queue_full}) {
         LinkFigures link = line_that_sent(100);

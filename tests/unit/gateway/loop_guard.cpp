@@ -232,6 +232,20 @@ TEST_F(Guarded, a_device_that_seems_to_repeat_itself_faster_than_any_is_asked_ab
     EXPECT_EQ(pass(telemetry, 0, channels({1, 2}), now + 20ms), Fate::passes) << "the device itself, again";
 }
 
+// Until a probe may be answered, what comes back is a copy; behind that, and where none may go, a device on two links as well.
+TEST_F(Guarded, what_comes_back_without_a_ring_may_be_of_a_device_on_two_links) {
+    const auto brought_back = [&](unsigned by, TimePoint now) {
+        guard.remember(device(1), channel(0), channels({1, 8}), now);
+        const auto judgement = guard.judge(device(1), channel(by), now + 1ms);
+        EXPECT_EQ(judgement.fate, Fate::ends);
+        if (judgement.probe) guard.rings().ask(channel(by), now + 1ms);
+        return judgement.elsewhere;
+    };
+    EXPECT_FALSE(brought_back(1, start));
+    EXPECT_TRUE(brought_back(1, start + 1ms + RingWatch::patience));
+    EXPECT_TRUE(brought_back(8, start + 10s)) << "it may not be probed";
+}
+
 // Two hosts whose sticks rest: what waited for longer would be dropped behind it.
 TEST_F(Guarded, a_state_waits_for_less_than_it_may_be_old) {
     Said sticks = host(1);
