@@ -37,4 +37,4 @@ constexpr std::string_view who(std::uint8_t a) noexcept {
     }
 }
 
-}  // namespace ano::address
+}    // namespace ano::address

@@ -64,8 +64,7 @@ constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
 }
 
 /// The frame that `bytes` begin with, when it is whole, its LEN is at most `max_data` and both checks hold.
-constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes,
-                                            std::size_t max_data = largest_data) noexcept {
+constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes, std::size_t max_data = largest_data) noexcept {
     if (bytes.size() < overhead || bytes[0] != head) return std::nullopt;
     const std::size_t length = data_length(bytes.data());
     if (length > max_data || bytes.size() < overhead + length) return std::nullopt;
@@ -84,8 +83,8 @@ constexpr void seal(std::span<std::uint8_t> frame) noexcept {
 
 /// Writes one frame to the front of `out` and returns its size; 0, and nothing written, when `out` has not
 /// overhead + data.size() bytes or the data exceed what LEN can say. `data` may not overlap `out`.
-constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination,
-                             std::uint8_t id, std::span<const std::uint8_t> data) noexcept {
+constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
+                             std::span<const std::uint8_t> data) noexcept {
     if (data.size() > largest_data || out.size() < overhead + data.size()) return 0;
     const auto frame = out.first(overhead + data.size());
     frame[0] = head;

@@ -25,8 +25,7 @@ public:
     /// all of the frame. `at` never goes back in the stream. When a header is first looked at it is decided whether its
     /// frame counts: when its source has been heard and it would end before the candidate does. While that cannot be paid
     /// for the answer is no; what was not looked at is looked at later, if a candidate before it still waits then.
-    bool stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
-                      const Heard& heard) noexcept;
+    bool stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums, const Heard& heard) noexcept;
     /// A good frame of `size` bytes came.
     void earn(std::size_t size) noexcept { credit_ = std::min(credit_ + size, most_credit); }
     /// Whether a look can be paid for; while not, stand_behind() need not be asked.
@@ -51,15 +50,15 @@ private:
     // Both are rings over the stream. Of what ends, or would end, at a place, the latest to begin comes first; it is told
     // by its size, which the place where it ends makes a place where it begins.
     std::size_t mask_;
-    Room<std::uint16_t> ends_;      // by end: the first candidate; once it was judged, the first good frame
-    Room<std::uint16_t> nexts_;     // by begin: the next candidate of the same end
+    Room<std::uint16_t> ends_;     // by end: the first candidate; once it was judged, the first good frame
+    Room<std::uint16_t> nexts_;    // by begin: the next candidate of the same end
 
     std::size_t credit_ = most_credit;
-    Place origin_ = 0;          // of the buffer's first byte
-    Place forgotten_;           // nothing is known of what ends here or before
-    Place headers_until_ = 0;   // the headers that begin before were looked at
-    Place judged_until_ = 0;    // the candidates that end here or before were judged
-    Place latest_ = 0;          // where the last pair begins
+    Place origin_ = 0;           // of the buffer's first byte
+    Place forgotten_;            // nothing is known of what ends here or before
+    Place headers_until_ = 0;    // the headers that begin before were looked at
+    Place judged_until_ = 0;     // the candidates that end here or before were judged
+    Place latest_ = 0;           // where the last pair begins
 };
 
 }    // namespace ano

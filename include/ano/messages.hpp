@@ -272,8 +272,6 @@ constexpr const Message* find_message(std::string_view name) noexcept {
 
 inline constexpr std::uint8_t first_flexible = 0xF1;
 inline constexpr std::uint8_t last_flexible = 0xFA;
-constexpr bool is_flexible(std::uint8_t id) noexcept {
-    return id >= first_flexible && id <= last_flexible;
-}
+constexpr bool is_flexible(std::uint8_t id) noexcept { return id >= first_flexible && id <= last_flexible; }
 
 }    // namespace ano

@@ -122,4 +122,4 @@ private:
     ParserCounters counters_;
 };
 
-}  // namespace ano
+}    // namespace ano

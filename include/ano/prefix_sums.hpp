@@ -44,4 +44,4 @@ private:
     std::size_t end_ = 0;
 };
 
-}  // namespace ano
+}    // namespace ano

@@ -42,8 +42,7 @@ constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     if (data.size() < row.fixed_size) return false;
     for (const Field& f : row.fields()) {
         const std::uint8_t* at = data.data() + f.offset;
-        if (f.type == Type::text && !f.is_open() && (*at < 0x20 || *at == 0x7F || *at == 0x80 || *at == 0xFF))
-            return false;
+        if (f.type == Type::text && !f.is_open() && (*at < 0x20 || *at == 0x7F || *at == 0x80 || *at == 0xFF)) return false;
         if (!f.range || !is_integer(f.type)) continue;
         const double wire = with_type(f.type, [&]<class T>(T) { return static_cast<double>(load<T>(at)); });
         const double value = wire * f.scale.value / f.scale.wire;
@@ -73,9 +72,8 @@ constexpr const Message* select_layout(std::span<const Message> layouts, Bytes d
 
 /// The number that begins at `at`, in the unit of `field`.
 inline double number_at(const Field& field, const std::uint8_t* at) noexcept {
-    return with_type(field.type, [&]<class T>(T) {
-        return static_cast<double>(load<T>(at)) * field.scale.value / field.scale.wire;
-    });
+    return with_type(field.type,
+                     [&]<class T>(T) { return static_cast<double>(load<T>(at)) * field.scale.value / field.scale.wire; });
 }
 
 /// The value of one number that begins at `at`.
@@ -85,10 +83,8 @@ inline Value value_at(const Field& field, const std::uint8_t* at) noexcept {
         if constexpr (std::is_integral_v<T>) {
             if (field.no_data && static_cast<std::int64_t>(wire) == *field.no_data) return Nothing{};
             if (field.scale.is_one()) {
-                if constexpr (std::is_same_v<T, std::uint64_t>)
-                    return wire;
-                else
-                    return static_cast<std::int64_t>(wire);
+                if constexpr (std::is_same_v<T, std::uint64_t>) return wire;
+                else return static_cast<std::int64_t>(wire);
             }
         }
         return static_cast<double>(wire) * field.scale.value / field.scale.wire;
@@ -141,9 +137,7 @@ public:
     std::span<const Field> element_fields() const noexcept {
         return message_ == nullptr ? std::span<const Field>{} : message_->element();
     }
-    std::size_t element_count() const noexcept {
-        return element_fields().empty() ? 0 : open_size() / message_->element_size;
-    }
+    std::size_t element_count() const noexcept { return element_fields().empty() ? 0 : open_size() / message_->element_size; }
     /// `field` is one of element_fields(), `i` less than element_count().
     Value element(std::size_t i, const Field& field) const noexcept {
         return value_at(field, data_.data() + fixed_size_ + i * message_->element_size + field.offset);
@@ -169,8 +163,7 @@ private:
 };
 
 /// Reads DATA of `id`. `flexible` are the layouts of flexible messages, looked up by `source`.
-inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr,
-                    std::uint8_t source = 0) noexcept {
+inline Reading read(std::uint8_t id, Bytes data, const FlexibleLayouts* flexible = nullptr, std::uint8_t source = 0) noexcept {
     const auto fitting = [&](const Message* row, std::span<const Field> fields, std::size_t size) {
         return Reading{data.size() < size ? Readable::too_short : Readable::yes, row, fields, size, data};
     };

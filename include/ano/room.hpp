@@ -11,7 +11,8 @@ namespace ano {
 /// the system gives cost the pages that are touched of them. A piece of the C library's heap costs what others have touched there.
 template <class T>
 class Room {
-    static_assert(std::is_trivially_default_constructible_v<T> && std::is_trivially_destructible_v<T>);    // or all of it would be touched
+    static_assert(std::is_trivially_default_constructible_v<T> &&
+                  std::is_trivially_destructible_v<T>);    // or all of it would be touched
 
 public:
     explicit Room(std::size_t count) : size_{count * sizeof(T)}, memory_{static_cast<T*>(from_->allocate(size_, alignof(T)))} {}
@@ -35,4 +36,4 @@ private:
     T* memory_;
 };
 
-}  // namespace ano
+}    // namespace ano

@@ -37,33 +37,27 @@ void the_layout_has_no_such_field();
 
 enum class Type : std::uint8_t { u8, i8, u16, i16, u32, i32, u64, i64, f32, f64, text, bytes, ip, frames, list };
 
-inline constexpr std::array<std::string_view, 15> type_names{
-    "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "text", "bytes", "ip", "frames", "list"};
-constexpr std::string_view name_of(Type type) noexcept {
-    return type_names[static_cast<std::size_t>(type)];
-}
+inline constexpr std::array<std::string_view, 15> type_names{"u8",  "i8",  "u16",  "i16",   "u32", "i32",    "u64", "i64",
+                                                             "f32", "f64", "text", "bytes", "ip",  "frames", "list"};
+constexpr std::string_view name_of(Type type) noexcept { return type_names[static_cast<std::size_t>(type)]; }
 
 /// Bytes of one value on the wire; 1 for what is counted in bytes.
 constexpr std::size_t width(Type type) noexcept {
     switch (type) {
-        case Type::u16:
-        case Type::i16: return 2;
-        case Type::u32:
-        case Type::i32:
-        case Type::f32:
-        case Type::ip: return 4;
-        case Type::u64:
-        case Type::i64:
-        case Type::f64: return 8;
-        default: return 1;
+    case Type::u16:
+    case Type::i16: return 2;
+    case Type::u32:
+    case Type::i32:
+    case Type::f32:
+    case Type::ip: return 4;
+    case Type::u64:
+    case Type::i64:
+    case Type::f64: return 8;
+    default: return 1;
     }
 }
-constexpr bool is_integer(Type type) noexcept {
-    return type <= Type::i64;
-}
-constexpr bool is_number(Type type) noexcept {
-    return type <= Type::f64;
-}
+constexpr bool is_integer(Type type) noexcept { return type <= Type::i64; }
+constexpr bool is_number(Type type) noexcept { return type <= Type::f64; }
 
 /// A type and how many of it. In a row: `u16`, `u8[8]`, `text[20]`; `text`, `bytes`, `frames` and `list` alone reach to
 /// the end of DATA.
@@ -122,24 +116,12 @@ enum class Role : std::uint8_t {
     value_types,    // those types; what 7 is depends on the device (values.hpp)
 };
 
-consteval Scale times(double wire, double value = 1) {
-    return {wire, value};
-}
-consteval Range range(double first, double last) {
-    return {first, last};
-}
-consteval Only only(std::uint32_t value) {
-    return {value, value};
-}
-consteval Only only(std::uint32_t first, std::uint32_t last) {
-    return {first, last};
-}
-consteval Note note(const char* text) {
-    return {text};
-}
-consteval Label label(const char* text) {
-    return {text};
-}
+consteval Scale times(double wire, double value = 1) { return {wire, value}; }
+consteval Range range(double first, double last) { return {first, last}; }
+consteval Only only(std::uint32_t value) { return {value, value}; }
+consteval Only only(std::uint32_t first, std::uint32_t last) { return {first, last}; }
+consteval Note note(const char* text) { return {text}; }
+consteval Label label(const char* text) { return {text}; }
 
 struct Field {
     Type type = Type::u8;
@@ -211,9 +193,7 @@ private:
 
 enum class TrafficClass : std::uint8_t { urgent, telemetry, bulk };
 inline constexpr std::array<std::string_view, 3> traffic_class_names{"urgent", "telemetry", "bulk"};
-constexpr std::string_view name_of(TrafficClass c) noexcept {
-    return traffic_class_names[static_cast<std::size_t>(c)];
-}
+constexpr std::string_view name_of(TrafficClass c) noexcept { return traffic_class_names[static_cast<std::size_t>(c)]; }
 
 /// Which queued older frame a newer one may take the place of.
 enum class Replaces : std::uint8_t {

@@ -8,4 +8,4 @@ using Clock = std::chrono::steady_clock;
 using TimePoint = Clock::time_point;
 using Duration = Clock::duration;
 
-}  // namespace ano
+}    // namespace ano

@@ -18,11 +18,7 @@ inline constexpr std::array<Traffic, 256> traffic = traffic_by_id();
 }    // namespace table
 
 /// Protocol text, section 5.
-constexpr Traffic traffic_of(std::uint8_t id) noexcept {
-    return table::traffic[id];
-}
-constexpr TrafficClass traffic_class_of(std::uint8_t id) noexcept {
-    return table::traffic[id].traffic_class;
-}
+constexpr Traffic traffic_of(std::uint8_t id) noexcept { return table::traffic[id]; }
+constexpr TrafficClass traffic_class_of(std::uint8_t id) noexcept { return table::traffic[id].traffic_class; }
 
 }    // namespace ano

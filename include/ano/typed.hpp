@@ -78,10 +78,8 @@ public:
         if constexpr (is_number(f.type) && f.count == 1) {
             const auto wire = load<typename detail::WireType<f.type>::type>(data_.data() + f.offset);
             const auto value = in_unit<f.scale.is_one()>(wire, f.scale);
-            if constexpr (f.no_data.has_value())
-                return wire == *f.no_data ? std::nullopt : std::optional{value};
-            else
-                return value;
+            if constexpr (f.no_data.has_value()) return wire == *f.no_data ? std::nullopt : std::optional{value};
+            else return value;
         } else if constexpr (f.type == Type::text) {
             return text(bytes<F>());
         } else {
@@ -99,10 +97,8 @@ public:
 private:
     template <bool Unscaled, class T>
     static constexpr auto in_unit(T wire, Scale scale) noexcept {
-        if constexpr (Unscaled)
-            return wire;
-        else
-            return static_cast<double>(wire) * scale.value / scale.wire;
+        if constexpr (Unscaled) return wire;
+        else return static_cast<double>(wire) * scale.value / scale.wire;
     }
     static constexpr std::string_view text(Bytes bytes) noexcept {
         const std::string_view whole{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -151,8 +147,7 @@ public:
             store(data_.data() + f.offset, static_cast<Wire>(value));
             return true;
         } else {
-            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) ==
-                   Stored::ok;
+            return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) == Stored::ok;
         }
     }
     /// Text, or bytes, or an address: copied where the field has a size (the rest of it is 0), else referred to until
@@ -166,8 +161,7 @@ public:
             rest_ = value;
         } else {
             if (value.size() > f.size()) return false;
-            for (std::size_t i = 0; i < f.size(); ++i)
-                data_[f.offset + i] = i < value.size() ? value[i] : std::uint8_t{0};
+            for (std::size_t i = 0; i < f.size(); ++i) data_[f.offset + i] = i < value.size() ? value[i] : std::uint8_t{0};
         }
         return true;
     }

@@ -22,10 +22,9 @@ constexpr T load(const std::uint8_t* at) noexcept {
         std::memcpy(&value, at, sizeof value);
         return value;
     }
-    using Bits =
-        std::conditional_t<sizeof(T) == 1, std::uint8_t,
-                           std::conditional_t<sizeof(T) == 2, std::uint16_t,
-                                              std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+    using Bits = std::conditional_t<
+        sizeof(T) == 1, std::uint8_t,
+        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < sizeof(T); ++i) bits |= std::uint64_t{at[i]} << (8 * i);
     return std::bit_cast<T>(static_cast<Bits>(bits));
@@ -33,10 +32,9 @@ constexpr T load(const std::uint8_t* at) noexcept {
 
 template <class T>
 constexpr void store(std::uint8_t* at, T value) noexcept {
-    using Bits =
-        std::conditional_t<sizeof(T) == 1, std::uint8_t,
-                           std::conditional_t<sizeof(T) == 2, std::uint16_t,
-                                              std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
+    using Bits = std::conditional_t<
+        sizeof(T) == 1, std::uint8_t,
+        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>>>;
     const std::uint64_t bits = std::bit_cast<Bits>(value);
     for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<std::uint8_t>(bits >> (8 * i));
 }
@@ -45,16 +43,16 @@ constexpr void store(std::uint8_t* at, T value) noexcept {
 template <class F>
 constexpr decltype(auto) with_type(Type type, F&& f) {
     switch (type) {
-        case Type::i8: return f(std::int8_t{});
-        case Type::u16: return f(std::uint16_t{});
-        case Type::i16: return f(std::int16_t{});
-        case Type::u32: return f(std::uint32_t{});
-        case Type::i32: return f(std::int32_t{});
-        case Type::u64: return f(std::uint64_t{});
-        case Type::i64: return f(std::int64_t{});
-        case Type::f32: return f(float{});
-        case Type::f64: return f(double{});
-        default: return f(std::uint8_t{});
+    case Type::i8: return f(std::int8_t{});
+    case Type::u16: return f(std::uint16_t{});
+    case Type::i16: return f(std::int16_t{});
+    case Type::u32: return f(std::uint32_t{});
+    case Type::i32: return f(std::int32_t{});
+    case Type::u64: return f(std::uint64_t{});
+    case Type::i64: return f(std::int64_t{});
+    case Type::f32: return f(float{});
+    case Type::f64: return f(double{});
+    default: return f(std::uint8_t{});
     }
 }
 

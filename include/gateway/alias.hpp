@@ -40,13 +40,13 @@ public:
 private:
     void restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
                         ano::TimePoint now) noexcept;
-    ano::FrameView finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester,
-                          std::uint8_t alias, Treatment treatment, ano::TimePoint now) noexcept;
+    ano::FrameView finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
+                          Treatment treatment, ano::TimePoint now) noexcept;
 
     std::array<std::uint8_t, 256> as_{};        // by device; 0: none
     std::array<std::uint8_t, 256> device_{};    // by alias; 0: none
     std::size_t largest_;
-    std::unique_ptr<std::uint8_t[]> in_, out_;    // apart: a frame may go from one device of the link to another
+    std::unique_ptr<std::uint8_t[]> in_, out_;     // apart: a frame may go from one device of the link to another
     Recent<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now
 };
 

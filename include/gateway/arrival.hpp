@@ -15,9 +15,9 @@ namespace anogate {
 
 /// The clocks, read together.
 struct ClockReading {
-    ano::TimePoint now{};      // CLOCK_MONOTONIC
-    ano::Duration boot{};      // CLOCK_BOOTTIME, which runs on while the machine is suspended
-    ano::Duration real{};      // CLOCK_REALTIME, which may be set at any time
+    ano::TimePoint now{};    // CLOCK_MONOTONIC
+    ano::Duration boot{};    // CLOCK_BOOTTIME, which runs on while the machine is suspended
+    ano::Duration real{};    // CLOCK_REALTIME, which may be set at any time
 };
 
 /// Knows whether the loop ran all the time, by beats that it does not let go by while it does. Between two beats nothing shows
@@ -42,7 +42,8 @@ public:
         if (!beats_) return {};
         if (clocks.now - before.now > told) gap_ = {before.now, clocks.now};
         const ano::Duration asleep = (clocks.boot - before.boot) - (clocks.now - before.now);
-        const ano::Duration suspended = asleep > lateness ? asleep : ano::Duration{};    // below it, the clocks were not read at once
+        const ano::Duration suspended = asleep > lateness ? asleep
+                                                          : ano::Duration{};    // below it, the clocks were not read at once
         const ano::Duration late = std::max(clocks.now - due_ + suspended, suspended);
         if (late <= lateness) return {};
         stood_since_ = before.boot;
@@ -101,7 +102,7 @@ private:
     ClockReading before_{};    // of the one before
     Gap gap_{};                // the last that was longer than `told` and is not counted
     ano::Duration period_{};
-    ano::TimePoint due_{};     // the next beat
+    ano::TimePoint due_{};    // the next beat
     ano::Duration stood_since_{};
     ano::TimePoint stood_until_ = ano::TimePoint::min();
     ano::TimePoint told_until_ = ano::TimePoint::min();
@@ -145,4 +146,4 @@ private:
     std::optional<ano::Duration> old_since_;    // by CLOCK_BOOTTIME
 };
 
-}  // namespace anogate
+}    // namespace anogate

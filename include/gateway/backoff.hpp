@@ -32,4 +32,4 @@ private:
     bool up_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

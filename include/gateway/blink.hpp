@@ -28,4 +28,4 @@ private:
     bool seen_ = false;    // traffic, and not shown yet; never while lit
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -171,4 +171,4 @@ private:
     ReceiveCounters refused_;    // what belongs to no stream
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -19,10 +19,10 @@ struct Channel {
     Outbox outbox;
     ReceiveCounters routed;    // only what is counted behind the parser: denied_in, inhibited, looped, duplicate, no_route
     ano::TimePoint opened_at{};
-    ano::TimePoint heard_at{};    // the last good frame; zero: none yet
+    ano::TimePoint heard_at{};            // the last good frame; zero: none yet
     std::uint64_t skipped_by_then = 0;    // bytes of no frame, when heard_at was
-    bool hosts_spoke = false;     // a frame of a host was to leave by it
-    ReceiveCounters beside{};     // of parsers beside `parser`: a CAN link has one for every CAN id
+    bool hosts_spoke = false;             // a frame of a host was to leave by it
+    ReceiveCounters beside{};             // of parsers beside `parser`: a CAN link has one for every CAN id
 
     std::unique_ptr<QuestionQueue> questions{};    // before the outbox, where the device takes few; nullptr: none
 
@@ -45,4 +45,4 @@ private:
     std::uint64_t skipped() const noexcept { return parser.counters().skipped_bytes + beside.skipped_bytes; }
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -25,8 +25,8 @@ class Claims {
 public:
     struct Pace {
         unsigned questions = 3;
-        ano::Duration answer_within = std::chrono::seconds{1};    // after each question
-        ano::Duration between_tests = std::chrono::seconds{10};   // of one address, from begin to begin
+        ano::Duration answer_within = std::chrono::seconds{1};     // after each question
+        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, from begin to begin
         /// Who looks later than this after the last question was not listening: it asks once more.
         ano::Duration late = std::chrono::milliseconds{500};
     };
@@ -55,13 +55,11 @@ public:
     /// Something may be due.
     bool is_due(ano::TimePoint now) const noexcept { return now >= earliest_; }
     /// When to look next; nothing: there is no test.
-    std::optional<ano::TimePoint> next() const noexcept {
-        return under_way_.none() ? std::nullopt : std::optional{earliest_};
-    }
+    std::optional<ano::TimePoint> next() const noexcept { return under_way_.none() ? std::nullopt : std::optional{earliest_}; }
 
     struct Due {
         std::uint8_t address = 0;
-        bool silent = false;      // the test ends here; else the holder is to be asked
+        bool silent = false;    // the test ends here; else the holder is to be asked
         ChannelId claimant{};
     };
     /// What is due, one after the other.

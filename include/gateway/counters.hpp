@@ -101,7 +101,8 @@ inline constexpr CounterRow<TunnelCounters> tunnel_counters[] = {
     {"wrapped", &TunnelCounters::wrapped, "tunnel frames made for devices"},
     {"tunnel_malformed", &TunnelCounters::tunnel_malformed, "tunnel frames too short for their addresses"},
     {"tunnel_bad_inner", &TunnelCounters::tunnel_bad_inner, "tunnel frames with bytes that are no whole good frame"},
-    {"tunnel_nested", &TunnelCounters::tunnel_nested, "tunnel frames out of a tunnel frame that were to leave by the tunnel again"},
+    {"tunnel_nested", &TunnelCounters::tunnel_nested,
+     "tunnel frames out of a tunnel frame that were to leave by the tunnel again"},
     {"tunnel_not_allowed", &TunnelCounters::tunnel_not_allowed, "destinations and senders outside allow"},
     {"tunnel_own_port", &TunnelCounters::tunnel_own_port, "datagrams for a port, or from the port, of the gateway itself"},
     {"tunnel_other_ip", &TunnelCounters::tunnel_other_ip, "tunnel frames from the network for another ip: no relay"},
@@ -132,8 +133,8 @@ constexpr void add(ReceiveCounters& a, const ano::ParserCounters& b) noexcept {
 
 /// Frames that were offered and neither left nor were dropped for a counted cause: those that wait.
 constexpr std::uint64_t unaccounted(const SendCounters& c) noexcept {
-    return c.offered - c.frames_out - c.superseded - c.queue_full - c.stale - c.limited - c.denied_out - c.link_down -
-           c.too_big - c.send_failed - c.held_back;
+    return c.offered - c.frames_out - c.superseded - c.queue_full - c.stale - c.limited - c.denied_out - c.link_down - c.too_big -
+           c.send_failed - c.held_back;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -119,13 +119,13 @@ private:
     };
     struct Node {
         State now;
-        State planned;         // valid when `plan` is that of the queue
+        State planned;    // valid when `plan` is that of the queue
         std::uint64_t plan;
         Neighbours in_ring;    // in the order of their turns, round and round
         Number parent;
-        Number chained;        // flows: the next of its bucket, or of the free ones
-        Number longest;        // below a channel, or the root: that had the most bytes when looked at last
-        std::uint32_t key;     // flows: channel and address
+        Number chained;       // flows: the next of its bucket, or of the free ones
+        Number longest;       // below a channel, or the root: that had the most bytes when looked at last
+        std::uint32_t key;    // flows: channel and address
     };
 
     static FrameList& line(State& flow, bool overtakes) noexcept { return overtakes ? flow.overtaking : flow.rest; }
@@ -187,7 +187,7 @@ private:
     bool shared_ = false;         // more than one sender has waited since it was last empty
     std::size_t count_ = 0;
     std::size_t bytes_ = 0;
-    std::uint64_t plan_ = 1;    // no node has this one before it is looked at
+    std::uint64_t plan_ = 1;            // no node has this one before it is looked at
     std::bitset<channels> enrolled_;    // channels that have a turn
     std::array<Number, bucket_count> buckets_;
 };

@@ -20,7 +20,7 @@ using ano::TimePoint;
 class FarPeer {
 public:
     static constexpr Duration window = std::chrono::seconds{10};
-    static constexpr std::size_t times_its_own = 3;                       // bytes, in each window
+    static constexpr std::size_t times_its_own = 3;    // bytes, in each window
     static constexpr Duration answer_within = std::chrono::seconds{3};
     static constexpr Duration acknowledged_within = std::chrono::seconds{10};
     static constexpr int answers_needed = 2;
@@ -59,7 +59,7 @@ private:
     TimePoint window_began_;
     std::size_t in_ = 0, out_ = 0;    // bytes in this window
     bool may_ask_ = true;
-    std::uint8_t asked_as_ = 0;       // our address in the question that is open; 0: none
+    std::uint8_t asked_as_ = 0;    // our address in the question that is open; 0: none
     TimePoint asked_at_{};
     int answers_ = 0;
     int wrong_ = 0;
@@ -68,4 +68,4 @@ private:
     bool is_there_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -117,7 +117,8 @@ public:
     std::uint64_t SendCounters::*refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;
-        if ((!sends_empty_ && frame.data().empty()) || (send_ && !passes(*send_, frame))) return verdict_ = &SendCounters::denied_out;
+        if ((!sends_empty_ && frame.data().empty()) || (send_ && !passes(*send_, frame)))
+            return verdict_ = &SendCounters::denied_out;
         if (limit_ && !limit_->passes(frame.id(), now)) return verdict_ = &SendCounters::limited;
         return verdict_ = nullptr;
     }

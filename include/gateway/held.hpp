@@ -24,7 +24,8 @@ public:
         ano::TimePoint until;
     };
     /// False: there is no room, or the frame is too long.
-    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, Repeats repeats = {}, ano::TimePoint arrived_at = {}) noexcept {
+    bool put(ChannelId from, ano::FrameView frame, ano::TimePoint due, Repeats repeats = {},
+             ano::TimePoint arrived_at = {}) noexcept {
         const auto bytes = frame.bytes();
         if (!fits(frame)) return false;
         Frame& held = frames_[count_++];
@@ -104,4 +105,4 @@ private:
     std::size_t count_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -20,24 +20,24 @@ enum class SharedSource : std::uint8_t {
 
 /// What is known of a link at a moment.
 struct LinkFigures {
-    std::string_view kind;        // "serial", …
+    std::string_view kind;    // "serial", …
     bool up = false;
-    bool listens = false;         // has a channel a peer, and waits for them
-    bool waits_to_hear = false;   // never speaks first, and could be told to
-    bool for_hosts = false;       // a route leads hosts' frames here: who is there may only listen
+    bool listens = false;          // has a channel a peer, and waits for them
+    bool waits_to_hear = false;    // never speaks first, and could be told to
+    bool for_hosts = false;        // a route leads hosts' frames here: who is there may only listen
     std::size_t channels = 0;
-    ReceiveCounters received;     // all channels, and what belongs to none
+    ReceiveCounters received;    // all channels, and what belongs to none
     SendCounters sent;
-    std::uint64_t came_stale = 0;   // of `sent.stale`: had waited elsewhere, while the gateway stood still
+    std::uint64_t came_stale = 0;    // of `sent.stale`: had waited elsewhere, while the gateway stood still
     std::uint64_t v7_frames = 0;
     std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
-    bool ring_is_certain = true;    // or a device on two links
-    std::uint64_t gateways = 0;     // other gateways' listening ports that were refused
-    std::uint64_t no_place = 0;     // datagrams of strangers that were refused for want of a place
+    bool ring_is_certain = true;             // or a device on two links
+    std::uint64_t gateways = 0;              // other gateways' listening ports that were refused
+    std::uint64_t no_place = 0;              // datagrams of strangers that were refused for want of a place
     ano::Duration up_for{};
-    std::optional<ano::Duration> silent_for;    // since the last good frame; nothing: there was none
-    std::uint64_t skipped_since = 0;            // bytes of no frame, since then
-    std::optional<ano::Duration> bytes_ago;     // since the last byte; nothing: there was none
+    std::optional<ano::Duration> silent_for;     // since the last good frame; nothing: there was none
+    std::uint64_t skipped_since = 0;             // bytes of no frame, since then
+    std::optional<ano::Duration> bytes_ago;      // since the last byte; nothing: there was none
     std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have
     SharedSource shared = SharedSource::none;
     std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
@@ -48,4 +48,4 @@ std::string hint(const LinkFigures& link);
 /// The same without silence, which comes and goes on a link where all is well.
 std::string hint_of_trouble(const LinkFigures& link);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -14,12 +14,8 @@ enum class ChannelId : std::uint8_t {};
 inline constexpr std::size_t most_links = 64;
 inline constexpr std::size_t most_channels = 64;
 
-constexpr std::size_t index(LinkId id) noexcept {
-    return static_cast<std::size_t>(id);
-}
-constexpr std::size_t index(ChannelId id) noexcept {
-    return static_cast<std::size_t>(id);
-}
+constexpr std::size_t index(LinkId id) noexcept { return static_cast<std::size_t>(id); }
+constexpr std::size_t index(ChannelId id) noexcept { return static_cast<std::size_t>(id); }
 
 /// Up to 64 ids in one word; iterates in ascending order.
 template <class Id>

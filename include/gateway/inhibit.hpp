@@ -49,4 +49,4 @@ private:
     LinkSet links_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

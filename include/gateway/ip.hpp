@@ -43,7 +43,7 @@ struct Endpoint {
 /// An endpoint as a person writes it. The interface of a link-local address is kept by its name: whether there is such an
 /// interface, and what number it has, changes with every plug. `address.scope` is 0.
 struct WrittenEndpoint : Endpoint {
-    std::string interface{};    // 1 to 15 bytes, or its number; empty for none
+    std::string interface {};    // 1 to 15 bytes, or its number; empty for none
 
     /// As Endpoint::parse(), whether or not there is such an interface now.
     static std::optional<WrittenEndpoint> parse(std::string_view text);
@@ -68,4 +68,4 @@ bool is_broadcast(const IpAddress& address, const std::vector<Network>& networks
 
 bool contains(const std::vector<Network>& networks, const IpAddress& address) noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

@@ -50,7 +50,7 @@ public:
 
 private:
     struct Suspect {
-        Endpoint endpoint;    // port 0: a free row
+        Endpoint endpoint;           // port 0: a free row
         std::uint64_t number = 0;    // that it was asked by; 0: not yet
         std::uint32_t asks = 0;
         TimePoint asked_at{};
@@ -72,4 +72,4 @@ private:
     std::uint32_t answers_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -25,7 +25,7 @@ namespace listening {
 inline constexpr std::uint8_t id = 0xFB, source = 0xFE, destination = 0xFF;
 inline constexpr std::array<std::uint8_t, 4> magic = {'a', 'n', 'o', 'L'};
 inline constexpr std::size_t data_size = magic.size() + 1 + 8;
-}  // namespace listening
+}    // namespace listening
 
 using NoticeFrame = std::array<std::uint8_t, ano::overhead + listening::data_size>;
 
@@ -50,4 +50,4 @@ inline std::optional<ListeningNotice> listening_notice(ano::FrameView frame) noe
     return notice;
 }
 
-}  // namespace anogate
+}    // namespace anogate

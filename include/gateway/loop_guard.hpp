@@ -47,14 +47,16 @@ public:
     static constexpr std::uint32_t repeats = 1000;
     /// From the first that is withheld to the next that leaves, at the most: whoever listens to sticks must not take their
     /// sender for lost.
-    static constexpr Duration longest_withheld = std::chrono::milliseconds{500}, longest_state_withheld = std::chrono::milliseconds{100};
+    static constexpr Duration longest_withheld = std::chrono::milliseconds{500},
+                              longest_state_withheld = std::chrono::milliseconds{100};
     /// Nobody says the same again so soon, so many times in a row; in a known ring one that does so once is a copy.
     static constexpr Duration faster_than_senders = std::chrono::milliseconds{5};
     static constexpr std::uint32_t fast_repeats = 32;
     /// After so many repeats a command is tested first, and after twice as many each time then; how long it is withheld, in
     /// turn; and how often it comes round as it would in a ring until it is taken for that.
     static constexpr std::uint32_t first_test = 64, most_tests = 4;
-    static constexpr std::array<Duration, 3> tested_for{longest_withheld, std::chrono::milliseconds{300}, std::chrono::milliseconds{400}};
+    static constexpr std::array<Duration, 3> tested_for{longest_withheld, std::chrono::milliseconds{300},
+                                                        std::chrono::milliseconds{400}};
     static constexpr std::uint8_t enough = 3;
     /// What goes round together, sent late at once, comes within this time.
     static constexpr Duration come_together = std::chrono::milliseconds{100};
@@ -69,9 +71,9 @@ public:
     };
     struct Judgement {
         Fate fate = Fate::passes;
-        bool probe = false;           // rings().ask() should leave by the channel first
-        std::uint32_t copies = 1;     // so often it is to leave: those withheld before it as well
-        bool elsewhere = false;       // it ends, and may be what a device on two links said, not a copy of ours
+        bool probe = false;          // rings().ask() should leave by the channel first
+        std::uint32_t copies = 1;    // so often it is to leave: those withheld before it as well
+        bool elsewhere = false;      // it ends, and may be what a device on two links said, not a copy of ours
         Duration wait{};
         std::uint32_t repeats = 0;    // when the channel brings the same more often while it waits, it need not wait any longer
     };
@@ -142,18 +144,18 @@ private:
         std::uint8_t number = 0;    // those that are over
         std::uint8_t sent_late = 0;
         std::uint8_t steady = 0, strays = 0;
-        std::uint16_t way = 0;      // from the last time that it was sent to this; ms
+        std::uint16_t way = 0;    // from the last time that it was sent to this; ms
     };
     struct Sent {
         ChannelSet channels;
-        ChannelSet returned;          // of them and of others, by which it came again
-        std::uint32_t times = 0;      // it came once more
-        ChannelId from{};             // by which it came first
+        ChannelSet returned;        // of them and of others, by which it came again
+        std::uint32_t times = 0;    // it came once more
+        ChannelId from{};           // by which it came first
         std::uint8_t withheld = 0;
-        std::uint8_t owed = 0;        // went out by rings and may come back by `from`
-        bool again : 1 = false;       // another channel brought it while nobody knew,
-        bool blindly : 1 = false;     // and nobody could ask
-        bool claimed : 1 = false;     // `from` is not the home of its source,
+        std::uint8_t owed = 0;               // went out by rings and may come back by `from`
+        bool again : 1 = false;              // another channel brought it while nobody knew,
+        bool blindly : 1 = false;            // and nobody could ask
+        bool claimed : 1 = false;            // `from` is not the home of its source,
         std::uint8_t anticipated : 5 = 0;    // and brought it so often before that did
         Test test{};
         TimePoint withheld_until = TimePoint::min();
@@ -256,11 +258,13 @@ private:
             return {};
         }
         if (now >= known.withheld_until) {
-            const auto way = static_cast<std::uint16_t>(std::min<std::int64_t>((now - sent_at) / std::chrono::milliseconds{1}, 60'000));
+            const auto way = static_cast<std::uint16_t>(
+                std::min<std::int64_t>((now - sent_at) / std::chrono::milliseconds{1}, 60'000));
             const bool steady = std::abs(way - test.way) <= std::min(20 + way / 8, 60);
             test.way = way;
             if (test.sent_late == 0) {
-                const std::uint32_t turns = (known.times / first_test) >> test.number;    // of several that go round none is steady
+                const std::uint32_t turns = (known.times / first_test) >>
+                                            test.number;    // of several that go round none is steady
                 if (!said.command || test.number == most_tests || turns < (steady ? 1u : 2u)) return {};
             } else if (steady) {
                 if (++test.steady >= enough) return came_round(known, from, now);
@@ -286,7 +290,9 @@ private:
     // Of states the newest counts, so they wait only where a ring turns fast, and not for long.
     static constexpr Judgement waiting(const Said& said, TimePoint sent_at, bool probe, TimePoint now) noexcept {
         const bool waits = !said.state || now - sent_at < faster_than_senders;
-        return {.fate = waits ? Fate::waits : Fate::passes, .probe = probe, .wait = said.state ? longest_state_wait : RingWatch::patience};
+        return {.fate = waits ? Fate::waits : Fate::passes,
+                .probe = probe,
+                .wait = said.state ? longest_state_wait : RingWatch::patience};
     }
     // Of a ring by bridges that keep what devices say: there a probe tells, by its other end.
     bool may_be_its_other_end(const Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
@@ -304,7 +310,9 @@ private:
         judgement.probe = probe;
         return judgement;
     }
-    bool knows(ChannelId channel, TimePoint now) noexcept { return rings_.is_ring(channel, now) || rings_.is_clear(channel, now); }
+    bool knows(ChannelId channel, TimePoint now) noexcept {
+        return rings_.is_ring(channel, now) || rings_.is_clear(channel, now);
+    }
 
     // Links of one group lead to one place.
     static constexpr std::uint8_t place(LinkId link, std::uint8_t group) noexcept {
@@ -329,4 +337,4 @@ private:
     }();
 };
 
-}  // namespace anogate
+}    // namespace anogate

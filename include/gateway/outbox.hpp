@@ -125,15 +125,13 @@ private:
     Schedule plan(ano::TimePoint now) noexcept;
     void look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept;
     Index take_first() noexcept;
-    ano::FrameView view(Index i) const noexcept {
-        return ano::FrameView{{arena_.get() + entries_[i].at, entries_[i].size}};
-    }
+    ano::FrameView view(Index i) const noexcept { return ano::FrameView{{arena_.get() + entries_[i].at, entries_[i].size}}; }
     FrameList& bucket(std::uint32_t key, ChannelId from) noexcept {
         return buckets_[(key ^ static_cast<std::uint32_t>(from) * 0x85EBCA6Bu) * 0x9E3779B1u >> 24];
     }
 
     Options options_;
-    std::size_t capacity_;                     // of the arena: twice the bound, so that compacting is rare
+    std::size_t capacity_;    // of the arena: twice the bound, so that compacting is rare
     ano::Room<std::uint8_t> arena_;
     ano::Room<WaitingFrame> entries_;
     Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
@@ -143,8 +141,8 @@ private:
     std::array<FairQueue, traffic_classes> queues_;
     std::uint32_t waiting_classes_ = 0;    // a bit for each
     ClassShares shares_;
-    FrameList in_arena_ = no_frames;                   // every frame, in the order of its bytes
-    std::array<FrameList, bucket_count> buckets_;      // what may be replaced, by hash, oldest first
+    FrameList in_arena_ = no_frames;                 // every frame, in the order of its bytes
+    std::array<FrameList, bucket_count> buckets_;    // what may be replaced, by hash, oldest first
 
     Index begun_ = none;             // the frame of which a part has left; it stands in no queue
     std::size_t partly_sent_ = 0;    // and how much of it has

@@ -50,9 +50,7 @@ public:
         return done_at_ - std::min(ahead, options_.latency / 2);
     }
     /// The driver took `bytes` at `now`.
-    constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept {
-        done_at_ = now + ahead_of(now) + time_of(bytes);
-    }
+    constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept { done_at_ = now + ahead_of(now) + time_of(bytes); }
     /// The driver still holds `unsent` bytes at `now`: a line that is slower than its rate, or stopped by flow control.
     /// That it holds less than expected says nothing: behind it there may be another buffer.
     constexpr void correct(std::size_t unsent, ano::TimePoint now) noexcept {

@@ -76,10 +76,10 @@ private:
         bool is_host = false;    // it brought a frame of one
         TimePoint heard_at{};
         TimePoint exchange_began{};
-        bool came_again = false;    // more than one exchange
+        bool came_again = false;       // more than one exchange
         std::uint32_t refusals = 0;    // since it was heard
         TimePoint first_refused_at{};
-        bool is_gone = false;          // the refusals say so
+        bool is_gone = false;    // the refusals say so
     };
 
     // A stranger that found no place.
@@ -109,4 +109,4 @@ private:
 /// No datagram with such a source makes a peer: broadcast and multicast addresses, none, and port 0. `own`: our networks.
 bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

@@ -68,8 +68,8 @@ private:
 
     std::uint8_t address_;
     std::size_t largest_;
-    Addresses everybody_;    // destinations that are nobody's own: 0xFF, and the port ids of the links
-    Addresses devices_;      // of the link: they have written to `address`
+    Addresses everybody_;                         // destinations that are nobody's own: 0xFF, and the port ids of the links
+    Addresses devices_;                           // of the link: they have written to `address`
     std::unique_ptr<std::uint8_t[]> in_, out_;    // apart: an answer may go on to another host of the link
     std::uint64_t last_number_ = 0;
     std::size_t last_size_ = 0;    // of what is in out_

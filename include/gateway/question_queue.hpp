@@ -23,7 +23,7 @@ namespace anogate {
 class QuestionQueue {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;                   // bound of what waits here
+        std::size_t bytes = 32 * 1024;                  // bound of what waits here
         ano::Duration age = std::chrono::seconds{5};    // what waited longer is dropped
     };
     /// `outbox` stays where it is as long as this is used, and tells this what becomes of its frames.
@@ -65,12 +65,12 @@ private:
     Outbox& outbox_;
     InFlight in_flight_;
     Options options_;
-    ano::Room<std::uint8_t> room_;      // twice the bound, so that compacting is rare
-    std::size_t end_ = 0;                       // where the next one's bytes go
+    ano::Room<std::uint8_t> room_;    // twice the bound, so that compacting is rare
+    std::size_t end_ = 0;             // where the next one's bytes go
     ano::Room<WaitingFrame> frames_;
-    FrameIndex used_ = 0;                       // frames_[0, used_) have been used since nothing waited last
-    FrameIndex free_ = no_frame;                // of those, the free ones
-    FrameList in_room_ = no_frames;             // all, in the order in which they came and of their bytes
+    FrameIndex used_ = 0;              // frames_[0, used_) have been used since nothing waited last
+    FrameIndex free_ = no_frame;       // of those, the free ones
+    FrameList in_room_ = no_frames;    // all, in the order in which they came and of their bytes
     FairQueue turns_;
     SendCounters counters_;
 };

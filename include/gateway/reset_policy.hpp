@@ -37,4 +37,4 @@ private:
     bool was_pulsed_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

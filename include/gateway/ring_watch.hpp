@@ -21,7 +21,8 @@ inline constexpr std::array<std::uint8_t, 4> probe_word{'R', 'i', 'n', 'g'};
 inline constexpr std::size_t probe_data = probe_word.size() + 8 + 4 + 1;    // then: who asks, which question, by which channel
 
 constexpr bool is_probe(ano::FrameView frame) noexcept {
-    if (frame.id() != probe_id || frame.source() != ano::address::host || frame.destination() != ano::address::broadcast) return false;
+    if (frame.id() != probe_id || frame.source() != ano::address::host || frame.destination() != ano::address::broadcast)
+        return false;
     const auto data = frame.data();
     if (data.size() != probe_data) return false;
     for (std::size_t i = 0; i < probe_word.size(); ++i)
@@ -209,7 +210,8 @@ private:
         // What hosts said, spread by it and brought back, in this period and in the one before; where no probe may go.
         TimePoint period{};
         std::uint32_t spread = 0, back = 0, spread_before = 0, back_before = 0;
-        std::uint32_t told = 0, told_before = 0, told_in_vain = 0;    // what devices said, as well, and all that did not come back
+        std::uint32_t told = 0, told_before = 0,
+                      told_in_vain = 0;    // what devices said, as well, and all that did not come back
     };
     Facts& of(ChannelId channel) noexcept { return facts_[index(channel)]; }
 
@@ -262,4 +264,4 @@ private:
     std::array<std::uint8_t, ano::overhead + probe_data> probe_{};
 };
 
-}  // namespace anogate
+}    // namespace anogate

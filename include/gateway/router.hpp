@@ -35,7 +35,7 @@ struct Route {
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
-    bool claimed = false;       // Router::take_claimant() knew by whom
+    bool claimed = false;    // Router::take_claimant() knew by whom
     TimePoint last{};
     std::uint64_t count = 0;    // how often it showed: claims that were refused, and the same frames by two links
 };
@@ -114,9 +114,7 @@ public:
     /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
-    LinkSet port(std::uint8_t address) const {
-        return address <= ano::address::last_port_id ? ports_[address] : LinkSet{};
-    }
+    LinkSet port(std::uint8_t address) const { return address <= ano::address::last_port_id ? ports_[address] : LinkSet{}; }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
     struct Claimant {
@@ -160,7 +158,7 @@ private:
     std::array<LinkSet, 256> pinned_{};
 
     std::array<LinkSet, most_links + 1> groups_{};    // by number; [0] is unused
-    unsigned open_ = 0;       // channels
+    unsigned open_ = 0;                               // channels
     bool grouped_ = false;                            // any link has a group
     std::array<TimePoint, most_links> heard_link_ = [] {
         std::array<TimePoint, most_links> all;

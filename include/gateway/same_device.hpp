@@ -43,8 +43,8 @@ private:
         std::uint64_t key = 0;
         ano::TimePoint at = ano::TimePoint::min();
         LinkId link{};
-        bool elsewhere = false;         // another link brought frames meanwhile
-        bool met = false;               // and this one
+        bool elsewhere = false;                 // another link brought frames meanwhile
+        bool met = false;                       // and this one
         unsigned met_before = 0, missed = 0;    // how often, of those where another link spoke
     };
 

@@ -72,9 +72,9 @@ enum class CanFraming : std::uint8_t { stream, isotp };
 struct CanSettings {
     std::string interface;
     CanFraming framing = CanFraming::stream;
-    bool fd = false;          // CAN FD frames; the interface must carry them
-    bool brs = true;          // their data at the faster bit rate
-    bool extended = false;    // 29-bit ids
+    bool fd = false;                      // CAN FD frames; the interface must carry them
+    bool brs = true;                      // their data at the faster bit rate
+    bool extended = false;                // 29-bit ids
     std::optional<std::uint32_t> base;    // of the ids of stream framing; nothing: 0x600, or 0x0AB00000 when extended
     std::optional<std::uint32_t> tx;      // the ids of ISO-TP, both needed there
     std::optional<std::uint32_t> rx;
@@ -101,25 +101,25 @@ inline constexpr std::uint16_t vendor_max_data = 198;
 struct LinkSettings {
     std::string kind;    // a row of link kinds
     std::string name;
-    std::uint8_t id = 0;    // port id 1 to 20; 0: none
-    Profile profile = Profile::none;    // gives the defaults of what is not said below
-    std::uint16_t max_data = 4096;      // of what is accepted
+    std::uint8_t id = 0;                          // port id 1 to 20; 0: none
+    Profile profile = Profile::none;              // gives the defaults of what is not said below
+    std::uint16_t max_data = 4096;                // of what is accepted
     std::optional<std::uint16_t> max_data_out;    // of what is sent
     std::optional<Duration> hello;                // how often to speak first; zero: never
     std::optional<ValueType7> value_type_7;       // for tools that show what the link brings
     std::optional<TextEncoding> encoding;         // and of the text in it
-    std::uint32_t queue = 32 * 1024;    // bytes; at least one frame of most_data_out()
-    bool flood = true;                  // takes frames for addresses nobody has heard of
-    bool broadcast = true;              // takes frames to 0xFF
-    std::string group;                  // links of one group lead to the same place; empty: none
-    std::uint8_t present_as = 0;        // the address that every host has for the devices of this link; 0: its own
-    std::uint32_t rate = 0;             // bytes/s that it is given at most; 0: what the line carries, or no limit
+    std::uint32_t queue = 32 * 1024;              // bytes; at least one frame of most_data_out()
+    bool flood = true;                            // takes frames for addresses nobody has heard of
+    bool broadcast = true;                        // takes frames to 0xFF
+    std::string group;                            // links of one group lead to the same place; empty: none
+    std::uint8_t present_as = 0;                  // the address that every host has for the devices of this link; 0: its own
+    std::uint32_t rate = 0;                       // bytes/s that it is given at most; 0: what the line carries, or no limit
     Duration latency = std::chrono::milliseconds{20};    // how far the system may be ahead of the line, where it is paced
     bool pack = true;                                    // datagrams: several frames in one when they wait anyway,
     std::uint16_t mtu = 1400;                            // and so many bytes
     AgeLimits age;
     RuleSettings rules;
-    bool required = false;              // the program ends with 1 when this link is not up within 10 s
+    bool required = false;    // the program ends with 1 when this link is not up within 10 s
 
     // Only the one of its kind means something.
     SerialSettings serial;
@@ -222,8 +222,8 @@ struct GpioSettings {
     std::vector<std::string> links;    // of an inhibit switch, beside `link`
     bool active_low = false;
     GpioBias bias = GpioBias::as_is;
-    std::optional<Duration> pulse;       // nothing: 1 s for power, 100 ms for reset
-    std::optional<Duration> silent_for;  // reset when the link was silent so long
+    std::optional<Duration> pulse;         // nothing: 1 s for power, 100 ms for reset
+    std::optional<Duration> silent_for;    // reset when the link was silent so long
     bool operator==(const GpioSettings&) const = default;
 };
 
@@ -234,8 +234,8 @@ struct ControlSettings {
 
 struct LogSettings {
     std::string level = "info";
-    std::string file;                                // empty: standard error
-    std::uint64_t rotate = 10 * 1000 * 1000;         // bytes; 0: never
+    std::string file;                           // empty: standard error
+    std::uint64_t rotate = 10 * 1000 * 1000;    // bytes; 0: never
     bool operator==(const LogSettings&) const = default;
 };
 
@@ -252,4 +252,4 @@ struct Settings {
     bool operator==(const Settings&) const = default;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -42,4 +42,4 @@ private:
     std::array<Stream, 6> streams_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -34,9 +34,9 @@ struct AgeLimits {
 
 constexpr ano::Duration limit(const AgeLimits& limits, AgeKind kind) noexcept {
     switch (kind) {
-        case AgeKind::control: return limits.control;
-        case AgeKind::telemetry: return limits.telemetry;
-        case AgeKind::rest: break;
+    case AgeKind::control: return limits.control;
+    case AgeKind::telemetry: return limits.telemetry;
+    case AgeKind::rest: break;
     }
     return limits.rest;
 }
@@ -52,4 +52,4 @@ struct Treatment {
 extern const std::array<Treatment, 256> treatments;
 inline Treatment treatment_of(std::uint8_t id) noexcept { return treatments[id]; }
 
-}  // namespace anogate
+}    // namespace anogate

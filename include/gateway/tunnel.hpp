@@ -22,13 +22,11 @@
 
 namespace anogate {
 
-inline constexpr std::uint8_t ip_tunnel = 0xB1;          // whole addresses
-inline constexpr std::uint8_t ip_tunnel_short = 0xB2;    // their last bytes
-inline constexpr std::size_t largest_datagram = 65507;   // of UDP over IPv4
+inline constexpr std::uint8_t ip_tunnel = 0xB1;           // whole addresses
+inline constexpr std::uint8_t ip_tunnel_short = 0xB2;     // their last bytes
+inline constexpr std::size_t largest_datagram = 65507;    // of UDP over IPv4
 
-constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept {
-    return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short;
-}
+constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
 
 /// What stands before the inner frames.
 struct TunnelHead {
@@ -161,4 +159,4 @@ private:
     TunnelCounters counters_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -33,4 +33,4 @@ private:
 const Network* listed_loopback(const std::vector<Network>& allow) noexcept;
 const Network* listed_own(const std::vector<Network>& allow, const std::vector<Network>& own) noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

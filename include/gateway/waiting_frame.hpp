@@ -40,24 +40,18 @@ inline constexpr FrameList no_frames{no_frame, no_frame};
 template <Neighbours WaitingFrame::*in>
 void append(WaitingFrame* frames, FrameList& list, FrameIndex i) noexcept {
     (frames[i].*in) = {list.last, no_frame};
-    if (list.last == no_frame)
-        list.first = i;
-    else
-        (frames[list.last].*in).behind = i;
+    if (list.last == no_frame) list.first = i;
+    else (frames[list.last].*in).behind = i;
     list.last = i;
 }
 
 template <Neighbours WaitingFrame::*in>
 void unlink(WaitingFrame* frames, FrameList& list, FrameIndex i) noexcept {
     const Neighbours at = frames[i].*in;
-    if (at.before == no_frame)
-        list.first = at.behind;
-    else
-        (frames[at.before].*in).behind = at.behind;
-    if (at.behind == no_frame)
-        list.last = at.before;
-    else
-        (frames[at.behind].*in).before = at.before;
+    if (at.before == no_frame) list.first = at.behind;
+    else (frames[at.before].*in).behind = at.behind;
+    if (at.behind == no_frame) list.last = at.before;
+    else (frames[at.behind].*in).before = at.before;
 }
 
 }    // namespace anogate

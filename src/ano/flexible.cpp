@@ -8,9 +8,7 @@ namespace {
 
 using Fault = FlexibleLayouts::Fault;
 
-bool is_allowed(Type type) noexcept {
-    return type <= Type::i32 || type == Type::f32;
-}
+bool is_allowed(Type type) noexcept { return type <= Type::i32 || type == Type::f32; }
 
 bool is_name(std::string_view name) noexcept {
     const auto wrong = [](char c) { return c == '=' || static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
@@ -40,11 +38,9 @@ FlexibleLayouts::Refusal FlexibleLayouts::add(std::uint8_t id, std::optional<std
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const FlexibleField& given = fields[i];
         const auto same_name = [&](const Field& f) { return f.name == given.name; };
-        if (!is_name(given.name) || std::any_of(layout.fields_.begin(), layout.fields_.end(), same_name))
-            return {Fault::name, i};
+        if (!is_name(given.name) || std::any_of(layout.fields_.begin(), layout.fields_.end(), same_name)) return {Fault::name, i};
         if (!is_allowed(given.type)) return {Fault::type, i};
-        if (given.scale == 0 || !std::isfinite(given.scale) || !std::isfinite(1 / given.scale))
-            return {Fault::scale, i};
+        if (given.scale == 0 || !std::isfinite(given.scale) || !std::isfinite(1 / given.scale)) return {Fault::scale, i};
 
         Field field;
         field.type = given.type;
@@ -73,14 +69,14 @@ const FlexibleLayout* FlexibleLayouts::find(std::uint8_t id, std::uint8_t source
 
 std::string_view text_of(Fault fault) noexcept {
     switch (fault) {
-        case Fault::none: return "fine";
-        case Fault::id: return "a flexible message has an id from 0xF1 to 0xFA";
-        case Fault::duplicate: return "this id has a layout for this source already";
-        case Fault::no_fields: return "a layout has at least one field";
-        case Fault::name: return "a field has a name of its own, without '=' and control characters";
-        case Fault::type: return "a field is one of u8 i8 u16 i16 u32 i32 f32";
-        case Fault::scale: return "a scale is a finite number that is not 0";
-        case Fault::too_long: return "the fields are longer than the 65535 bytes of DATA";
+    case Fault::none: return "fine";
+    case Fault::id: return "a flexible message has an id from 0xF1 to 0xFA";
+    case Fault::duplicate: return "this id has a layout for this source already";
+    case Fault::no_fields: return "a layout has at least one field";
+    case Fault::name: return "a field has a name of its own, without '=' and control characters";
+    case Fault::type: return "a field is one of u8 i8 u16 i16 u32 i32 f32";
+    case Fault::scale: return "a scale is a finite number that is not 0";
+    case Fault::too_long: return "the fields are longer than the 65535 bytes of DATA";
     }
     return "";
 }

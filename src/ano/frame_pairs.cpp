@@ -81,8 +81,7 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
             credit_ -= a_look;
             const std::uint8_t* const header = bytes.data() + begin;
             const std::size_t length = data_length(header);
-            if (!heard.source(header[1]) || length + shorter_at_least > longest || begin + length >= waiting + longest)
-                continue;
+            if (!heard.source(header[1]) || length + shorter_at_least > longest || begin + length >= waiting + longest) continue;
             const std::size_t sum_place = begin + header_size + length;
             if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // bad already
             const Place place = origin_ + begin;
@@ -99,8 +98,7 @@ void FramePairs::judge_until(Place end, Place behind, std::span<const std::uint8
     constexpr Place sizes_a_word = sizeof(std::uint64_t) / sizeof ends_[0];
     while (judged_until_ < end) {
         const Place next = judged_until_ + 1;
-        if (next % sizes_a_word == 0 && next + sizes_a_word <= end && mask_ >= sizes_a_word &&
-            load_word(&size_at(next)) == 0) {
+        if (next % sizes_a_word == 0 && next + sizes_a_word <= end && mask_ >= sizes_a_word && load_word(&size_at(next)) == 0) {
             judged_until_ += sizes_a_word;
         } else {
             judged_until_ = next;
@@ -110,8 +108,7 @@ void FramePairs::judge_until(Place end, Place behind, std::span<const std::uint8
 }
 
 // Those that begin at `behind` or before are of no use any more, and their bytes may be gone.
-void FramePairs::judge_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes,
-                                 const PrefixSums& sums) noexcept {
+void FramePairs::judge_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     const auto sum_place = static_cast<std::size_t>(end - origin_) - 2;
     std::uint16_t good = 0;
     for (std::uint16_t size = size_at(end); size != 0 && end - size > behind; size = nexts_[(end - size) & mask_]) {

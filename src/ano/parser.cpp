@@ -194,7 +194,8 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
         }
         // Those whose LEN is two HEADs: most of them where HEADs are dense.
         std::uint64_t refused = heads & heads >> 4 & heads >> 5;
-        if (refused != 0) [[unlikely]] refused = refused_together(refused, from, sums_end);
+        if (refused != 0) [[unlikely]]
+            refused = refused_together(refused, from, sums_end);
         heads &= ~refused;
         const std::uint64_t looked_at = heads;
         for (; heads != 0; heads &= heads - 1) {
@@ -229,8 +230,8 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
 }
 
 [[gnu::noinline]] void FrameParser::count_refused(std::uint64_t heads) noexcept {
-    (length_of_heads > options_.max_data ? counters_.bad_length : counters_.bad_check) +=
-        static_cast<unsigned>(std::popcount(heads));
+    (length_of_heads > options_.max_data ? counters_.bad_length
+                                         : counters_.bad_check) += static_cast<unsigned>(std::popcount(heads));
 }
 
 // Asked when the first check holds, which is rare.
@@ -326,8 +327,7 @@ bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
 
 TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const noexcept {
     if (options_.line_rate == 0) return since + overdue_unknown_rate;
-    const std::size_t wanted =
-        end_ - candidate < header_size ? overhead : overhead + data_length(buffer_.get() + candidate);
+    const std::size_t wanted = end_ - candidate < header_size ? overhead : overhead + data_length(buffer_.get() + candidate);
     return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
 }
 

@@ -33,10 +33,9 @@ Bytes sums_from(std::uint64_t& carry, Bytes x) noexcept {
     return within + reinterpret_cast<Bytes>(carries);
 }
 
-}  // namespace
+}    // namespace
 
-PrefixSums::PrefixSums(std::size_t capacity)
-    : sum_{capacity + 1}, add_{capacity + 1}, gap_{capacity + 1} {}
+PrefixSums::PrefixSums(std::size_t capacity) : sum_{capacity + 1}, add_{capacity + 1}, gap_{capacity + 1} {}
 
 void PrefixSums::extend(std::span<const std::uint8_t> bytes, std::size_t to) noexcept {
     extend_to(bytes.data(), std::min(std::max(to, end_ + stride), bytes.size()));
@@ -75,4 +74,4 @@ void PrefixSums::extend_to(const std::uint8_t* bytes, std::size_t to) noexcept {
     end_ = to;
 }
 
-}  // namespace ano
+}    // namespace ano

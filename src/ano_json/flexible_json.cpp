@@ -92,22 +92,16 @@ private:
         FlexibleField field;
         if (!check_keys(given, pointer, keys)) return field;
         for (const char* key : {"name", "type"}) {
-            if (!given.contains(key))
-                fault(pointer, std::string{"key '"} + key + "' is missing");
-            else if (!given[key].is_string())
-                fault(pointer + "/" + key, "this is to be text");
+            if (!given.contains(key)) fault(pointer, std::string{"key '"} + key + "' is missing");
+            else if (!given[key].is_string()) fault(pointer + "/" + key, "this is to be text");
         }
         if (given.contains("unit")) {
-            if (given["unit"].is_string())
-                field.unit = given["unit"].get<std::string>();
-            else
-                fault(pointer + "/unit", "this is to be text");
+            if (given["unit"].is_string()) field.unit = given["unit"].get<std::string>();
+            else fault(pointer + "/unit", "this is to be text");
         }
         if (given.contains("scale")) {
-            if (given["scale"].is_number())
-                field.scale = given["scale"].get<double>();
-            else
-                fault(pointer + "/scale", "this is to be a number");
+            if (given["scale"].is_number()) field.scale = given["scale"].get<double>();
+            else fault(pointer + "/scale", "this is to be a number");
         }
         if (given.contains("name") && given["name"].is_string()) field.name = given["name"].get<std::string>();
         if (given.contains("type") && given["type"].is_string()) {
@@ -118,8 +112,7 @@ private:
             if (it == type_names.end())
                 fault(pointer + "/type", "unknown type " + in_quotes(word) + did_you_mean(word, type_names) + "; " +
                                              std::string{text_of(FlexibleLayouts::Fault::type)});
-            else
-                field.type = static_cast<Type>(std::distance(type_names.begin(), it));
+            else field.type = static_cast<Type>(std::distance(type_names.begin(), it));
         }
         return field;
     }

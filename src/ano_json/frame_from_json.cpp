@@ -18,19 +18,14 @@ using Data = std::vector<std::uint8_t>;
 constexpr unsigned first_predefined = 200;    // addresses from here on say who bears them
 
 // Thrown inside this file only.
-[[noreturn]] void fail(std::string pointer, std::string what) {
-    throw JsonFault{std::move(pointer), std::move(what)};
-}
+[[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
 
 std::string step(std::string_view key) {
     std::string text = "/";
     for (const char c : key) {
-        if (c == '~')
-            text += "~0";
-        else if (c == '/')
-            text += "~1";
-        else
-            text += c;
+        if (c == '~') text += "~0";
+        else if (c == '/') text += "~1";
+        else text += c;
     }
     return text;
 }
@@ -125,10 +120,8 @@ public:
         for (const Field& f : fields) {
             if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, step(f.name));
             const auto it = given.find(std::string{f.name});
-            if (f.role == Role::value)
-                put_value(f, it == given.end() ? Json("") : *it, given);
-            else if (it != given.end())
-                put(f, element, *it);
+            if (f.role == Role::value) put_value(f, it == given.end() ? Json("") : *it, given);
+            else if (it != given.end()) put(f, element, *it);
             if (f.type != Type::frames) continue;
             if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, step("data"), "data"));
         }
@@ -139,17 +132,16 @@ private:
     void put(const Field& f, std::span<const Field> element, const Json& json) {
         const std::string pointer = step(f.name);
         switch (f.type) {
-            case Type::text: return put_bytes(f, text(f, json), json);
-            case Type::bytes: return put_bytes(f, bytes(f, json).bytes, json);
-            case Type::ip: return put_address(f, json);
-            case Type::list: return put_elements(f, element, json);
-            case Type::frames: return put_frames(f, json);
-            default: break;
+        case Type::text: return put_bytes(f, text(f, json), json);
+        case Type::bytes: return put_bytes(f, bytes(f, json).bytes, json);
+        case Type::ip: return put_address(f, json);
+        case Type::list: return put_elements(f, element, json);
+        case Type::frames: return put_frames(f, json);
+        default: break;
         }
         if (f.count == 1) return put_number(f, json, data_.data() + f.offset, pointer);
         if (!json.is_array() || json.size() > f.count)
-            fail(pointer,
-                 label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
+            fail(pointer, label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
         for (std::size_t i = 0; i < json.size(); ++i)
             put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + step(std::to_string(i)));
     }
@@ -162,10 +154,9 @@ private:
         const auto number = number_for(f, json, options_.value_type_7);
         if (!number) fail(pointer, label(f) + no_number(json, words_of(f, options_.value_type_7), f.role == Role::code));
         switch (store_number(f, *number, at)) {
-            case Stored::ok: return;
-            case Stored::not_whole:
-                fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
-            case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
+        case Stored::ok: return;
+        case Stored::not_whole: fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
+        case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
         }
     }
 
@@ -214,8 +205,7 @@ private:
         put_number(f, json, &par_type, step(f.name));
         return parameter_type(par_type);
     }
-    [[noreturn]] void fail_as_short(const Field& f, const Json& json, std::size_t size,
-                                    std::optional<Type> type) const {
+    [[noreturn]] void fail_as_short(const Field& f, const Json& json, std::size_t size, std::optional<Type> type) const {
         std::string what = "it is empty";
         if (size > 0) {
             what = shown(json) + " is " + std::to_string(size) + (size == 1 ? " byte, " : " bytes, ");
@@ -229,8 +219,8 @@ private:
     void put_bytes(const Field& f, const Data& bytes, const Json& json) {
         if (f.is_open()) return append(bytes);
         if (bytes.size() > f.size())
-            fail(step(f.name), label(f) + shown(json) + " is " + std::to_string(bytes.size()) + " bytes, it holds " +
-                                   std::to_string(f.size()));
+            fail(step(f.name),
+                 label(f) + shown(json) + " is " + std::to_string(bytes.size()) + " bytes, it holds " + std::to_string(f.size()));
         std::copy(bytes.begin(), bytes.end(), data_.begin() + f.offset);
     }
 
@@ -271,8 +261,7 @@ private:
     void put_frames(const Field& f, const Json& json) {
         if (json.is_string()) return append(hex_at(json, step(f.name), f.name));
         if (!json.is_array()) fail(step(f.name), label(f) + shown(json) + " is not an array of frames");
-        if (inside_a_tunnel_)
-            fail(step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
+        if (inside_a_tunnel_) fail(step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
         for (std::size_t i = 0; i < json.size(); ++i)
             append(encode_frame(json[i], options_, true, step(f.name) + step(std::to_string(i))));
     }
@@ -299,9 +288,7 @@ std::vector<std::string_view> names_in(std::span<const Field> fields) {
 }
 
 bool has_all(const std::vector<std::string_view>& names, const Json& given) {
-    const auto is_given = [&](const auto& item) {
-        return std::find(names.begin(), names.end(), item.key()) != names.end();
-    };
+    const auto is_given = [&](const auto& item) { return std::find(names.begin(), names.end(), item.key()) != names.end(); };
     const auto items = given.items();
     return std::all_of(items.begin(), items.end(), is_given);
 }
@@ -360,8 +347,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
     fail("", name + " has no layout with all of these fields");
 }
 
-Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options,
-                   bool inside_a_tunnel) {
+Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options, bool inside_a_tunnel) {
     const auto layouts = layouts_of(id);
     if (layouts.empty()) fail("", "id " + hex_byte(id) + " is not listed: only its data can be given");
     if (!given.is_object()) fail("", shown(given) + " is not an object of fields");
@@ -402,8 +388,7 @@ std::uint8_t id_of(const Json& json) {
     if (const auto* fault = std::get_if<JsonFault>(&found)) fail("/name", fault->what);
     const std::uint8_t named = std::get<std::uint8_t>(found);
     if (id != json.end() && byte_at(json, "id", 0) != named)
-        fail("/id", "id: " + shown(*id) + " is not the id of " + name->get<std::string>() + ", which is " +
-                        hex_byte(named));
+        fail("/id", "id: " + shown(*id) + " is not the id of " + name->get<std::string>() + ", which is " + hex_byte(named));
     return named;
 }
 
@@ -460,8 +445,8 @@ std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& j
     }
 }
 
-std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source,
-                                                                  const Json& fields, const JsonOptions& options) {
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
+                                                                  const JsonOptions& options) {
     try {
         return encode_fields(id, source, fields, options, false);
     } catch (JsonFault& fault) {

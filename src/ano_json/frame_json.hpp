@@ -45,8 +45,8 @@ std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& j
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).
 /// `source` is looked at for flexible messages only.
-std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source,
-                                                                  const Json& fields, const JsonOptions& options = {});
+std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
+                                                                  const JsonOptions& options = {});
 
 /// The address that `word` is, as a number or as who bears it ("host", "flight controller"); else a fault.
 std::variant<std::uint8_t, JsonFault> address_called(std::string_view word);

@@ -34,19 +34,19 @@ private:
     void write(const Field& f, Json& json) {
         Json& value = json[std::string{f.name}];
         switch (f.type) {
-            case Type::ip: value = address(reading_.bytes_of(f)); break;
-            case Type::list: value = elements(); break;
-            case Type::frames: write_frames(reading_.bytes_of(f), json); break;
-            case Type::bytes: value = hex(reading_.bytes_of(f)); break;
-            default:
-                if (is_number(f.type) && f.count > 1) {
-                    value = Json::array();
-                    const Bytes bytes = reading_.bytes_of(f);
-                    for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
-                        value.push_back(scalar(f, value_at(f, bytes.data() + at)));
-                } else {
-                    value = scalar(f, reading_.value(f));
-                }
+        case Type::ip: value = address(reading_.bytes_of(f)); break;
+        case Type::list: value = elements(); break;
+        case Type::frames: write_frames(reading_.bytes_of(f), json); break;
+        case Type::bytes: value = hex(reading_.bytes_of(f)); break;
+        default:
+            if (is_number(f.type) && f.count > 1) {
+                value = Json::array();
+                const Bytes bytes = reading_.bytes_of(f);
+                for (std::size_t at = 0; at < bytes.size(); at += width(f.type))
+                    value.push_back(scalar(f, value_at(f, bytes.data() + at)));
+            } else {
+                value = scalar(f, reading_.value(f));
+            }
         }
     }
 
@@ -75,8 +75,7 @@ private:
         Json list = Json::array();
         for (std::size_t i = 0; i < reading_.element_count(); ++i) {
             Json element = Json::object();
-            for (const Field& f : reading_.element_fields())
-                element[std::string{f.name}] = scalar(f, reading_.element(i, f));
+            for (const Field& f : reading_.element_fields()) element[std::string{f.name}] = scalar(f, reading_.element(i, f));
             list.push_back(std::move(element));
         }
         return list;
@@ -136,8 +135,6 @@ Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel) 
 
 }    // namespace
 
-Json frame_to_json(FrameView frame, const JsonOptions& options) {
-    return to_json(frame, options, false);
-}
+Json frame_to_json(FrameView frame, const JsonOptions& options) { return to_json(frame, options, false); }
 
 }    // namespace ano

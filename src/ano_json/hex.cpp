@@ -9,9 +9,7 @@ int digit(char c) noexcept {
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
     return -1;
 }
-bool is_space(char c) noexcept {
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
+bool is_space(char c) noexcept { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 }    // namespace
 
@@ -36,9 +34,7 @@ std::string spaced_hex(std::span<const std::uint8_t> bytes) {
     return text;
 }
 
-std::string hex_byte(std::uint8_t byte) {
-    return "0x" + spaced_hex({&byte, 1});
-}
+std::string hex_byte(std::uint8_t byte) { return "0x" + spaced_hex({&byte, 1}); }
 
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text) {
     std::vector<std::uint8_t> bytes;

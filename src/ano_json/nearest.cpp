@@ -9,9 +9,7 @@ namespace {
 constexpr std::size_t longest_word = 64;    // nobody mistypes longer ones; keeps hostile input cheap
 constexpr std::size_t shortest_part = 3;    // letters of a word that say which is meant
 
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Letters added, left out, changed, or two swapped.
 std::size_t edits(std::string_view a, std::string_view b) {
@@ -22,8 +20,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
         for (std::size_t j = 1; j <= b.size(); ++j) {
             const bool same = lower(a[i - 1]) == lower(b[j - 1]);
             row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0 : 1)});
-            const bool swapped =
-                i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+            const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
             if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
         }
         before = above;
@@ -33,9 +30,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
 }
 
 /// "timeout" of peer_timeout.
-bool contains_word(std::string_view candidate, std::string_view word) {
-    return candidate.find(word) != candidate.npos;
-}
+bool contains_word(std::string_view candidate, std::string_view word) { return candidate.find(word) != candidate.npos; }
 
 /// The "baud" of baudrate.
 bool begins_word(std::string_view candidate, std::string_view word) {

@@ -11,9 +11,7 @@ namespace {
 
 constexpr std::string_view space = " \t\r\n";
 
-bool has(std::string_view message, std::string_view part) {
-    return message.find(part) != message.npos;
-}
+bool has(std::string_view message, std::string_view part) { return message.find(part) != message.npos; }
 
 /// What stands before the closing bracket that ends `text`.
 bool ends_with_comma_and_bracket(std::string_view text) {
@@ -43,7 +41,8 @@ bool is_truth_value(std::string_view word) {
 std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
     const std::string_view read = text.substr(0, byte);
     if (text.find_first_not_of(space) == text.npos) return "there is nothing in it";
-    if (has(message, "invalid literal") && !read.empty() && is_truth_value(word_at(text, read.size() - 1))) return "it is written true or false";
+    if (has(message, "invalid literal") && !read.empty() && is_truth_value(word_at(text, read.size() - 1)))
+        return "it is written true or false";
     if (has(message, "0x'") || has(message, "0X'")) return "a number in hex stands in double quotes: \"0xDC\"";
     if (has(message, "#'")) return "a comment begins with //";
     if (has(message, "unexpected end of input")) return "is a closing bracket or quote missing?";

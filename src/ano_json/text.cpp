@@ -42,8 +42,7 @@ std::size_t utf8_length(std::string_view text, std::size_t& bad) {
 class Converter {
 public:
     Converter(const char* to, const char* from) : handle_{iconv_open(to, from)} {
-        if (failed())
-            throw std::runtime_error("this system can't convert GBK text (on Debian: libc-gconv-modules-extra)");
+        if (failed()) throw std::runtime_error("this system can't convert GBK text (on Debian: libc-gconv-modules-extra)");
     }
     ~Converter() { iconv_close(handle_); }
     Converter(const Converter&) = delete;
@@ -164,8 +163,7 @@ double widened(float value) {
 }
 
 std::string in_quotes(std::string_view text, char mark) {
-    const std::string valid =
-        to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
+    const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
     std::string out(1, mark);
     for (std::size_t i = 0; i < valid.size(); ++i) {
         const auto byte = static_cast<std::uint8_t>(valid[i]);

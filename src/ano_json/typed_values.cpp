@@ -13,8 +13,7 @@ namespace ano {
 namespace {
 
 constexpr std::size_t most_values = 8;    // command_info tells the types of so many
-constexpr std::array<std::string_view, 11> words{"u8",  "i8",  "u16", "i16", "u32",   "i32",
-                                                 "u64", "i64", "f32", "f64", "string"};
+constexpr std::array<std::string_view, 11> words{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "string"};
 constexpr std::size_t string_word = 10;
 
 class Reader {
@@ -42,8 +41,7 @@ public:
 private:
     std::string read_string(std::string_view text) {
         const auto encoded = from_utf8(text, encoding_);
-        if (!encoded)
-            return in_quotes(text) + " can't be written in " + (encoding_ == Encoding::gbk ? "GBK" : "UTF-8");
+        if (!encoded) return in_quotes(text) + " can't be written in " + (encoding_ == Encoding::gbk ? "GBK" : "UTF-8");
         values_.bytes.assign(encoded->begin(), encoded->end());
         values_.types.push_back(Type::text);
         return {};
@@ -62,9 +60,9 @@ private:
         f.type = static_cast<Type>(std::distance(known.begin(), it));
         std::array<std::uint8_t, 8> room{};
         switch (store_number(f, *number, room.data())) {
-            case Stored::ok: break;
-            case Stored::not_whole: return in_quotes(digits) + " is not a whole number (" + carried(f) + ")";
-            case Stored::out_of_range: return in_quotes(digits) + " is out of range (" + carried(f) + ")";
+        case Stored::ok: break;
+        case Stored::not_whole: return in_quotes(digits) + " is not a whole number (" + carried(f) + ")";
+        case Stored::out_of_range: return in_quotes(digits) + " is out of range (" + carried(f) + ")";
         }
         values_.bytes.insert(values_.bytes.end(), room.data(), room.data() + width(f.type));
         values_.types.push_back(f.type);

@@ -17,9 +17,7 @@ struct TypedValues {
 };
 
 /// Whether `text` is meant to be typed values, not hex digits.
-inline bool is_typed(std::string_view text) noexcept {
-    return text.find(':') != text.npos;
-}
+inline bool is_typed(std::string_view text) noexcept { return text.find(':') != text.npos; }
 
 /// Numbers of the types u8 to f64, packed; `role` is Role::values (up to 8 of them) or Role::value (one, which may also be
 /// "string:TEXT", in `encoding`). Else what is wrong, in a clause.

@@ -42,8 +42,7 @@ std::string carried(const Field& field) {
         text += ", " + number_text(least) + " to " + number_text(most);
     } else if (is_integer(field.type)) {
         text += with_type(field.type, []<class T>(T) {
-            return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " +
-                   std::to_string(std::numeric_limits<T>::max());
+            return ", " + std::to_string(std::numeric_limits<T>::min()) + " to " + std::to_string(std::numeric_limits<T>::max());
         });
     }
     if (!field.unit.empty()) text.append(" ").append(field.unit);

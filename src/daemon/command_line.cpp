@@ -1,3 +1,4 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/command_line.hpp>
 #include <daemon/config.hpp>
 #include <daemon/control_socket.hpp>
@@ -5,7 +6,6 @@
 #include <daemon/judge_network.hpp>
 #include <daemon/judge_paths.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/read_file.hpp>
 #include <daemon/service.hpp>
 #include <link/ip_socket.hpp>
@@ -98,9 +98,7 @@ ConfigErrors missing_values(const Arguments& arguments) {
     return errors;
 }
 
-Exit failure(const ConfigErrors& errors) {
-    return {exit_config, lines(errors)};
-}
+Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors)}; }
 
 /// Nothing, or why there is no more to do.
 std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
@@ -160,7 +158,7 @@ void judge_control(Draft& draft) {
         draft.errors.push_back({draft.control.key("socket"), std::move(fault)});
 }
 
-}  // namespace
+}    // namespace
 
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
     Arguments arguments;
@@ -172,7 +170,8 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     Draft draft;
     draft.errors = unknown_options(app);
     if (arguments.configs.size() > 1)
-        draft.errors.push_back({"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
+        draft.errors.push_back(
+            {"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
     const bool by_default = arguments.configs.empty() && arguments.links.empty();
     const std::string file = by_default ? default_file : arguments.configs.empty() ? "" : arguments.configs.front();
     if (by_default || !arguments.configs.empty()) read_config_file(file, by_default, draft);
@@ -188,8 +187,8 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
         note_open_ports(draft);
     }
     if (!draft.errors.empty()) return failure(draft.errors);
-    return CommandLine{std::move(draft.settings), file,          !arguments.links.empty(), lines(draft.warnings),
-                       arguments.check,           arguments.print_config};
+    return CommandLine{std::move(draft.settings), file, !arguments.links.empty(), lines(draft.warnings), arguments.check,
+                       arguments.print_config};
 }
 
-}  // namespace anogate
+}    // namespace anogate

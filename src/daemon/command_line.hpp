@@ -27,4 +27,4 @@ struct Exit {
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv,
                                                    const std::string& default_file = default_config_file());
 
-}  // namespace anogate
+}    // namespace anogate

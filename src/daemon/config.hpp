@@ -25,11 +25,11 @@ struct Origin {
 struct Draft {
     Settings settings;
     std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
-    Origin unknown;                       // where settings.gateway.unknown was said
-    Origin tunnel;                        // where settings.tunnel was said
-    Origin control, log;                  // and these
+    Origin unknown;                                      // where settings.gateway.unknown was said
+    Origin tunnel;                                       // where settings.tunnel was said
+    Origin control, log;                                 // and these
     ConfigErrors errors;
-    ConfigErrors warnings;    // of what is allowed and may not be meant
+    ConfigErrors warnings;        // of what is allowed and may not be meant
     bool broken_links = false;    // not every link is known: what names one can't be judged
 
     void add(LinkSettings link, Origin origin);
@@ -61,4 +61,4 @@ std::string config_schema();
 /// One configuration text by itself.
 Draft parse_config(std::string_view json, const std::string& file = {});
 
-}  // namespace anogate
+}    // namespace anogate

@@ -10,10 +10,8 @@ std::string printable(const std::string& text, std::size_t most) {
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
         if (result.size() >= most && (ascii_only || byte >> 6 != 2)) return result + "...";    // never inside a character
-        if (byte >= 0x20 && byte != 0x7F && (byte < 0x80 || !ascii_only))
-            result += c;
-        else
-            result += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
+        if (byte >= 0x20 && byte != 0x7F && (byte < 0x80 || !ascii_only)) result += c;
+        else result += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
     }
     return result;
 }
@@ -29,4 +27,4 @@ std::string lines(const ConfigErrors& errors) {
     return result;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -19,4 +19,4 @@ std::string lines(const ConfigErrors& errors);
 /// `text` as it can be shown in a line: control characters as \xNN, and so what is no UTF-8; long text is cut.
 std::string printable(const std::string& text, std::size_t most = 200);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -21,42 +21,37 @@ Json type_of(const KeyFacts& key) {
     const Json number{{"type", "integer"}, {"minimum", key.least}, {"maximum", key.most}};
     const auto text = [](const char* pattern) { return Json{{"type", "string"}, {"pattern", pattern}}; };
     switch (key.form) {
-        case Form::boolean: return {{"type", "boolean"}};
-        case Form::integer: return number;
-        case Form::address:
-        case Form::can_id: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}};
-        case Form::addresses:
-            return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
-        case Form::duration: return text("^[0-9]+(ms|s|m|h)$");
-        case Form::interval:
-            return {{"anyOf", {Json{{"type", "boolean"}}, text("^(on|off|[0-9]+(ms|s|m|h))$")}}};
-        case Form::size: return {{"anyOf", {number, text("^[0-9]+([kKMG]B|[KMG]iB)?$")}}};
-        case Form::choice: return {{"enum", choices_of(key)}};
-        case Form::choice_or_link:
-            return {{"anyOf", {Json{{"enum", choices_of(key)}}, Json{{"type", "string"}, {"minLength", key.least}}}}};
-        case Form::text: return {{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}};
-        case Form::endpoint: return text("^.+:[0-9]+$");
-        case Form::network:
-        case Form::ip: return {{"type", "string"}};
-        case Form::line:
-            return {{"anyOf", {Json{{"type", "integer"}, {"minimum", 0}}, Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
-        case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
-        case Form::frames:
-        case Form::senders:
-            return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
-        case Form::limits: return {{"type", "object"}, {"additionalProperties", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
-        case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
-        case Form::networks:
-            return {
-                {"anyOf",
-                 {Json{{"const", "any"}}, Json{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}}}};
+    case Form::boolean: return {{"type", "boolean"}};
+    case Form::integer: return number;
+    case Form::address:
+    case Form::can_id: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}};
+    case Form::addresses: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
+    case Form::duration: return text("^[0-9]+(ms|s|m|h)$");
+    case Form::interval: return {{"anyOf", {Json{{"type", "boolean"}}, text("^(on|off|[0-9]+(ms|s|m|h))$")}}};
+    case Form::size: return {{"anyOf", {number, text("^[0-9]+([kKMG]B|[KMG]iB)?$")}}};
+    case Form::choice: return {{"enum", choices_of(key)}};
+    case Form::choice_or_link:
+        return {{"anyOf", {Json{{"enum", choices_of(key)}}, Json{{"type", "string"}, {"minLength", key.least}}}}};
+    case Form::text: return {{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}};
+    case Form::endpoint: return text("^.+:[0-9]+$");
+    case Form::network:
+    case Form::ip: return {{"type", "string"}};
+    case Form::line:
+        return {{"anyOf",
+                 {Json{{"type", "integer"}, {"minimum", 0}},
+                  Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
+    case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
+    case Form::frames:
+    case Form::senders: return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
+    case Form::limits: return {{"type", "object"}, {"additionalProperties", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
+    case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
+    case Form::networks:
+        return {{"anyOf", {Json{{"const", "any"}}, Json{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}}}};
     }
     return {};
 }
 
-Json closed_object() {
-    return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
-}
+Json closed_object() { return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}}; }
 
 template <class Section>
 Json& add_keys(Json& object, Keys<Section> keys, std::string_view kind = {}) {
@@ -113,7 +108,7 @@ Json link_of(const LinkKind& kind) {
     return add_keys(object, link_keys(), kind.name);
 }
 
-}  // namespace
+}    // namespace
 
 std::string config_schema() {
     Json kinds = Json::array();
@@ -135,4 +130,4 @@ std::string config_schema() {
     return document.dump(2) + "\n";
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -5,9 +5,9 @@
 #include <daemon/rooms.hpp>
 #include <link/own_folder.hpp>
 
+#include <spdlog/spdlog.h>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <spdlog/spdlog.h>
 
 #include <grp.h>
 #include <sys/socket.h>
@@ -53,7 +53,7 @@ std::uint32_t user_of(Local::socket& socket) {
     return ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : uid_t(-1);
 }
 
-}  // namespace
+}    // namespace
 
 // The end of a connection whose client is told why. What it still says is heard for a moment and forgotten: were the socket closed
 // before that is read, the client would learn of the end of the connection alone.
@@ -297,4 +297,4 @@ void Control::stop() {
     leaving_.clear();
 }
 
-}  // namespace anogate
+}    // namespace anogate

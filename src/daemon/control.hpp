@@ -62,4 +62,4 @@ private:
     std::deque<std::weak_ptr<Farewell>> leaving_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

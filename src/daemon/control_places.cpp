@@ -23,7 +23,7 @@ std::optional<std::size_t> easiest(std::span<const Visitor> visitors, Among amon
     return longest(visitors, all(half > nothing ? Asking::half : nothing > 0 ? Asking::nothing : Asking::unheard));
 }
 
-}  // namespace
+}    // namespace
 
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uint32_t user, bool first) {
     std::map<std::uint32_t, std::size_t> held{{user, 0}};
@@ -31,7 +31,8 @@ std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uin
     const std::size_t share = std::max<std::size_t>(visitors.size() / held.size(), 1);
     const auto anybody = [](const Visitor&) { return true; };
     if (held[user] >= share) return easiest(visitors, [user](const Visitor& v) { return v.user == user; });
-    const auto most = std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most = std::max_element(held.begin(), held.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
     if (most->second > share) {
         const auto of_greedy = [greedy = most->first](const Visitor& v) { return v.user == greedy; };
         const auto easy = easiest(visitors, of_greedy);
@@ -41,4 +42,4 @@ std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uin
     return first ? longest(visitors, anybody) : std::nullopt;
 }
 
-}  // namespace anogate
+}    // namespace anogate

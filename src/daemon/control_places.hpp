@@ -10,17 +10,17 @@ namespace anogate {
 
 /// What was heard of a client.
 enum class Asking : std::uint8_t {
-    nothing,      // for a while: it asks when it likes
-    half,         // the beginning of a request
-    unheard,      // it has just come: its request may be on the way
-    whole,        // a request, of which the answer waits, or is on its way
+    nothing,    // for a while: it asks when it likes
+    half,       // the beginning of a request
+    unheard,    // it has just come: its request may be on the way
+    whole,      // a request, of which the answer waits, or is on its way
 };
 
 /// One client that has a place.
 struct Visitor {
     std::uint32_t user = 0;
     Asking asking = Asking::nothing;
-    ano::TimePoint since{};     // it came, or came on
+    ano::TimePoint since{};    // it came, or came on
 };
 
 /// All places are taken by `visitors`, and one of `user` wants one: whose place it gets, by number; nothing: it is refused.
@@ -31,4 +31,4 @@ struct Visitor {
 /// gets a place also where there are more users than places.
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uint32_t user, bool first);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -38,4 +38,4 @@ std::string fault_of_socket(const std::string& path, const Runner& runner) {
     return {};
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -20,4 +20,4 @@ std::optional<std::string> control_socket(const ControlSettings& settings, const
 /// Why no socket can be made at `path`, as far as it shows without trying; empty: one can, or it is in use.
 std::string fault_of_socket(const std::string& path, const Runner& runner);
 
-}  // namespace anogate
+}    // namespace anogate

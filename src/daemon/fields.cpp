@@ -1,6 +1,6 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/config_error.hpp>
 #include <daemon/fields.hpp>
-#include <ano_json/nearest.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -8,12 +8,8 @@
 namespace anogate {
 namespace {
 
-bool is_control(char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-}
-bool is_beyond_hex(char c) {
-    return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z');
-}
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+bool is_beyond_hex(char c) { return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z'); }
 
 /// The bytes, baud or frames that a number with a unit or a multiple means: 500k, 64KiB, 115200bps.
 std::optional<std::uint64_t> without_unit(std::string_view text) {
@@ -22,7 +18,9 @@ std::optional<std::uint64_t> without_unit(std::string_view text) {
     const std::string unit{text.substr(digits)};
     if (const auto size = parse_size(text)) return size;
     if (unit == "k" || unit == "K" || unit == "M") return parse_size(std::string{text} + "B");
-    return std::all_of(unit.begin(), unit.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)); }) ? parse_number(text.substr(0, digits)) : std::nullopt;
+    return std::all_of(unit.begin(), unit.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)); })
+               ? parse_number(text.substr(0, digits))
+               : std::nullopt;
 }
 
 /// "12333", ":12333" and "*:12333": every interface is meant, or was forgotten to be named.
@@ -60,7 +58,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     return must_be(key, in_quotes(text));
 }
 
-}  // namespace
+}    // namespace
 
 std::string read_text(const KeyFacts& key, std::string_view text, std::string& field) {
     if (!is_utf8(text) || std::any_of(text.begin(), text.end(), is_control))
@@ -85,8 +83,7 @@ std::string read_endpoint(const KeyFacts& key, std::string_view text, WrittenEnd
 std::string read_duration(const KeyFacts& key, std::string_view text, Duration& field) {
     using Milliseconds = std::chrono::duration<std::uint64_t, std::milli>;
     const auto value = parse_duration(text);
-    if (!value || *value < Milliseconds{key.least} || *value > Milliseconds{key.most})
-        return must_be(key, in_quotes(text));
+    if (!value || *value < Milliseconds{key.least} || *value > Milliseconds{key.most}) return must_be(key, in_quotes(text));
     field = *value;
     return {};
 }
@@ -101,14 +98,15 @@ std::string read_boolean(const KeyFacts& key, std::string_view text, bool& field
 std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_t& field) {
     std::optional<std::uint64_t> value;
     switch (key.form) {
-        case Form::address: value = parse_address(text); break;
-        case Form::can_id: value = parse_can_id(text); break;
-        case Form::size: value = parse_size(text); break;
-        default: value = parse_number(text);
+    case Form::address: value = parse_address(text); break;
+    case Form::can_id: value = parse_can_id(text); break;
+    case Form::size: value = parse_size(text); break;
+    default: value = parse_number(text);
     }
     if (value && *value >= key.least && *value <= key.most) return field = *value, std::string{};
     std::string fault = must_be(key, in_quotes(text));
-    if (const auto meant = key.form == Form::integer ? without_unit(text) : std::nullopt; meant && *meant >= key.least && *meant <= key.most)
+    if (const auto meant = key.form == Form::integer ? without_unit(text) : std::nullopt;
+        meant && *meant >= key.least && *meant <= key.most)
         fault += " (did you mean '" + std::to_string(*meant) + "'?)";
     if (key.form == Form::address) fault += ano::did_you_mean_hex(text);
     if (key.form == Form::can_id) fault += ano::did_you_mean_hex(text, 8);
@@ -140,4 +138,4 @@ std::string read_choice(const KeyFacts& key, std::string_view text, std::size_t&
     return {};
 }
 
-}  // namespace anogate
+}    // namespace anogate

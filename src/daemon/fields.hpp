@@ -77,4 +77,4 @@ std::optional<std::string> write_field(const KeyFacts& key, const Field& field) 
     }
 }
 
-}  // namespace anogate
+}    // namespace anogate

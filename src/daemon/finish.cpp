@@ -1,9 +1,9 @@
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/config.hpp>
 #include <daemon/judge_network.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/unlikely.hpp>
 #include <daemon/values.hpp>
 #include <gateway/can_stream.hpp>
@@ -16,7 +16,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint64_t slow_frame = 100;    // ms
+constexpr std::uint64_t slow_frame = 100;            // ms
 constexpr std::uint64_t much_memory = 64'000'000;    // bytes that wait, on a small computer
 
 // Words that mean something else where a link is named, and the links that the gateway has of itself.
@@ -26,13 +26,9 @@ bool is_reserved(std::string_view name) {
     return std::find(std::begin(reserved_names), std::end(reserved_names), name) != std::end(reserved_names);
 }
 
-std::string last_part(const std::string& path) {
-    return path.substr(path.rfind('/') + 1);
-}
+std::string last_part(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-bool is_number(const std::string& line) {
-    return parse_number(line).has_value();
-}
+bool is_number(const std::string& line) { return parse_number(line).has_value(); }
 
 /// Before it is made unique.
 std::string usual_name(const LinkSettings& link) {
@@ -68,7 +64,7 @@ std::uint32_t default_queue(std::size_t max_data) {
 /// What a link binds; port 0 when that is none of its own choice.
 struct Bound {
     WrittenEndpoint local{};
-    std::string interface{};    // empty: any
+    std::string interface {};    // empty: any
 };
 Bound bound_by(const LinkSettings& link) {
     if (link.kind == "udp-listen") return {link.udp_listen.local, link.udp_listen.interface};
@@ -109,8 +105,7 @@ public:
         }
         groups();
         gateway();
-        for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i)
-            route(draft_.settings.routes[i], draft_.routes[i]);
+        for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i) route(draft_.settings.routes[i], draft_.routes[i]);
         for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
         for (std::size_t i = 0; i < draft_.settings.gpio.size(); ++i)
@@ -149,8 +144,8 @@ private:
         const std::uint64_t most = std::uint64_t{link.queue} * link.udp_listen.max_peers;
         if (link.kind != "udp-listen" || most <= much_memory) return;
         warning(draft_.links[i].key("queue"),
-                "queue " + std::to_string(link.queue) + " for each of " + std::to_string(link.udp_listen.max_peers) + " peers is " +
-                    std::to_string(most / 1'000'000) + " MB, more than 64 MB: lower 'queue' or 'max_peers'");
+                "queue " + std::to_string(link.queue) + " for each of " + std::to_string(link.udp_listen.max_peers) +
+                    " peers is " + std::to_string(most / 1'000'000) + " MB, more than 64 MB: lower 'queue' or 'max_peers'");
     }
 
     // What the addresses that `link` speaks of have to do with the port id of `other`.
@@ -163,8 +158,8 @@ private:
         for (const ByteRange& range : links_[link].rules.receive.allow_sources)
             if (range.first <= id && id <= range.last && ano::address::is_port_id(range.last))
                 warning(draft_.links[link].key("receive/allow_sources"),
-                        "a device with the address " + std::to_string(id) + " can't be reached: it is the port id of " + who(other) +
-                            ", frames to it go there; give one of them another");
+                        "a device with the address " + std::to_string(id) + " can't be reached: it is the port id of " +
+                            who(other) + ", frames to it go there; give one of them another");
     }
 
     void hello(std::size_t i) {
@@ -192,8 +187,8 @@ private:
         const std::string limit = std::to_string(slow_frame) + " ms";
         const std::string bound = "max_data_out";    // max_data would refuse what comes in as well
         warning(draft_.links[i].key(bound),
-                "a frame of " + bound + " " + std::to_string(link.most_data_out()) + " takes " + std::to_string(milliseconds) + " ms at " +
-                    std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +
+                "a frame of " + bound + " " + std::to_string(link.most_data_out()) + " takes " + std::to_string(milliseconds) +
+                    " ms at " + std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +
                     (fits < ano::overhead ? "even one without DATA takes more than " + limit
                                           : bound + " " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
@@ -214,8 +209,8 @@ private:
             error(draft_.links[i], "address",
                   "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
         const IpAddress& address = udp.peer.address;
-        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
-            !(udp.bind && !udp.bind->interface.empty()))
+        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() &&
+            udp.interface.empty() && !(udp.bind && !udp.bind->interface.empty()))
             error(draft_.links[i], "address",
                   "'" + peer + "' is the same on every interface; say which: [" + address.text() +
                       "%eth0]:" + std::to_string(udp.peer.port));
@@ -245,13 +240,11 @@ private:
         const LinkSettings& b = links_[second];
         const Origin& origin = draft_.links[second];
         if (!a.name.empty() && a.name == b.name)
-            error(origin, "name",
-                  "'name' " + in_quotes(b.name) + " is the name of " + draft_.links[first].where + " too");
+            error(origin, "name", "'name' " + in_quotes(b.name) + " is the name of " + draft_.links[first].where + " too");
         if (b.id != 0 && a.id == b.id)
             error(origin, "id", "'id' " + std::to_string(b.id) + " is the port id of " + who(first) + " too");
         if (!b.serial.device.empty() && a.serial.device == b.serial.device)
-            error(origin, "device",
-                  "'device' " + in_quotes(b.serial.device) + " is used by " + who(first) + " already");
+            error(origin, "device", "'device' " + in_quotes(b.serial.device) + " is used by " + who(first) + " already");
         if (!b.pty.path.empty() && a.pty.path == b.pty.path)
             error(origin, "path", "'path' " + in_quotes(b.pty.path) + " is made by " + who(first) + " already");
         if (!b.can.interface.empty() && a.can.interface == b.can.interface && share_ids(a.can, b.can))
@@ -265,8 +258,10 @@ private:
     void groups() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
             for (std::size_t k = 0; k < i; ++k)
-                if (!links_[i].group.empty() && links_[k].group == links_[i].group && links_[k].present_as != links_[i].present_as)
-                    error(draft_.links[i], "present_as", "'present_as' must be the same on all links of a group, and is not on " + who(k));
+                if (!links_[i].group.empty() && links_[k].group == links_[i].group &&
+                    links_[k].present_as != links_[i].present_as)
+                    error(draft_.links[i], "present_as",
+                          "'present_as' must be the same on all links of a group, and is not on " + who(k));
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
             if (!group.empty() && std::count_if(links_.begin(), links_.end(), in_group) == 1)
@@ -288,9 +283,9 @@ private:
         must_exist(route.link, origin, "link");
         const auto covers = [&](std::uint8_t id) { return id != 0 && route.first <= id && id <= route.last; };
         if (const std::uint8_t id = draft_.settings.gateway.id; covers(id))
-            error(origin, "address",
-                  "'address' " + addresses_text({route.first, route.last}) + ": " + address_text(id) +
-                      " is the gateway's own id");
+            error(
+                origin, "address",
+                "'address' " + addresses_text({route.first, route.last}) + ": " + address_text(id) + " is the gateway's own id");
         for (std::size_t i = 0; i < links_.size(); ++i)
             if (covers(links_[i].id))
                 error(origin, "address",
@@ -316,14 +311,16 @@ private:
         }
     }
 
-    void aliases_of_a_link(const AliasSettings& alias, const Origin& origin, const AliasSettings& other, const std::string& there) {
+    void aliases_of_a_link(const AliasSettings& alias, const Origin& origin, const AliasSettings& other,
+                           const std::string& there) {
         const std::string device = "'device' " + address_text(alias.device);
         if (other.device == alias.device)
             error(origin, "device", device + " has the alias " + address_text(other.as) + " already" + there);
         else if (other.as == alias.device)
             error(origin, "device", device + " is the alias of " + address_text(other.device) + there + ": give 'as' there");
         else if (other.device == alias.as)
-            error(origin, "as", "'as' " + address_text(alias.as) + " is the id of a device on this link that has an alias itself" + there);
+            error(origin, "as",
+                  "'as' " + address_text(alias.as) + " is the id of a device on this link that has an alias itself" + there);
     }
 
     void tunnel(const TunnelSettings& tunnel) {
@@ -353,16 +350,15 @@ private:
             if (other.chip == line.chip && other.line == line.line)
                 error(origin, "line", "'line' " + in_quotes(line.line) + " is used by " + draft_.gpio[k].where + " already");
             else if (line.use == GpioUse::rs485 && other.use == line.use && other.link == line.link)
-                error(origin, "link", "'link' " + in_quotes(line.link) + " has a line for rs485 by " + draft_.gpio[k].where + " already");
+                error(origin, "link",
+                      "'link' " + in_quotes(line.link) + " has a line for rs485 by " + draft_.gpio[k].where + " already");
         }
     }
 
     void gpio_without_link(const GpioSettings& line, const Origin& origin) {
         const auto missing = [&](const char* what) { draft_.errors.push_back({origin.where, what}); };
-        if (line.use == GpioUse::inhibit)
-            missing("'links' is missing: the links whose control frames are kept off");
-        else if (line.use == GpioUse::reset && line.silent_for)
-            missing("'link' is missing: the link whose silence is meant");
+        if (line.use == GpioUse::inhibit) missing("'links' is missing: the links whose control frames are kept off");
+        else if (line.use == GpioUse::reset && line.silent_for) missing("'link' is missing: the link whose silence is meant");
         else if (line.use != GpioUse::reset && line.use != GpioUse::power)
             missing("'link' is missing: the name of the link it is for");
     }
@@ -401,7 +397,7 @@ private:
     const std::vector<LinkSettings>& links_;
 };
 
-}  // namespace
+}    // namespace
 
 void Draft::add(LinkSettings link, Origin origin) {
     broken_links = broken_links || origin.broken;
@@ -429,8 +425,8 @@ void finish(Draft& draft) {
     const std::size_t most = most_links - (draft.settings.tunnel ? 1 : 0);    // the tunnel is a link too
     if (links.size() > most) {
         const Origin& first_above = draft.links[most];
-        draft.errors.push_back({first_above.where, std::to_string(links.size()) + " links, at most " +
-                                                       std::to_string(most) + " are possible"});
+        draft.errors.push_back(
+            {first_above.where, std::to_string(links.size()) + " links, at most " + std::to_string(most) + " are possible"});
         return;
     }
     name_links(links);
@@ -440,4 +436,4 @@ void finish(Draft& draft) {
     judge_relay(draft);
 }
 
-}  // namespace anogate
+}    // namespace anogate

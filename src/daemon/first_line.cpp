@@ -12,7 +12,8 @@ std::vector<Endpoint> reachable(const WrittenEndpoint& bound, const std::vector<
     std::vector<Endpoint> all;
     for (const bool v6 : {false, true})
         for (const Network& network : own)
-            if (network.address.v6 == v6 && (bound.address.v6 || !v6) && !network.address.is_loopback() && !network.address.is_link_local())
+            if (network.address.v6 == v6 && (bound.address.v6 || !v6) && !network.address.is_loopback() &&
+                !network.address.is_link_local())
                 all.push_back({network.address, bound.port});
     return all;
 }
@@ -35,7 +36,7 @@ std::string duration(Duration time) {
     return s >= 60 ? minutes + " " + seconds : seconds;
 }
 
-}  // namespace
+}    // namespace
 
 std::string first_line(const Settings& settings, std::string_view source, const std::vector<Network>& own) {
     std::string line = "anogated " ANOGATE_VERSION ", " + std::string{source} + ", " + count(settings.links.size(), "link");
@@ -50,4 +51,4 @@ std::string last_line(std::string_view why, Duration uptime, std::uint64_t frame
            std::to_string(frames_out) + " out";
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -17,4 +17,4 @@ std::string first_line(const Settings& settings, std::string_view source, const 
 /// Why it ends, how long it ran, what passed.
 std::string last_line(std::string_view why, Duration uptime, std::uint64_t frames_in, std::uint64_t frames_out);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -1,8 +1,8 @@
 #include <ano/messages.hpp>
 #include <ano/traffic.hpp>
+#include <ano_json/nearest.hpp>
 #include <daemon/frame_words.hpp>
 #include <daemon/key_facts.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/values.hpp>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::vector<ByteRange> ids_of(ano::TrafficClass traffic) {
     return ranges;
 }
 
-}  // namespace
+}    // namespace
 
 std::optional<std::vector<ByteRange>> parse_frames(std::string_view text) {
     for (std::size_t i = 0; i < ano::traffic_class_names.size(); ++i)
@@ -75,13 +75,15 @@ LimitText parse_limit(std::string_view text) {
     const std::string_view rate = equals == text.npos ? std::string_view{} : text.substr(equals + 1);
     const auto ids = parse_frames(name);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
-        return {{}, "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
-                        (ids ? ", which is several" : meant_frames(name))};
+        return {{},
+                "a limit is of one id such as 0x01, or of one message such as inertial, not of " + in_quotes(name) +
+                    (ids ? ", which is several" : meant_frames(name))};
     double value = 0;
     const auto [end, error] = std::from_chars(rate.data(), rate.data() + rate.size(), value);
     if (error != std::errc{} || end != rate.data() + rate.size() || !(value >= slowest && value <= fastest))
-        return {{}, in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate) +
-                        (rate == "0" ? "; to let none pass: send.deny=" + std::string{name} : "")};
+        return {{},
+                in_quotes(name) + " must be a number of frames a second from 0.001 to 1000000, not " + in_quotes(rate) +
+                    (rate == "0" ? "; to let none pass: send.deny=" + std::string{name} : "")};
     return {LimitRule{ids->front().first, value}, {}};
 }
 
@@ -90,4 +92,4 @@ std::string rate_text(double per_second) {
     return {text, std::to_chars(text, text + sizeof text, per_second).ptr};
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -31,4 +31,4 @@ struct LimitText {
 LimitText parse_limit(std::string_view text);
 std::string rate_text(double per_second);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -48,7 +48,7 @@ std::uint64_t number_of_its_own() {
     return std::uint64_t{random()} << 32 | random();
 }
 
-}  // namespace
+}    // namespace
 
 Gateway::Gateway(asio::io_context& io, Settings settings)
     : io_{io},
@@ -67,7 +67,8 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                       look_at_claims();
                       flush();
                   }},
-      required_check_{alarms_, [this] {
+      required_check_{alarms_,
+                      [this] {
                           for (const LinkState& s : links_)
                               if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
                       }},
@@ -153,7 +154,8 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
     }
     for (const std::string& name : settings.links) tunnelled_.insert(link_named(name));
     const LinkId id = router_.add_link({});
-    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to), LinkContext{io_, alarms_, *this, batch_, sender_}, *this);
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to),
+                                               LinkContext{io_, alarms_, *this, batch_, sender_}, *this);
     tunnel_ = tunnel.get();
     links_.emplace_back().link = std::move(tunnel);
     give_rules(links_.back(), settings.rules, true);
@@ -247,10 +249,20 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
     if (i == most_channels) return nullptr;
     const auto id = static_cast<ChannelId>(i);
     const LinkSettings& s = link.settings();
-    channels_[i].reset(new Channel{id, link.id(), std::move(peer), ano::FrameParser{parser_options(s)},
-                                   Outbox{{s.queue, s.most_data_out(), s.age}}, {}, now_, {}, {}, false, {}});
+    channels_[i].reset(new Channel{id,
+                                   link.id(),
+                                   std::move(peer),
+                                   ano::FrameParser{parser_options(s)},
+                                   Outbox{{s.queue, s.most_data_out(), s.age}},
+                                   {},
+                                   now_,
+                                   {},
+                                   {},
+                                   false,
+                                   {}});
     if (s.profile == Profile::vendor)
-        channels_[i]->questions = std::make_unique<QuestionQueue>(channels_[i]->outbox, QuestionQueue::Options{s.queue, s.age.rest});
+        channels_[i]->questions = std::make_unique<QuestionQueue>(channels_[i]->outbox,
+                                                                  QuestionQueue::Options{s.queue, s.age.rest});
     used_.insert(id);
     state(link).channels.insert(id);
     router_.open(id, link.id());
@@ -361,7 +373,9 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     copies = judgement.copies;
     if (judgement.probe) send_probe(from.id);
-    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ && hold(from, brought, now_ + judgement.wait, {judgement.repeats, now_ + LoopGuard::come_together})) return true;
+    if (judgement.fate == LoopGuard::Fate::waits && !releasing_ &&
+        hold(from, brought, now_ + judgement.wait, {judgement.repeats, now_ + LoopGuard::come_together}))
+        return true;
     if (judgement.fate == LoopGuard::Fate::ends) {
         if (judgement.elsewhere) compare(from, frame, said.key);
         return end_loop(from, frame), true;
@@ -392,7 +406,8 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
     if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news) return void(++from.routed.looped);
     const std::uint8_t group = links_[index(from.link)].group;
     for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
-        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group) offer(ourselves, to, probe, probe_treatment, now_);
+        if (group == 0 || links_[index(channels_[index(to)]->link)].group != group)
+            offer(ourselves, to, probe, probe_treatment, now_);
 }
 
 bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats) {
@@ -494,7 +509,8 @@ void Gateway::learn(Channel& from, ano::FrameView frame) {
 void Gateway::send(LinkId to, ano::FrameView frame) {
     ++frame_number_;
     if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
-    for (const ChannelId channel : links_[index(to)].channels) offer(ourselves, channel, frame, treatment_of(frame.id()), arrived_at_);
+    for (const ChannelId channel : links_[index(to)].channels)
+        offer(ourselves, channel, frame, treatment_of(frame.id()), arrived_at_);
 }
 
 void Gateway::say(ChannelId to, ano::FrameView frame) {
@@ -587,8 +603,8 @@ void Gateway::refuse(LinkId to, std::uint64_t SendCounters::*cause) {
 }
 
 bool Gateway::is_own_port(std::uint16_t port) const {
-    return port != 0 && std::any_of(links_.begin(), links_.end(),
-                                    [port](const LinkState& s) { return s.link->local_port() == port; });
+    return port != 0 &&
+           std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) { return s.link->local_port() == port; });
 }
 
 // A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.
@@ -652,9 +668,10 @@ void Gateway::log_conflict() {
         for (const LinkId id : conflict.links) names += (names.empty() ? "" : " and ") + links_[index(id)].link->name();
         if (const Claimant* by = claimant(conflict))
             who = ", claimed by " + links_[index(by->link)].link->name() + (by->peer.empty() ? "" : " (" + by->peer + ")");
-        spdlog::warn("0x{:02X} is heard on {}{}: the same device? give the links one `group`; two devices? give one of them another "
-                     "id; neither? pin it: --route 0x{:02X}=LINK",
-                     conflict.address, names, who, conflict.address);
+        spdlog::warn(
+            "0x{:02X} is heard on {}{}: the same device? give the links one `group`; two devices? give one of them another "
+            "id; neither? pin it: --route 0x{:02X}=LINK",
+            conflict.address, names, who, conflict.address);
     }
 }
 
@@ -677,4 +694,4 @@ void Gateway::finish_stop() {
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -6,9 +6,9 @@
 #include <gateway/alias.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/held.hpp>
+#include <gateway/hello.hpp>
 #include <gateway/loop_guard.hpp>
 #include <gateway/present_as.hpp>
-#include <gateway/hello.hpp>
 #include <gateway/router.hpp>
 #include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
@@ -30,15 +30,15 @@ namespace anogate {
 struct LinkState {
     std::unique_ptr<Link> link;
     bool up = false;
-    bool was_up = false;      // at any time since the start
-    TimePoint since{};        // of `up` or not
-    std::string error;        // why it is not up
+    bool was_up = false;    // at any time since the start
+    TimePoint since{};      // of `up` or not
+    std::string error;      // why it is not up
     ChannelSet channels;
-    ReceiveCounters gone_received;    // of channels that are no more
-    SendCounters gone_sent;           // and of frames for a link that had no channel
-    std::uint64_t came_stale = 0;     // of what is `stale`: was so when it was to be sent here
-    Untaken untaken;                  // of what came for hosts
-    std::uint8_t group = 0;           // 1 to 64: its number; 0: none
+    ReceiveCounters gone_received;       // of channels that are no more
+    SendCounters gone_sent;              // and of frames for a link that had no channel
+    std::uint64_t came_stale = 0;        // of what is `stale`: was so when it was to be sent here
+    Untaken untaken;                     // of what came for hosts
+    std::uint8_t group = 0;              // 1 to 64: its number; 0: none
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
     PresentAs* present_as = nullptr;     // nullptr: hosts appear as they are; the links of a group have one in common
@@ -92,7 +92,9 @@ public:
         std::string peer;    // Channel::peer
     };
     /// Who claimed the address last, of a conflict of the router; nullptr: nobody did.
-    const Claimant* claimant(const Conflict& conflict) const { return conflict.claimed ? &claimants_.at(conflict.address) : nullptr; }
+    const Claimant* claimant(const Conflict& conflict) const {
+        return conflict.claimed ? &claimants_.at(conflict.address) : nullptr;
+    }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// Nothing when there is no tunnel.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -165,7 +167,7 @@ private:
     std::vector<LinkState> links_;    // behind everything that a link refers to
     TunnelLink* tunnel_ = nullptr;    // one of links_
     LinkSet tunnelled_;               // whose tunnel frames it takes
-    LinkSet ruled_;                   // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
+    LinkSet ruled_;    // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
     std::uint64_t frame_number_ = 0;
     TimePoint now_{};
     TimePoint arrived_at_{};    // what is being received had come then
@@ -186,4 +188,4 @@ private:
     TimePoint stop_by_{};
 };
 
-}  // namespace anogate
+}    // namespace anogate

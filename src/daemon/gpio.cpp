@@ -8,9 +8,7 @@
 namespace anogate {
 namespace {
 
-GpioPin::Direction direction(GpioUse use) {
-    return use == GpioUse::inhibit ? GpioPin::Direction::in : GpioPin::Direction::out;
-}
+GpioPin::Direction direction(GpioUse use) { return use == GpioUse::inhibit ? GpioPin::Direction::in : GpioPin::Direction::out; }
 
 Duration pulse_of(const GpioSettings& settings) {
     if (settings.pulse) return *settings.pulse;
@@ -21,7 +19,7 @@ constexpr Duration telling_apart = std::chrono::seconds{1};    // a switch that 
 
 double seconds(Duration d) { return std::chrono::duration<double>{d}.count(); }
 
-}  // namespace
+}    // namespace
 
 std::string text(GpioUse use) {
     GpioSettings settings;
@@ -110,7 +108,8 @@ void Gpio::ring(Line& line) {
         line.pin.set(line.settings().use == GpioUse::power);
         arm(line);
     } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held()) {
-        if (begin_pulse(line, now)) spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
+        if (begin_pulse(line, now))
+            spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
     } else {
         arm(line);
     }
@@ -166,9 +165,10 @@ void Gpio::inhibit_changed(Line& line) {
 
 void Gpio::tell_inhibit(Line& line, TimePoint now) {
     const std::uint64_t changes = std::exchange(line.untold, 0);
-    spdlog::warn("{}: {}{}", line.what(), inhibit_.is_on(line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
+    spdlog::warn("{}: {}{}", line.what(),
+                 inhibit_.is_on(line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
                  changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
     line.alarm.set(now + telling_apart);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -84,10 +84,10 @@ struct Gpio::Line {
     std::uint64_t pulses = 0;
     bool was_held = false;
     std::optional<bool> was_inhibiting{};    // nothing: not told yet
-    std::uint64_t untold = 0;    // changes of an inhibit switch
+    std::uint64_t untold = 0;                // changes of an inhibit switch
 };
 
 /// "link_up" and so on.
 std::string text(GpioUse use);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -82,7 +82,7 @@ std::string read(const std::string& body, Wanted& wanted) {
     return {};
 }
 
-}  // namespace
+}    // namespace
 
 Json gpio_json(const Gpio& gpio, TimePoint now) {
     Json json = Json::array();
@@ -99,10 +99,12 @@ Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
         if (wanted.fits(*line) && (named || can_act(line->settings().use))) fitting.push_back(line.get());
     }
     if (fitting.empty()) return refuse(404, "no GPIO line fits; GET /status lists them under gpio");
-    if (fitting.size() > 1) return refuse(400, std::to_string(fitting.size()) + " GPIO lines fit; say which by line, chip, link or use");
+    if (fitting.size() > 1)
+        return refuse(400, std::to_string(fitting.size()) + " GPIO lines fit; say which by line, chip, link or use");
     Gpio::Line& line = *fitting.front();
     if (!can_act(line.settings().use)) return refuse(400, "only reset and power lines can be asked to do something");
-    if (!wanted.fits_action(line.settings().use)) return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
+    if (!wanted.fits_action(line.settings().use))
+        return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
         return {429, dump({{"error", refusal->why}, {"wait_s", seconds(refusal->wait)}})};
@@ -110,4 +112,4 @@ Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
     return {200, dump(line_json(line, now))};
 }
 
-}  // namespace anogate
+}    // namespace anogate

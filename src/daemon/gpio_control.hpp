@@ -16,4 +16,4 @@ nlohmann::ordered_json gpio_json(const Gpio& gpio, TimePoint now);
 /// switched off and on again. Answers with its state, or with an error: 400, 404, 409 or 429.
 Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -26,7 +26,8 @@ std::string key_line(const Key<Section>& key, std::size_t indent, std::string_vi
     const auto usual = key.text_in(Section{});
     if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
         help += " (default " + usual_text(key, *usual) + ")";
-    return line(std::string{key.name} + (key.form == Form::limits ? ".MESSAGE" : "") + std::string{between} + placeholder(key), help, indent);
+    return line(std::string{key.name} + (key.form == Form::limits ? ".MESSAGE" : "") + std::string{between} + placeholder(key),
+                help, indent);
 }
 
 template <class Section>
@@ -60,15 +61,15 @@ std::string link_objects() {
     return text;
 }
 
-}  // namespace
+}    // namespace
 
 std::string links_and_keys_help() {
-    return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" +
-           links() + "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
+    return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" + links() +
+           "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
            section("gateway", gateway_keys()) + link_objects() + section("routes: a list of objects", route_keys()) +
-           section("alias: a list of objects", alias_keys()) +
-           section("tunnel", tunnel_keys()) + section("tunnel/wrap: a list of objects", wrap_keys()) +
-           section("gpio: a list of objects", gpio_keys()) + section("control", control_keys()) + section("log", log_keys());
+           section("alias: a list of objects", alias_keys()) + section("tunnel", tunnel_keys()) +
+           section("tunnel/wrap: a list of objects", wrap_keys()) + section("gpio: a list of objects", gpio_keys()) +
+           section("control", control_keys()) + section("log", log_keys());
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -6,4 +6,4 @@ namespace anogate {
 
 std::string links_and_keys_help();
 
-}  // namespace anogate
+}    // namespace anogate

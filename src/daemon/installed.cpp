@@ -18,4 +18,4 @@ std::string default_config_file() {
     return config_file_of(fs::read_symlink("/proc/self/exe", ec));
 }
 
-}  // namespace anogate
+}    // namespace anogate

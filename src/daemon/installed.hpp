@@ -12,4 +12,4 @@ std::string config_file_of(const std::filesystem::path& program);
 /// The same for the program that runs.
 std::string default_config_file();
 
-}  // namespace anogate
+}    // namespace anogate

@@ -23,12 +23,12 @@ public:
     bool operator()(json::parse_event_t event, const json& value) {
         if (too_deep_) return false;
         switch (event) {
-            case json::parse_event_t::object_start:
-            case json::parse_event_t::array_start: enter(event == json::parse_event_t::array_start); return !too_deep_;
-            case json::parse_event_t::object_end:
-            case json::parse_event_t::array_end: places_.pop_back(); break;
-            case json::parse_event_t::key: key(value.get_ref<const std::string&>()); break;
-            case json::parse_event_t::value: count(); break;
+        case json::parse_event_t::object_start:
+        case json::parse_event_t::array_start: enter(event == json::parse_event_t::array_start); return !too_deep_;
+        case json::parse_event_t::object_end:
+        case json::parse_event_t::array_end: places_.pop_back(); break;
+        case json::parse_event_t::key: key(value.get_ref<const std::string&>()); break;
+        case json::parse_event_t::value: count(); break;
         }
         return true;
     }
@@ -65,8 +65,7 @@ private:
 
     std::string pointer() const {
         std::string text;
-        for (const Place& place : places_)
-            text += place.array ? "/" + std::to_string(place.count - 1) : pointer_step(place.key);
+        for (const Place& place : places_) text += place.array ? "/" + std::to_string(place.count - 1) : pointer_step(place.key);
         return text;
     }
 
@@ -76,7 +75,7 @@ private:
     bool too_deep_ = false;
 };
 
-}  // namespace
+}    // namespace
 
 std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
     Watch watch{file, errors};
@@ -100,4 +99,4 @@ std::string pointer_step(std::string_view key) {
     return step;
 }
 
-}  // namespace anogate
+}    // namespace anogate

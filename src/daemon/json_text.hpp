@@ -18,4 +18,4 @@ std::string at(const std::string& file, const std::string& pointer);
 /// `key` as a step of a JSON pointer, with the slash before it.
 std::string pointer_step(std::string_view key);
 
-}  // namespace anogate
+}    // namespace anogate

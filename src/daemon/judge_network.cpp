@@ -36,7 +36,7 @@ bool is_open(const LinkSettings& link) {
            (link.udp_listen.allow_any || link.udp_listen.allow.empty());
 }
 
-}  // namespace
+}    // namespace
 
 void judge_relay(Draft& draft) {
     if (draft.settings.tunnel) judge_way(draft, listed_loopback(draft.settings.tunnel->allow));
@@ -55,10 +55,12 @@ void note_open_ports(Draft& draft) {
         names += (names.empty() ? "" : ", ") + in_quotes(draft.settings.links[i].name);
     }
     if (first)
-        draft.warnings.push_back({first->key("address"),
-                                  "note: " + names + ": who is in a network of this computer may send commands here, and sender "
-                                  "addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
-                                  "and take WireGuard (README: On a shared Wi-Fi)"});
+        draft.warnings.push_back(
+            {first->key("address"),
+             "note: " + names +
+                 ": who is in a network of this computer may send commands here, and sender "
+                 "addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
+                 "and take WireGuard (README: On a shared Wi-Fi)"});
 }
 
-}  // namespace anogate
+}    // namespace anogate

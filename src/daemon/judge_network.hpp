@@ -15,4 +15,4 @@ void judge_relay(Draft& draft, const std::vector<Network>& own);
 /// Adds one line when any number of links are open to all networks of this computer: what that means, and what to do. No fault.
 void note_open_ports(Draft& draft);
 
-}  // namespace anogate
+}    // namespace anogate

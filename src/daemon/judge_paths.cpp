@@ -34,10 +34,11 @@ std::string fault_of_port(const std::string& device) {
 }
 
 void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {
-    if (!fault.empty()) draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
+    if (!fault.empty())
+        draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
 }
 
-}  // namespace
+}    // namespace
 
 void warn_of_paths(Draft& draft) {
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
@@ -47,7 +48,8 @@ void warn_of_paths(Draft& draft) {
         if (link.kind == "pty") warn(draft, origin, "path", link.pty.path, fault_of_pty(link.pty.path));
         if (link.kind == "serial") warn(draft, origin, "device", link.serial.device, fault_of_port(link.serial.device));
     }
-    if (const std::string& file = draft.settings.log.file; !file.empty()) warn(draft, draft.log, "file", file, fault_of_log(file));
+    if (const std::string& file = draft.settings.log.file; !file.empty())
+        warn(draft, draft.log, "file", file, fault_of_log(file));
 }
 
-}  // namespace anogate
+}    // namespace anogate

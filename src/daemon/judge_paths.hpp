@@ -8,4 +8,4 @@ namespace anogate {
 /// that is a folder or an ordinary file. No faults: it may be another machine's, or the disk comes later.
 void warn_of_paths(Draft& draft);
 
-}  // namespace anogate
+}    // namespace anogate

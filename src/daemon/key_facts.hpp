@@ -14,11 +14,11 @@ namespace anogate {
 enum class Form : std::uint8_t {
     boolean,
     integer,
-    address,      // a hardware id
+    address,    // a hardware id
     can_id,
     addresses,    // one, or a range of them
     duration,
-    interval,     // a duration, or whether at all; in JSON a boolean or text
+    interval,    // a duration, or whether at all; in JSON a boolean or text
     size,
     choice,
     choice_or_link,    // one of the choices, or the name of a link
@@ -64,4 +64,4 @@ std::string in_quotes(std::string_view text);
 /// The pieces of `text` between separators; one empty piece for an empty text.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -19,8 +19,7 @@ template <auto First, auto... Rest>
 constexpr auto row(KeyFacts facts) {
     using Section = decltype(class_of(First));
     return Key<Section>{
-        facts,
-        [](const KeyFacts& key, const Section& section) { return write_field(key, ((section.*First).*....*Rest)); },
+        facts, [](const KeyFacts& key, const Section& section) { return write_field(key, ((section.*First).*....*Rest)); },
         [](const KeyFacts& key, std::string_view text, Section& section) {
             return read_field(key, text, ((section.*First).*....*Rest));
         }};
@@ -352,8 +351,7 @@ constexpr Key<G> gateway_rows[] = {
 };
 
 constexpr Key<L> own_link_rows[] = {
-    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") |
-        needed,
+    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") | needed,
     integer<&L::serial, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
                                        "line rate, any the driver can make") |
         of("serial"),
@@ -365,15 +363,13 @@ constexpr Key<L> own_link_rows[] = {
                                       "give the port no more than the line carries, so that what is urgent can overtake; auto: "
                                       "not a cdc_acm port, whose baud means nothing") |
         of("serial"),
-    boolean<&L::serial, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)") |
-        of("serial"),
-    boolean<&L::serial, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)") |
-        of("serial"),
+    boolean<&L::serial, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)") | of("serial"),
+    boolean<&L::serial, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)") | of("serial"),
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
     text<&L::udp_listen, &Listen::interface>("interface", 1, longest_interface, one_interface) | of("udp-listen"),
-    duration<&L::udp_listen, &Listen::peer_timeout>("peer_timeout", second, day,
-                                                    "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
+    duration<&L::udp_listen, &Listen::peer_timeout>(
+        "peer_timeout", second, day, "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
     integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, most_channels,
                                                 "most peers at a time; one that is silent gives way") |
@@ -397,11 +393,11 @@ constexpr Key<L> own_link_rows[] = {
            read_networks<&Listen::trusted_any, &Listen::trusted>},
 
     endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
-    endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") |
-        of("udp"),
+    endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | of("udp"),
     text<&L::udp, &UdpSettings::interface>("interface", 1, longest_interface, one_interface) | of("udp"),
 
-    text<&L::can, &Can::interface>("interface", 1, longest_interface, "the CAN interface; its bit rate is the system's business") |
+    text<&L::can, &Can::interface>("interface", 1, longest_interface,
+                                   "the CAN interface; its bit rate is the system's business") |
         of("can") | needed,
     choice<&L::can, &Can::framing>("framing", "stream|isotp",
                                    "stream: the bytes of each frame in CAN frames under the sender's id; isotp: each frame "
@@ -410,23 +406,22 @@ constexpr Key<L> own_link_rows[] = {
     boolean<&L::can, &Can::fd>("fd", "CAN FD frames of up to 64 bytes") | of("can"),
     boolean<&L::can, &Can::brs>("brs", "with fd: data at the faster bit rate") | of("can"),
     boolean<&L::can, &Can::extended>("extended", "29-bit CAN ids") | of("can"),
-    can_id<&L::can, &Can::base>("base", "first CAN id of stream framing, a multiple of 0x100 up to 0x700, or of 0x40000 with "
-                                        "extended (default: 0x600, extended 0x0AB00000)") |
+    can_id<&L::can, &Can::base>("base",
+                                "first CAN id of stream framing, a multiple of 0x100 up to 0x700, or of 0x40000 with "
+                                "extended (default: 0x600, extended 0x0AB00000)") |
         of("can"),
     can_id<&L::can, &Can::tx>("tx", "with isotp: the CAN id that we send by (default: none)") | of("can"),
     can_id<&L::can, &Can::rx>("rx", "with isotp: the CAN id that we receive by (default: none)") | of("can"),
 
-    text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") |
-        as("PATH") | of("pty") | needed,
+    text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") | as("PATH") |
+        of("pty") | needed,
 
     choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
-    integer<&L::sim, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion") |
-        of("sim"),
+    integer<&L::sim, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion") | of("sim"),
 
     text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |
         as("NAME"),
-    address<&L::id>("id", 1, ano::address::last_port_id,
-                    "port id: frames to this address leave by this link (default: none)"),
+    address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address leave by this link (default: none)"),
     choice<&L::profile>("profile", "none|vendor",
                         "what the devices there stand; vendor, the maker's newest library: max_data_out=198, hello=on, "
                         "value_type_7=u64, encoding=gbk, no frame without DATA, at most 8 questions not answered yet"),
@@ -448,12 +443,14 @@ constexpr Key<L> own_link_rows[] = {
     integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
     boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
     boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
-    text<&L::group>("group", 1, longest_name, "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
+    text<&L::group>("group", 1, longest_name,
+                    "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
         as("GROUP"),
     address<&L::present_as>("present_as", first_id, last_id,
                             "for devices that answer 0xFE only: hosts of another address appear there under this one, and "
                             "answers go to who asked (default: none)"),
-    integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") | of(paced),
+    integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") |
+        of(paced),
     duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
     boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),
     integer<&L::mtu>("mtu", 64, 65507, "most bytes in a datagram of several frames") | of(datagrams),
@@ -535,7 +532,8 @@ using P = GpioSettings;
 constexpr std::uint64_t longest_line_name = 31;    // the kernel's
 
 constexpr Key<P> gpio_rows[] = {
-    text<&P::chip>("chip", 1, longest_path, "the chip by name, path or label; not needed for a line's name that only one chip has") |
+    text<&P::chip>("chip", 1, longest_path,
+                   "the chip by name, path or label; not needed for a line's name that only one chip has") |
         as("gpiochip0"),
     row<&P::line>({.name = "line",
                    .form = Form::line,
@@ -583,34 +581,16 @@ constexpr Key<LogSettings> log_rows[] = {
     size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
 };
 
-}  // namespace
+}    // namespace
 
-Keys<GatewaySettings> gateway_keys() noexcept {
-    return gateway_rows;
-}
-Keys<LinkSettings> link_keys() noexcept {
-    return link_rows;
-}
-Keys<RouteSettings> route_keys() noexcept {
-    return route_rows;
-}
-Keys<AliasSettings> alias_keys() noexcept {
-    return alias_rows;
-}
-Keys<TunnelSettings> tunnel_keys() noexcept {
-    return tunnel_rows;
-}
-Keys<WrapSettings> wrap_keys() noexcept {
-    return wrap_rows;
-}
-Keys<GpioSettings> gpio_keys() noexcept {
-    return gpio_rows;
-}
-Keys<ControlSettings> control_keys() noexcept {
-    return control_rows;
-}
-Keys<LogSettings> log_keys() noexcept {
-    return log_rows;
-}
+Keys<GatewaySettings> gateway_keys() noexcept { return gateway_rows; }
+Keys<LinkSettings> link_keys() noexcept { return link_rows; }
+Keys<RouteSettings> route_keys() noexcept { return route_rows; }
+Keys<AliasSettings> alias_keys() noexcept { return alias_rows; }
+Keys<TunnelSettings> tunnel_keys() noexcept { return tunnel_rows; }
+Keys<WrapSettings> wrap_keys() noexcept { return wrap_rows; }
+Keys<GpioSettings> gpio_keys() noexcept { return gpio_rows; }
+Keys<ControlSettings> control_keys() noexcept { return control_rows; }
+Keys<LogSettings> log_keys() noexcept { return log_rows; }
 
-}  // namespace anogate
+}    // namespace anogate

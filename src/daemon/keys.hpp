@@ -60,4 +60,4 @@ std::string unknown_key_of(Keys<Section> keys, std::string_view name, std::strin
     return unknown_key(name, facts, kind);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -33,11 +33,11 @@ bool no_color() {
 
 Priority priority_of(spdlog::level::level_enum level) {
     switch (level) {
-        case spdlog::level::critical:
-        case spdlog::level::err: return Priority::error;
-        case spdlog::level::warn: return Priority::warning;
-        case spdlog::level::info: return Priority::info;
-        default: return Priority::debug;
+    case spdlog::level::critical:
+    case spdlog::level::err: return Priority::error;
+    case spdlog::level::warn: return Priority::warning;
+    case spdlog::level::info: return Priority::info;
+    default: return Priority::debug;
     }
 }
 
@@ -47,8 +47,7 @@ std::shared_ptr<LogWriter> writer;
 class JournalFormatter final : public spdlog::formatter {
 public:
     void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& into) override {
-        const std::string text =
-            journal_lines(priority_of(message.level), {message.payload.data(), message.payload.size()});
+        const std::string text = journal_lines(priority_of(message.level), {message.payload.data(), message.payload.size()});
         into.append(text.data(), text.data() + text.size());
     }
     std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JournalFormatter>(); }
@@ -85,7 +84,7 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     return log;
 }
 
-}  // namespace
+}    // namespace
 
 std::string journal_lines(Priority priority, std::string_view text) {
     const std::string prefix = "<" + std::to_string(static_cast<int>(priority)) + ">";
@@ -114,4 +113,4 @@ void start_log(const LogSettings& settings) {
 
 bool end_log() { return !writer || writer->finish(); }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -23,4 +23,4 @@ void say(Priority priority, std::string_view lines);
 /// Every line of `text` as the journal reads it: "<4>text". Whatever the text begins with, its priority is this one.
 std::string journal_lines(Priority priority, std::string_view text);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -11,9 +11,10 @@ std::uint64_t lines(std::string_view text) {
     return static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')) + (text.ends_with('\n') ? 0 : 1);
 }
 
-}  // namespace
+}    // namespace
 
-void LogQueue::push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text, bool plain) noexcept {
+void LogQueue::push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text,
+                    bool plain) noexcept {
     if (waiting_.lost == 0 && size_ < room) {
         try {
             waiting_.messages.push_back({level, at, std::string{text}, plain});
@@ -30,4 +31,4 @@ LogQueue::Batch LogQueue::take() noexcept {
     return std::exchange(waiting_, {});
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -26,7 +26,8 @@ public:
         std::uint64_t lost = 0;    // lines, after those messages
     };
 
-    void push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text, bool plain = false) noexcept;
+    void push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text,
+              bool plain = false) noexcept;
     /// A line that could not even be made.
     void lose() noexcept { ++waiting_.lost; }
     bool empty() const noexcept { return waiting_.messages.empty() && waiting_.lost == 0; }
@@ -38,4 +39,4 @@ private:
     std::size_t size_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

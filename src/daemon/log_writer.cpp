@@ -23,7 +23,7 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
     log.flush();
 }
 
-}  // namespace
+}    // namespace
 
 LogWriter::LogWriter(Open open)
     : thread_{[shared = shared_, open = std::move(open)] {
@@ -83,4 +83,4 @@ bool LogWriter::finish() {
     return finished_;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -60,4 +60,4 @@ private:
     bool finished_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -35,4 +35,4 @@ std::optional<ano::Duration> watchdog_interval() noexcept {
     return std::chrono::microseconds{microseconds} / 2;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -13,4 +13,4 @@ bool notify_systemd(std::string_view message) noexcept;
 /// How often the watchdog wants to hear "WATCHDOG=1": half of what it is set to. Nothing: it is not set for us.
 std::optional<ano::Duration> watchdog_interval() noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

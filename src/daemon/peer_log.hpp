@@ -51,4 +51,4 @@ private:
     std::uint64_t unsaid_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -13,54 +13,54 @@ using Json = nlohmann::ordered_json;
 /// A value's text as JSON of the key's type.
 Json json_of(const std::string& text, Form form) {
     switch (form) {
-        case Form::boolean: return text == "true";
-        case Form::integer:
-        case Form::address: {
-            std::uint64_t number = 0;
-            std::from_chars(text.data(), text.data() + text.size(), number);
-            return number;
+    case Form::boolean: return text == "true";
+    case Form::integer:
+    case Form::address: {
+        std::uint64_t number = 0;
+        std::from_chars(text.data(), text.data() + text.size(), number);
+        return number;
+    }
+    case Form::networks: {
+        if (text == "any") return text;
+        Json list = Json::array();
+        for (const std::string_view network : split(text, '+')) list.push_back(network);
+        return list;
+    }
+    case Form::names: {
+        Json list = Json::array();
+        if (!text.empty())
+            for (const std::string_view name : split(text, '\n')) list.push_back(name);
+        return list;
+    }
+    case Form::line:
+        if (const auto number = parse_number(text)) return *number;
+        return text;
+    case Form::frames:
+    case Form::senders: {
+        Json list = Json::array();
+        for (const std::string_view word : split(text, '+')) list.push_back(word);
+        return list;
+    }
+    case Form::limits: {
+        Json object = Json::object();
+        for (const std::string_view line : split(text, '\n')) {
+            const std::size_t equals = line.find('=');
+            object[std::string{line.substr(0, equals)}] = Json::parse(line.substr(equals + 1));
         }
-        case Form::networks: {
-            if (text == "any") return text;
-            Json list = Json::array();
-            for (const std::string_view network : split(text, '+')) list.push_back(network);
-            return list;
-        }
-        case Form::names: {
-            Json list = Json::array();
-            if (!text.empty())
-                for (const std::string_view name : split(text, '\n')) list.push_back(name);
-            return list;
-        }
-        case Form::line:
-            if (const auto number = parse_number(text)) return *number;
-            return text;
-        case Form::frames:
-        case Form::senders: {
-            Json list = Json::array();
-            for (const std::string_view word : split(text, '+')) list.push_back(word);
-            return list;
-        }
-        case Form::limits: {
-            Json object = Json::object();
-            for (const std::string_view line : split(text, '\n')) {
-                const std::size_t equals = line.find('=');
-                object[std::string{line.substr(0, equals)}] = Json::parse(line.substr(equals + 1));
-            }
-            return object;
-        }
-        case Form::network:
-        case Form::ip:
-        case Form::silence:
-        case Form::can_id:
-        case Form::addresses:
-        case Form::duration:
-        case Form::interval:
-        case Form::size:
-        case Form::choice:
-        case Form::choice_or_link:
-        case Form::text:
-        case Form::endpoint: return text;
+        return object;
+    }
+    case Form::network:
+    case Form::ip:
+    case Form::silence:
+    case Form::can_id:
+    case Form::addresses:
+    case Form::duration:
+    case Form::interval:
+    case Form::size:
+    case Form::choice:
+    case Form::choice_or_link:
+    case Form::text:
+    case Form::endpoint: return text;
     }
     return {};
 }
@@ -103,16 +103,14 @@ Json object_of(const TunnelSettings& tunnel) {
     return object;
 }
 
-}  // namespace
+}    // namespace
 
 std::string print_config(const Settings& settings) {
     Json links = Json::array();
     for (const LinkSettings& link : settings.links) links.push_back(object_of(link));
     Json routes = Json::array();
     for (const RouteSettings& route : settings.routes) routes.push_back(object_of(route, route_keys()));
-    Json document{{"gateway", object_of(settings.gateway, gateway_keys())},
-                  {"links", links},
-                  {"routes", routes}};
+    Json document{{"gateway", object_of(settings.gateway, gateway_keys())}, {"links", links}, {"routes", routes}};
     document["alias"] = Json::array();
     for (const AliasSettings& alias : settings.aliases) document["alias"].push_back(object_of(alias, alias_keys()));
     if (settings.tunnel) document["tunnel"] = object_of(*settings.tunnel);
@@ -124,4 +122,4 @@ std::string print_config(const Settings& settings) {
     return document.dump(2) + "\n";
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -39,7 +39,9 @@ void hold_signals(int how, std::initializer_list<int> signals) {
 
 // Until the configuration is read nothing runs that would have to be ended in order, and reading may take long: a pipe that
 // nobody writes to. SIGINT ends the program then as it ends any other.
-void let_sigterm_end_at_once() { std::signal(SIGTERM, [](int) { ::_exit(0); }); }
+void let_sigterm_end_at_once() {
+    std::signal(SIGTERM, [](int) { ::_exit(0); });
+}
 
 // Or a standard file that was closed would become a device or a socket, and what is said to the user would go there.
 void fill_standard_files() {
@@ -52,10 +54,7 @@ void fill_standard_files() {
 class Program {
 public:
     Program(Settings settings, std::string source)
-        : gateway_{io_, std::move(settings)},
-          source_{std::move(source)},
-          control_{io_},
-          signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+        : gateway_{io_, std::move(settings)}, source_{std::move(source)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -182,7 +181,7 @@ int run(int argc, char** argv) {
     return Program{std::move(line.settings), source_of(line)}.run();
 }
 
-}  // namespace
+}    // namespace
 
 // What the system refuses to give at all (memory, the descriptors of the loop itself) is nothing to wait for in here.
 int run_program(int argc, char** argv) {
@@ -201,4 +200,4 @@ int run_program(int argc, char** argv) {
     return status;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -6,4 +6,4 @@ namespace anogate {
 /// 0: done, or stopped by SIGTERM or SIGINT. 1: a required link is missing. 78: the configuration has faults.
 int run_program(int argc, char** argv);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -65,27 +65,27 @@ std::optional<std::string> text_of(const json& value, Form form) {
     const auto digits = [&] { return value.is_number_integer() ? std::optional{value.dump()} : std::nullopt; };
     const auto text = [&] { return value.is_string() ? std::optional{value.get<std::string>()} : std::nullopt; };
     switch (form) {
-        case Form::boolean: return value.is_boolean() ? std::optional{value.dump()} : std::nullopt;
-        case Form::interval: return value.is_boolean() ? std::optional{value.dump()} : text();
-        case Form::integer: return digits();
-        case Form::address:
-        case Form::can_id:
-        case Form::addresses:
-        case Form::size: return value.is_string() ? text() : digits();
-        case Form::line: return value.is_string() ? text() : value.is_number_unsigned() ? digits() : std::nullopt;
-        case Form::networks: return networks_text(value);
-        case Form::names: return names_text(value);
-        case Form::frames:
-        case Form::senders: return words_text(value);
-        case Form::limits: return std::nullopt;    // each of its keys is read by itself
-        case Form::network:
-        case Form::ip:
-        case Form::duration:
-        case Form::silence:
-        case Form::choice:
-        case Form::choice_or_link:
-        case Form::text:
-        case Form::endpoint: return text();
+    case Form::boolean: return value.is_boolean() ? std::optional{value.dump()} : std::nullopt;
+    case Form::interval: return value.is_boolean() ? std::optional{value.dump()} : text();
+    case Form::integer: return digits();
+    case Form::address:
+    case Form::can_id:
+    case Form::addresses:
+    case Form::size: return value.is_string() ? text() : digits();
+    case Form::line: return value.is_string() ? text() : value.is_number_unsigned() ? digits() : std::nullopt;
+    case Form::networks: return networks_text(value);
+    case Form::names: return names_text(value);
+    case Form::frames:
+    case Form::senders: return words_text(value);
+    case Form::limits: return std::nullopt;    // each of its keys is read by itself
+    case Form::network:
+    case Form::ip:
+    case Form::duration:
+    case Form::silence:
+    case Form::choice:
+    case Form::choice_or_link:
+    case Form::text:
+    case Form::endpoint: return text();
     }
     return std::nullopt;
 }
@@ -140,7 +140,8 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
         } else if (key == nullptr) {
             const std::string object_of = full.substr(0, full.find('.'));
             const bool dotted = name.find('.') != name.npos && (is_object_of_keys(keys, object_of, kind) || object_of == "limit");
-            error = dotted ? "unknown key " + in_quotes(name) + ": in a file it is " + nested(full) : unknown_key_of(keys, full, kind);
+            error = dotted ? "unknown key " + in_quotes(name) + ": in a file it is " + nested(full)
+                           : unknown_key_of(keys, full, kind);
         } else if (key->form == Form::limits) {
             if (!is_object(value, where, errors)) continue;
             for (const auto& [entry, rate] : value.items())
@@ -159,7 +160,8 @@ void read_keys(const json& object, const Origin& origin, Keys<Section> keys, Sec
     for (const Key<Section>& key : keys)
         if (key.required && key.is_of(kind) && !object.contains(key.name))
             errors.push_back({origin.where, in_quotes(key.name) + " is missing" +
-                                                (key.form == Form::choice ? ", " + expected(key) : "") + ": " + std::string{key.help}});
+                                                (key.form == Form::choice ? ", " + expected(key) : "") + ": " +
+                                                std::string{key.help}});
 }
 
 class Reader {
@@ -168,40 +170,34 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links", "routes", "alias", "tunnel", "gpio", "flexible", "control", "log"};
+        constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias", "tunnel",
+                                              "gpio",    "flexible", "control", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, pointer_step(name));
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
-            if (name == "gateway")
-                gateway(value, pointer);
-            else if (name == "links" && !value.is_array())
-                no_links(value, pointer);
+            if (name == "gateway") gateway(value, pointer);
+            else if (name == "links" && !value.is_array()) no_links(value, pointer);
             else if (name == "links")
                 each(value, pointer, [&](const json& entry, const std::string& where) { link(entry, where); });
             else if (name == "routes")
                 each(value, pointer, [&](const json& entry, const std::string& where) { route(entry, where); });
             else if (name == "alias")
                 each(value, pointer, [&](const json& entry, const std::string& where) { alias(entry, where); });
-            else if (name == "tunnel")
-                tunnel(value, pointer);
+            else if (name == "tunnel") tunnel(value, pointer);
             else if (name == "gpio")
                 each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
-            else if (name == "flexible")
-                flexible(value, pointer);
+            else if (name == "flexible") flexible(value, pointer);
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control), draft_.control = {pointer, true};
-            else if (name == "log")
-                section(value, pointer, log_keys(), draft_.settings.log), draft_.log = {pointer, true};
-            else
-                draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + ano::did_you_mean(name, names)});
+            else if (name == "log") section(value, pointer, log_keys(), draft_.settings.log), draft_.log = {pointer, true};
+            else draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + ano::did_you_mean(name, names)});
         }
     }
 
 private:
     template <class Section>
     void section(const json& value, const std::string& pointer, Keys<Section> keys, Section& into) {
-        if (is_object(value, pointer, draft_.errors, of_keys(keys)))
-            read_keys(value, {pointer, true}, keys, into, draft_.errors);
+        if (is_object(value, pointer, draft_.errors, of_keys(keys))) read_keys(value, {pointer, true}, keys, into, draft_.errors);
     }
 
     void no_list(const json& value, const std::string& pointer) {
@@ -215,8 +211,7 @@ private:
 
     void each(const json& list, const std::string& pointer, auto read) {
         if (!list.is_array()) no_list(list, pointer);
-        for (std::size_t i = 0; list.is_array() && i < list.size(); ++i)
-            read(list[i], pointer + "/" + std::to_string(i));
+        for (std::size_t i = 0; list.is_array() && i < list.size(); ++i) read(list[i], pointer + "/" + std::to_string(i));
     }
 
     void gateway(const json& value, const std::string& pointer) {
@@ -299,13 +294,11 @@ private:
     Draft& draft_;
 };
 
-}  // namespace
+}    // namespace
 
 void read_config(std::string_view text, const std::string& file, Draft& draft) {
-    if (const auto document = parse_json(text, file, draft.errors))
-        Reader{file, draft}.document(*document);
-    else
-        draft.broken_links = true;
+    if (const auto document = parse_json(text, file, draft.errors)) Reader{file, draft}.document(*document);
+    else draft.broken_links = true;
 }
 
 Draft parse_config(std::string_view json, const std::string& file) {
@@ -315,4 +308,4 @@ Draft parse_config(std::string_view json, const std::string& file) {
     return draft;
 }
 
-}  // namespace anogate
+}    // namespace anogate

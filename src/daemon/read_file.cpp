@@ -25,4 +25,4 @@ std::string read_file(const std::string& path, std::size_t most, std::error_code
     return text;
 }
 
-}  // namespace anogate
+}    // namespace anogate

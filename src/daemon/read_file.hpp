@@ -12,4 +12,4 @@ inline constexpr std::size_t largest_config = 1 << 20;
 /// The whole file; `error` is set when it can't be read, file_too_large when it has more than `most` bytes.
 std::string read_file(const std::string& path, std::size_t most, std::error_code& error);
 
-}  // namespace anogate
+}    // namespace anogate

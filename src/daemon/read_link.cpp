@@ -1,7 +1,7 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/config.hpp>
 #include <daemon/config_error.hpp>
 #include <daemon/keys.hpp>
-#include <ano_json/nearest.hpp>
 #include <daemon/read_link.hpp>
 #include <daemon/values.hpp>
 #include <link/kinds.hpp>
@@ -19,7 +19,8 @@ std::string no_kind(std::string_view text) {
     if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
     const std::string_view address = text.substr(0, text.find(','));
     if (address.starts_with("tty")) return "no kind (did you mean 'serial:/dev/" + std::string{text} + "'?)";
-    if (address.starts_with("can") || address.starts_with("vcan")) return "no kind (did you mean 'can:" + std::string{text} + "'?)";
+    if (address.starts_with("can") || address.starts_with("vcan"))
+        return "no kind (did you mean 'can:" + std::string{text} + "'?)";
     if (WrittenEndpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
@@ -73,29 +74,23 @@ private:
         const auto pieces = split(rest, ',');
         if (pieces[0].empty())
             error("the address is missing, for example " + std::string{kind.name} + ":" + std::string{kind.example});
-        else
-            set(kind.address, pieces[0]);
+        else set(kind.address, pieces[0]);
         for (const std::string_view piece : std::span{pieces}.subspan(1)) {
             const std::size_t equals = piece.find('=');
-            if (equals == piece.npos)
-                read_alone(piece);
-            else
-                set(piece.substr(0, equals), piece.substr(equals + 1));
+            if (equals == piece.npos) read_alone(piece);
+            else set(piece.substr(0, equals), piece.substr(equals + 1));
         }
     }
 
     void read_alone(std::string_view name) {
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
-        if (name.empty())
-            error("a comma with no key behind it");
-        else if (std::string joined = joined_to_last(name); key == nullptr && !joined.empty())
-            several(name, joined);
+        if (name.empty()) error("a comma with no key behind it");
+        else if (std::string joined = joined_to_last(name); key == nullptr && !joined.empty()) several(name, joined);
         else if (link_.kind == "serial" && parse_number(name))
             error("unknown key " + in_quotes(name) + " (did you mean 'baud=" + std::string{name} + "'?)");
         else if (key != nullptr && key->form != Form::boolean && key->form != Form::interval)
             error(in_quotes(name) + " needs a value: " + std::string{name} + "=" + placeholder(*key));
-        else
-            set(name, "true");
+        else set(name, "true");
     }
 
     void several(std::string_view value, const std::string& joined) {
@@ -119,8 +114,7 @@ private:
         const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
         if (key == nullptr) return error(unknown_key_of(link_keys(), name, link_.kind));
         if (key->form == Form::limits) return error("write " + std::string{one_limit} + "0x01=50: " + std::string{key->help});
-        if (std::find(given_.begin(), given_.end(), name) != given_.end())
-            return error(in_quotes(name) + " is given twice");
+        if (std::find(given_.begin(), given_.end(), name) != given_.end()) return error(in_quotes(name) + " is given twice");
         given_.push_back(name);
         if (std::string wrong = key->set(value, link_); !wrong.empty()) error(std::move(wrong));
     }
@@ -141,7 +135,7 @@ private:
     std::string last_value_;
 };
 
-}  // namespace
+}    // namespace
 
 LinkSettings new_link(std::string_view kind) {
     LinkSettings link;
@@ -162,7 +156,8 @@ std::string unknown_kind(std::string_view kind) {
 
 void read_link(std::string_view text, const std::string& where, Draft& draft) {
     constexpr std::size_t longest = 900;    // every fault repeats it
-    const std::string link = "LINK '" + (text.size() <= longest ? std::string{text} : printable(std::string{text}, longest)) + "'";
+    const std::string link = "LINK '" + (text.size() <= longest ? std::string{text} : printable(std::string{text}, longest)) +
+                             "'";
     LinkText{where.empty() ? link : where + ": " + link, draft}.read(text);
 }
 
@@ -184,4 +179,4 @@ void read_route(std::string_view text, const std::string& where, Draft& draft) {
     if (draft.errors.size() == before) draft.add(std::move(route), {where});
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -13,4 +13,4 @@ LinkSettings new_link(std::string_view kind);
 /// "unknown kind 'seriel' (did you mean 'serial'?); a kind is serial, ..."
 std::string unknown_kind(std::string_view kind);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -22,7 +22,7 @@ class Mapped final : public std::pmr::memory_resource {
 // Where huge pages are for everybody, the first byte that is touched of a room would cost 2 MB.
 void keep_pages_small() noexcept { ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); }
 
-}  // namespace
+}    // namespace
 
 // To the C library's heap they would be pieces like others, whatever its threshold for mmap: that is asked only where the heap has to
 // grow. Else a room comes from what small pieces left or from the heap's spare end, with pages that others have touched, and what is
@@ -40,4 +40,4 @@ bool memory_is_left(std::size_t size) noexcept {
     return true;
 }
 
-}  // namespace anogate
+}    // namespace anogate

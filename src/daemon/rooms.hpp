@@ -10,4 +10,4 @@ void take_rooms_from_the_system() noexcept;
 /// The system would give `size` bytes more, just now.
 bool memory_is_left(std::size_t size) noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

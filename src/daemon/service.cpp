@@ -51,18 +51,21 @@ void judge(const std::string& path, std::string_view key, const std::string& whe
 
 void judge_port(const std::string& device, const std::string& where, Draft& draft) {
     if (is_below_one_of(looked_up(device), private_folders))
-        draft.errors.push_back({where, "'device' " + in_quotes(device) +
-                                           ": the service sees nothing in /tmp, it has one of its own; make the port in another folder, "
-                                           "such as /run (or: systemctl edit anogated, PrivateTmp=no)"});
+        draft.errors.push_back(
+            {where, "'device' " + in_quotes(device) +
+                        ": the service sees nothing in /tmp, it has one of its own; make the port in another folder, "
+                        "such as /run (or: systemctl edit anogated, PrivateTmp=no)"});
 }
 
-}  // namespace
+}    // namespace
 
 bool is_for_service(const std::string& config_file, const std::string& default_file) {
     if (const passwd* user = ::getpwuid(::geteuid()); user && std::string_view{user->pw_name} == "anogate") return true;
     if (config_file.empty()) return false;
     std::error_code ec;
-    const auto folder_of = [&](const std::string& file) { return fs::weakly_canonical(fs::absolute(file, ec), ec).parent_path(); };
+    const auto folder_of = [&](const std::string& file) {
+        return fs::weakly_canonical(fs::absolute(file, ec), ec).parent_path();
+    };
     const fs::path folder = folder_of(config_file);
     return !ec && folder == folder_of(default_file);
 }
@@ -80,4 +83,4 @@ void judge_for_service(Draft& draft) {
         judge(draft.settings.control.socket, "socket", draft.control.key("socket"), runtime_folder, draft);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -12,4 +12,4 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
 /// Adds an error for every path that the service can't write to, and for every serial port that it can't see.
 void judge_for_service(Draft& draft);
 
-}  // namespace anogate
+}    // namespace anogate

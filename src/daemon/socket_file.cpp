@@ -48,7 +48,9 @@ bool is_our_own(const UniqueFd& held) {
     return fd && ::getsockopt(fd.get(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 && who.pid == ::getpid();
 }
 
-bool is_same(const struct stat& one, const struct stat& other) { return one.st_dev == other.st_dev && one.st_ino == other.st_ino; }
+bool is_same(const struct stat& one, const struct stat& other) {
+    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
 
 UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat& info) {
     UniqueFd there{::openat(folder.fd(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC)};
@@ -56,7 +58,7 @@ UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat&
     return there;
 }
 
-}  // namespace
+}    // namespace
 
 SocketFile::Outcome SocketFile::listen(int socket, const std::string& path) {
     if (path.size() >= sizeof sockaddr_un{}.sun_path)
@@ -74,7 +76,8 @@ SocketFile::Outcome SocketFile::make_room(const std::string& path) {
     folder_ = HeldFolder::of(folder_of(path));
     name_ = std::filesystem::path{path}.filename().string();
     if (!folder_.error().empty()) return {path + ": " + folder_.error() + another_path};
-    struct stat info {}, around {};
+    struct stat info {
+    }, around{};
     const UniqueFd there = look_at(folder_, name_, info);
     if (!there) return {};
     if (!S_ISSOCK(info.st_mode)) return {path + ": exists and is no socket (give another path by --control)"};
@@ -105,7 +108,8 @@ bool SocketFile::let_in(gid_t group) {
 }
 
 void SocketFile::remove() noexcept {
-    struct stat ours {}, there {};
+    struct stat ours {
+    }, there{};
     if (made_ && ::fstat(made_.get(), &ours) == 0 && ::fstatat(folder_.fd(), name_.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 &&
         is_same(ours, there))
         ::unlinkat(folder_.fd(), name_.c_str(), 0);
@@ -113,4 +117,4 @@ void SocketFile::remove() noexcept {
     claim_.release();
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -33,4 +33,4 @@ private:
     UniqueFd made_;    // what listen() made at the path
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -205,7 +205,7 @@ Json links_json(const Gateway& gateway, TimePoint now) {
 // Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-}  // namespace
+}    // namespace
 
 std::string status_json(Gateway& gateway) {
     const TimePoint now = gateway.now();
@@ -256,4 +256,4 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
     return lines;
 }
 
-}  // namespace anogate
+}    // namespace anogate

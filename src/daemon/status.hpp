@@ -30,4 +30,4 @@ private:
     std::vector<std::set<std::string>> told_;    // of every link
 };
 
-}  // namespace anogate
+}    // namespace anogate

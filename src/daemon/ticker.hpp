@@ -41,4 +41,4 @@ private:
     bool stopped_ = true;
 };
 
-}  // namespace anogate
+}    // namespace anogate

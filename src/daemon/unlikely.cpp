@@ -13,7 +13,7 @@ std::string path_of(const std::string& name) {
     return (name.starts_with("usb-") ? "/dev/serial/by-id/" : "/dev/") + name;
 }
 
-}  // namespace
+}    // namespace
 
 std::string fault_of_device(const std::string& device) {
     const std::string what = "'device' " + in_quotes(device);
@@ -25,7 +25,8 @@ std::string fault_of_device(const std::string& device) {
     if (device.find('/') == device.npos) return what + " is no path of a port, such as /dev/ttyUSB0";
     const std::size_t colon = device.rfind(':');
     if (colon != device.npos && parse_number(device.substr(colon + 1)))
-        return what + " ends with a number (did you mean '" + device.substr(0, colon) + "' with baud=" + device.substr(colon + 1) + "?)";
+        return what + " ends with a number (did you mean '" + device.substr(0, colon) +
+               "' with baud=" + device.substr(colon + 1) + "?)";
     return {};
 }
 
@@ -34,4 +35,4 @@ std::string fault_of_interface(const std::string& interface) {
     return "'interface' " + in_quotes(interface) + " is a pattern, and a link is one interface, such as can0";
 }
 
-}  // namespace anogate
+}    // namespace anogate

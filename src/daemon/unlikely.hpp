@@ -11,4 +11,4 @@ std::string fault_of_device(const std::string& device);
 /// The same for a CAN interface.
 std::string fault_of_interface(const std::string& interface);
 
-}  // namespace anogate
+}    // namespace anogate

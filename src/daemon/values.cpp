@@ -40,7 +40,7 @@ std::optional<std::uint64_t> parse_digits(std::string_view text, int base) {
     return value;
 }
 
-}  // namespace
+}    // namespace
 
 std::optional<bool> parse_boolean(std::string_view text) {
     if (text == "true" || text == "yes" || text == "on") return true;
@@ -48,9 +48,7 @@ std::optional<bool> parse_boolean(std::string_view text) {
     return std::nullopt;
 }
 
-std::optional<std::uint64_t> parse_number(std::string_view text) {
-    return parse_digits(text, 10);
-}
+std::optional<std::uint64_t> parse_number(std::string_view text) { return parse_digits(text, 10); }
 
 std::optional<std::uint8_t> parse_address(std::string_view text) {
     const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -101,13 +99,9 @@ std::string duration_text(ano::Duration duration) {
     return text_with_unit(static_cast<std::uint64_t>(ms), time_units);
 }
 
-std::optional<std::uint64_t> parse_size(std::string_view text) {
-    return parse_with_unit(text, size_units, UINT64_MAX);
-}
+std::optional<std::uint64_t> parse_size(std::string_view text) { return parse_with_unit(text, size_units, UINT64_MAX); }
 
-std::string size_text(std::uint64_t bytes) {
-    return text_with_unit(bytes, size_units);
-}
+std::string size_text(std::uint64_t bytes) { return text_with_unit(bytes, size_units); }
 
 bool is_utf8(std::string_view text) {
     for (std::size_t i = 0; i < text.size();) {
@@ -127,4 +121,4 @@ bool is_utf8(std::string_view text) {
     return true;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -40,4 +40,4 @@ std::string size_text(std::uint64_t bytes);
 
 bool is_utf8(std::string_view text);
 
-}  // namespace anogate
+}    // namespace anogate

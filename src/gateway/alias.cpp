@@ -11,8 +11,8 @@ constexpr std::uint8_t device_info_id = 0xE3;    // DATA: the device's id first
 
 // By whom, to or from which alias, which frame.
 std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_t id, ano::Checks checks) noexcept {
-    return std::uint64_t{requester} | std::uint64_t{alias} << 8 | std::uint64_t{id} << 16 |
-           std::uint64_t{checks.sum} << 24 | std::uint64_t{checks.add} << 32;
+    return std::uint64_t{requester} | std::uint64_t{alias} << 8 | std::uint64_t{id} << 16 | std::uint64_t{checks.sum} << 24 |
+           std::uint64_t{checks.add} << 32;
 }
 
 std::span<std::uint8_t> copy(ano::FrameView frame, std::uint8_t* to) noexcept {
@@ -47,8 +47,7 @@ ano::FrameView Aliases::inbound(ano::FrameView frame, Treatment treatment, ano::
     return finish(bytes, frame, alias, alias, treatment, now);
 }
 
-std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, Treatment treatment,
-                                                ano::TimePoint now) noexcept {
+std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
     const std::uint8_t alias = frame.destination();
     if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
     if (frame.bytes().size() > largest_) return frame;
@@ -68,8 +67,8 @@ void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8
     data[2] = original->add;
 }
 
-ano::FrameView Aliases::finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester,
-                               std::uint8_t alias, Treatment treatment, ano::TimePoint now) noexcept {
+ano::FrameView Aliases::finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
+                               Treatment treatment, ano::TimePoint now) noexcept {
     ano::seal(bytes);
     const ano::FrameView frame{bytes};
     if (may_be_acknowledged(treatment) && frame.id() != check_id)

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t last_standard_id = 0x7FF;
 constexpr std::uint32_t last_extended_id = 0x1FFF'FFFF;
-constexpr std::uint32_t standard_range = 0x100;      // of ids that one base spans
+constexpr std::uint32_t standard_range = 0x100;    // of ids that one base spans
 constexpr std::uint32_t extended_range = 0x4'0000;
 constexpr auto last_class = static_cast<std::uint32_t>(ano::TrafficClass::bulk);
 
@@ -27,7 +27,7 @@ std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t la
     return meant % range == 0 && meant <= last_base ? digits + " (did you mean 0x" + digits + "?)" : hex(base);
 }
 
-}  // namespace
+}    // namespace
 
 std::string fault_of(const CanSettings& can) {
     const std::uint32_t last = can.extended ? last_extended_id : last_standard_id;
@@ -44,7 +44,8 @@ std::string fault_of(const CanSettings& can) {
     const std::uint32_t range = can.extended ? extended_range : standard_range;
     const std::uint32_t last_base = last + 1 - range;
     if (can.base && (*can.base % range != 0 || *can.base > last_base))
-        return "base is a multiple of " + hex(range) + " up to " + hex(last_base) + " (" + width + " ids), not " + given_base(*can.base, range, last_base);
+        return "base is a multiple of " + hex(range) + " up to " + hex(last_base) + " (" + width + " ids), not " +
+               given_base(*can.base, range, last_base);
     return {};
 }
 
@@ -117,8 +118,7 @@ void CanStreams::put(Stream& stream, std::span<const std::uint8_t> data, TimePoi
 }
 
 CanStreams::Stream& CanStreams::unused_longest() noexcept {
-    return *std::min_element(streams_.begin(), streams_.end(),
-                             [](const Stream& a, const Stream& b) { return a.used < b.used; });
+    return *std::min_element(streams_.begin(), streams_.end(), [](const Stream& a, const Stream& b) { return a.used < b.used; });
 }
 
 std::optional<TimePoint> CanStreams::deadline() const noexcept {
@@ -134,4 +134,4 @@ ReceiveCounters CanStreams::received() const noexcept {
     return all;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -17,4 +17,4 @@ SendCounters Channel::sent() const noexcept {
 
 std::size_t Channel::waiting() const noexcept { return outbox.waiting() + (questions ? questions->waiting() : 0); }
 
-}  // namespace anogate
+}    // namespace anogate

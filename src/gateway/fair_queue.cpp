@@ -42,10 +42,8 @@ FairQueue::Number FairQueue::flow_of_many(std::uint32_t key) noexcept {
 
 FairQueue::Number FairQueue::new_flow(std::uint32_t key) noexcept {
     Number n = free_;
-    if (n != nobody)
-        free_ = nodes_[n].chained;
-    else
-        n = used_++;
+    if (n != nobody) free_ = nodes_[n].chained;
+    else n = used_++;
     nodes_[n].now = {quantum_, 0, nobody, false, no_frames, no_frames};
     nodes_[n].plan = 0;
     nodes_[n].key = key;
@@ -182,8 +180,7 @@ FrameIndex FairQueue::gives_way() noexcept {
     const State& flow = nodes_[shared_ ? longest(longest(root)) : sole].now;
     if (flow.overtaking.first == no_frame || flow.rest.first == no_frame)
         return flow.rest.first != no_frame ? flow.rest.first : flow.overtaking.first;
-    return frames_[flow.rest.first].number < frames_[flow.overtaking.first].number ? flow.rest.first
-                                                                                   : flow.overtaking.first;
+    return frames_[flow.rest.first].number < frames_[flow.overtaking.first].number ? flow.rest.first : flow.overtaking.first;
 }
 
 }    // namespace anogate

@@ -20,7 +20,7 @@ bool is_acknowledged(ano::FrameView frame) noexcept {
     }
 }
 
-}  // namespace
+}    // namespace
 
 void FarPeer::roll(TimePoint now) noexcept {
     if (now - window_began_ < window) return;
@@ -60,7 +60,8 @@ void FarPeer::sent(ano::FrameView frame, TimePoint now) noexcept {
 bool FarPeer::heard(ano::FrameView frame, TimePoint now) noexcept {
     roll(now);
     if (frame.id() == 0x00) acknowledges(frame, now);
-    if (frame.id() != 0xE3 || asked_as_ == 0 || now - asked_at_ > answer_within || !is_user_address(frame.destination())) return false;
+    if (frame.id() != 0xE3 || asked_as_ == 0 || now - asked_at_ > answer_within || !is_user_address(frame.destination()))
+        return false;
     const bool right = frame.destination() == asked_as_;
     answers_ = right ? answers_ + 1 : 0;
     may_ask_ = may_ask_ || right;
@@ -80,4 +81,4 @@ void FarPeer::acknowledges(ano::FrameView frame, TimePoint now) noexcept {
     ++wrong_;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -7,11 +7,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t enough_bytes = 64;          // to tell that no frame is among them
-constexpr std::uint64_t enough_frames = 20;         // to speak of a share
-constexpr std::uint64_t enough_long = 5;            // among good frames, where noise would damage others as well
-constexpr ano::Duration patience = 3s;              // shorter silences are no news
-constexpr ano::Duration still = 2s;                 // bytes younger than that still come
+constexpr std::uint64_t enough_bytes = 64;     // to tell that no frame is among them
+constexpr std::uint64_t enough_frames = 20;    // to speak of a share
+constexpr std::uint64_t enough_long = 5;       // among good frames, where noise would damage others as well
+constexpr ano::Duration patience = 3s;         // shorter silences are no news
+constexpr ano::Duration still = 2s;            // bytes younger than that still come
 
 std::string seconds(ano::Duration d) {
     return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
@@ -49,7 +49,8 @@ std::string garbled(const LinkFigures& link, ano::Duration time, bool with_time)
     std::string text = "bytes but no frames ";
     text += with_time ? "for " : "any more";
     if (with_time) text += seconds(time);
-    return text + (link.kind == "serial" ? ": was the baud rate changed, or the firmware?" : ": is the sender still speaking V8?");
+    return text +
+           (link.kind == "serial" ? ": was the baud rate changed, or the firmware?" : ": is the sender still speaking V8?");
 }
 
 std::string ring(const LinkFigures& link) {
@@ -66,17 +67,16 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
         return "older V7 frames (0xAA) seen: switch the device to protocol V8";
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
-        return link.kind == "serial" ? "bytes but no frames: wrong baud rate, or another protocol?" : "bytes but no frames: is the sender speaking V8?";
+        return link.kind == "serial" ? "bytes but no frames: wrong baud rate, or another protocol?"
+                                     : "bytes but no frames: is the sender speaking V8?";
     if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
-    const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check : in.bad_length >= enough_long && in.bad_check == 0;
-    if (too_long)
-        return "frames longer than max_data are refused: raise max_data on this link";
+    const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
+                                            : in.bad_length >= enough_long && in.bad_check == 0;
+    if (too_long) return "frames longer than max_data are refused: raise max_data on this link";
     if (link.gateways > 0)
         return "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other";
-    if (link.no_place > 0)
-        return "strangers were refused, the places of peers are taken: raise max_peers or max_per_address";
-    if (link.sent.held_back > 0)
-        return "a peer outside our networks gets little until it answers: name its network in `trusted`";
+    if (link.no_place > 0) return "strangers were refused, the places of peers are taken: raise max_peers or max_per_address";
+    if (link.sent.held_back > 0) return "a peer outside our networks gets little until it answers: name its network in `trusted`";
     if (link.listens && link.channels == 0 && in.denied_in > 0)
         return "senders outside `allow` were refused: add their network to `allow`";
     if (!link.ring_back.empty()) return ring(link);    // whose copies look like one device on two links
@@ -102,7 +102,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     return {};
 }
 
-}  // namespace
+}    // namespace
 
 std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, false); }
 
@@ -114,4 +114,4 @@ std::string hint(const LinkFigures& link) {
     return spoke_by_itself ? text : text + or_hello(link);
 }
 
-}  // namespace anogate
+}    // namespace anogate

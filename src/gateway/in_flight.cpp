@@ -6,8 +6,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint8_t waypoint_read = 0x60, waypoint = 0x61, command_query = 0xC1, command_info = 0xC2,
-                       parameter_command = 0xE0, parameter_value = 0xE1, parameter_info = 0xE2, device_info = 0xE3;
+constexpr std::uint8_t waypoint_read = 0x60, waypoint = 0x61, command_query = 0xC1, command_info = 0xC2, parameter_command = 0xE0,
+                       parameter_value = 0xE1, parameter_info = 0xE2, device_info = 0xE3;
 
 constexpr std::uint8_t how_many = 0xFF;    // of waypoints
 
@@ -38,11 +38,11 @@ std::optional<Question> question_in(ano::FrameView frame) noexcept {
         return std::nullopt;
     }
     switch (data[0]) {
-        case 0: return Question{to, device_info, 0};
-        case 1: return Question{to, parameter_command, 0};
-        case 2: return Question{to, parameter_value, value};
-        case 3: return Question{to, parameter_info, value};
-        default: return std::nullopt;    // an action
+    case 0: return Question{to, device_info, 0};
+    case 1: return Question{to, parameter_command, 0};
+    case 2: return Question{to, parameter_value, value};
+    case 3: return Question{to, parameter_info, value};
+    default: return std::nullopt;    // an action
     }
 }
 
@@ -50,12 +50,12 @@ bool answers(ano::FrameView frame, Question question) noexcept {
     const auto data = frame.data();
     if (frame.id() != question.answer_id || !may_be_of(frame.source(), question.asked)) return false;
     switch (frame.id()) {
-        case device_info: return true;
-        case waypoint_read: return true;
-        case waypoint: return !data.empty() && data[0] == question.about;
-        case command_query: return !data.empty() && data[0] == 0;
-        case parameter_command: return !data.empty() && data[0] == 1;
-        default: return data.size() >= 2 && number_at(data, 0) == question.about;
+    case device_info: return true;
+    case waypoint_read: return true;
+    case waypoint: return !data.empty() && data[0] == question.about;
+    case command_query: return !data.empty() && data[0] == 0;
+    case parameter_command: return !data.empty() && data[0] == 1;
+    default: return data.size() >= 2 && number_at(data, 0) == question.about;
     }
 }
 
@@ -76,8 +76,8 @@ bool InFlight::has_room(ano::TimePoint now) noexcept {
 }
 
 std::size_t InFlight::size() const noexcept {
-    return most - static_cast<std::size_t>(std::count_if(
-                      slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::free; }));
+    return most - static_cast<std::size_t>(
+                      std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::free; }));
 }
 
 std::optional<ano::TimePoint> InFlight::next_given_up() const noexcept {

@@ -7,7 +7,7 @@ namespace {
 constexpr std::uint8_t parameter_command = 0xE0;
 constexpr std::uint8_t last_question = 3;    // device info, count, value, description
 
-}  // namespace
+}    // namespace
 
 bool is_control(ano::FrameView frame) noexcept {
     switch (frame.id()) {
@@ -34,4 +34,4 @@ bool may_bring_control(ano::FrameView frame) noexcept {
     return !frames.good();
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -31,7 +31,7 @@ bool names_interface(std::string_view text) noexcept {
            std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' ' || c == '/' || c == ':' || c == 0x7F; });
 }
 
-}  // namespace
+}    // namespace
 
 std::optional<IpAddress> IpAddress::parse(std::string_view text) {
     IpAddress address;
@@ -43,7 +43,7 @@ std::optional<IpAddress> IpAddress::parse(std::string_view text) {
     address.v6 = true;
     if (percent != std::string_view::npos) {
         if (!address.is_link_local()) return std::nullopt;
-        const std::string interface{text.substr(percent + 1)};
+        const std::string interface { text.substr(percent + 1) };
         address.scope = if_nametoindex(interface.c_str());
         if (address.scope == 0) {
             const auto given = number<std::uint32_t>(interface, UINT32_MAX);
@@ -160,4 +160,4 @@ bool contains(const std::vector<Network>& networks, const IpAddress& address) no
     return std::any_of(networks.begin(), networks.end(), [&](const Network& n) { return n.contains(address); });
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -13,7 +13,7 @@ constexpr Duration between_questions_back = 1s;
 // How long after the last question of `asks` the next may be.
 Duration pause_after(std::uint32_t asks) { return asks == 1 ? 1s : asks == 2 ? 3s : 60s; }
 
-}  // namespace
+}    // namespace
 
 std::optional<ListeningNotice> ListenerCheck::question(const Endpoint& suspect, TimePoint now) {
     Suspect& s = row(suspect, now);
@@ -98,4 +98,4 @@ ListenerCheck::Suspect& ListenerCheck::row(const Endpoint& endpoint, TimePoint n
     return *s;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -88,14 +88,12 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
     const Schedule first = plan(now);
     const bool urgent_waits = first.next[urgent] != none;
-    if (begun_ != none)
-        return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == urgent};
+    if (begun_ != none) return {entries_[begun_].size - partly_sent_, urgent_waits || entries_[begun_].traffic == urgent};
     const std::size_t traffic = first.shares.choose(first.sizes);
     return {traffic < traffic_classes ? first.sizes[traffic] : 0, urgent_waits};
 }
 
-std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now,
-                           std::size_t budget) noexcept {
+std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now, std::size_t budget) noexcept {
     gathered_at_ = now;
     std::size_t count = 0;
     std::size_t total = 0;
@@ -109,12 +107,9 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         for (Index i = queue->front(); i != none && count < pieces.size();) {
             const WaitingFrame& entry = entries_[i];
             const Index behind = entry.in_flow.behind;
-            if (entry.stale_at <= now.time_since_epoch())
-                drop(i, &SendCounters::stale);
-            else if (total + entry.size <= budget)
-                give(entry, 0);
-            else
-                break;
+            if (entry.stale_at <= now.time_since_epoch()) drop(i, &SendCounters::stale);
+            else if (total + entry.size <= budget) give(entry, 0);
+            else break;
             i = behind;
         }
         return count;
@@ -186,9 +181,7 @@ void Outbox::close() noexcept {
 // turn has come, since all of its sender that waited when its kind began to wait has left, is not replaced: or a kind that
 // comes often would go to the end for ever.
 std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
-    const auto same = [&](Index i) {
-        return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from;
-    };
+    const auto same = [&](Index i) { return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from; };
     Index i = bucket(key, from).last;
     for (int looked = 0; i != none && !same(i); i = entries_[i].in_bucket.before)
         if (++looked == longest_search) return UINT64_MAX;

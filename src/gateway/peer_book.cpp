@@ -117,4 +117,4 @@ bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexce
     return sender.port != 0 && !sender.address.is_any() && !sender.address.is_multicast() && !is_broadcast(sender.address, own);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -83,7 +83,7 @@ bool only_hosts_say(ano::FrameView frame) noexcept {
     return is_control(frame) || frame.id() == waypoint_read || frame.id() == command_query || frame.id() == parameter_command;
 }
 
-}  // namespace
+}    // namespace
 
 PresentAs::PresentAs(std::uint8_t address, std::size_t max_data)
     : address_{address},
@@ -120,7 +120,9 @@ ano::FrameView PresentAs::inbound(ano::FrameView frame, ano::TimePoint now) noex
     const auto answered = answered_by(frame);
     if (!answered) return frame;
     const Question* question = asked(*answered, frame.source(), now);
-    const auto asker = question ? std::optional{question->asker} : frame.id() == firmware ? updater(frame.source(), now) : std::nullopt;
+    const auto asker = question                 ? std::optional{question->asker}
+                       : frame.id() == firmware ? updater(frame.source(), now)
+                                                : std::nullopt;
     if (!asker || *asker == address_ || to_everybody) return frame;
     const std::span<std::uint8_t> bytes{in_.get(), frame.bytes().size()};
     std::copy(frame.bytes().begin(), frame.bytes().end(), bytes.begin());
@@ -177,4 +179,4 @@ std::optional<std::uint8_t> PresentAs::updater(std::uint8_t device, ano::TimePoi
     return last && last->at != ano::TimePoint::min() && now - last->at < session ? std::optional{last->asker} : std::nullopt;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -34,9 +34,7 @@ void QuestionQueue::grow_older(ano::Duration time) noexcept {
     for (FrameIndex i = in_room_.first; i != no_frame; i = frames_[i].in_arena.behind) frames_[i].stale_at -= time;
 }
 
-bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept {
-    return in_flight_.hear(frame) && release(now);
-}
+bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept { return in_flight_.hear(frame) && release(now); }
 
 bool QuestionQueue::release(ano::TimePoint now) noexcept {
     bool released = false;

@@ -10,13 +10,13 @@ namespace address = ano::address;
 
 std::string_view text(Via via) noexcept {
     switch (via) {
-        case Via::nobody: return "nobody";
-        case Via::own: return "own";
-        case Via::broadcast: return "broadcast";
-        case Via::port: return "port";
-        case Via::pinned: return "pinned";
-        case Via::learned: return "learned";
-        case Via::unknown: return "unknown";
+    case Via::nobody: return "nobody";
+    case Via::own: return "own";
+    case Via::broadcast: return "broadcast";
+    case Via::port: return "port";
+    case Via::pinned: return "pinned";
+    case Via::learned: return "learned";
+    case Via::unknown: return "unknown";
     }
     return "";
 }
@@ -60,7 +60,8 @@ void Router::close(ChannelId channel) {
     for (ChannelSet& first : first_) first.erase(channel);
     if (!claims_.next()) return;
     for (unsigned a = 0; a < known_.size(); ++a)
-        if (const auto address = static_cast<std::uint8_t>(a); claims_.is_under_way(address) && claims_.claimant(address) == channel)
+        if (const auto address = static_cast<std::uint8_t>(a);
+            claims_.is_under_way(address) && claims_.claimant(address) == channel)
             claims_.end(address);
     settle();
 }
@@ -193,7 +194,8 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;
     for (const ChannelId channel : known_[source] - down_)
-        if (now - heard(source, channel) < moved_after && (!other || heard(source, channel) > heard(source, *other))) other = channel;
+        if (now - heard(source, channel) < moved_after && (!other || heard(source, channel) > heard(source, *other)))
+            other = channel;
     move(source, from);
     if (other) note_conflict(source, LinkSet{link_of_[index(from)]} | link_of_[index(*other)], other, now);
 }
@@ -308,9 +310,7 @@ void Router::to_links(Route& route, LinkSet links) const {
 }
 
 // The other links of its group.
-LinkSet Router::mates(LinkId link) const noexcept {
-    return groups_[links_[index(link)].group] - link;
-}
+LinkSet Router::mates(LinkId link) const noexcept { return groups_[links_[index(link)].group] - link; }
 
 // A frame leaves a group by one link, and never the group it came from but by the link itself (to its other peers). A
 // port id means that port.

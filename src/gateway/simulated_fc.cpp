@@ -49,11 +49,13 @@ private:
     std::size_t size_ = 0;
 };
 
-}  // namespace
+}    // namespace
 
 SimulatedFc::SimulatedFc(unsigned rate, ano::TimePoint start) : start_{start} {
     using std::chrono::nanoseconds;
-    const auto hz = [](unsigned r) { return std::chrono::duration_cast<ano::Duration>(nanoseconds{1'000'000'000} / std::max(r, 1u)); };
+    const auto hz = [](unsigned r) {
+        return std::chrono::duration_cast<ano::Duration>(nanoseconds{1'000'000'000} / std::max(r, 1u));
+    };
     streams_ = {{
         {&SimulatedFc::inertial, hz(rate), start},
         {&SimulatedFc::euler, hz(rate), start},
@@ -98,9 +100,15 @@ void SimulatedFc::inertial(double t, const Send& out) const {
     const double scale = 32768.0 / 2000;    // per °/s
     send(id_inertial,
          Payload{}
-             .i16(8 * std::sin(1.1 * t)).i16(8 * std::cos(0.9 * t)).i16(gravity + 5 * std::sin(2.3 * t))
-             .i16(scale * 3 * std::cos(0.7 * t)).i16(scale * 2 * std::cos(0.5 * t)).i16(scale * 6)
-             .u8(0).bytes(), out);
+             .i16(8 * std::sin(1.1 * t))
+             .i16(8 * std::cos(0.9 * t))
+             .i16(gravity + 5 * std::sin(2.3 * t))
+             .i16(scale * 3 * std::cos(0.7 * t))
+             .i16(scale * 2 * std::cos(0.5 * t))
+             .i16(scale * 6)
+             .u8(0)
+             .bytes(),
+         out);
 }
 
 void SimulatedFc::euler(double t, const Send& out) const {
@@ -129,4 +137,4 @@ void SimulatedFc::power(double t, const Send& out) const {
     send(id_power, Payload{}.u16(100 * volts).u16(100 * (14 + std::sin(0.4 * t))).bytes(), out);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -19,8 +19,8 @@ consteval std::array<Treatment, 256> by_id() {
     return all;
 }
 
-}  // namespace
+}    // namespace
 
 constinit const std::array<Treatment, 256> treatments = by_id();
 
-}  // namespace anogate
+}    // namespace anogate

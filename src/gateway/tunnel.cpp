@@ -20,7 +20,7 @@ bool same_short_network(const IpAddress& a, const IpAddress& b) noexcept {
     return !a.v6 && !b.v6 && std::equal(a.bytes.begin(), a.bytes.begin() + prefix_bytes, b.bytes.begin());
 }
 
-}  // namespace
+}    // namespace
 
 std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept {
     const auto data = frame.data();
@@ -57,9 +57,7 @@ bool TunnelWriter::add(ano::FrameView inner) noexcept {
     return true;
 }
 
-std::span<const std::uint8_t> TunnelWriter::inner() const noexcept {
-    return {buffer_.get() + inner_at(), end_ - inner_at()};
-}
+std::span<const std::uint8_t> TunnelWriter::inner() const noexcept { return {buffer_.get() + inner_at(), end_ - inner_at()}; }
 
 ano::FrameView TunnelWriter::finish(const TunnelHead& head) noexcept {
     std::uint8_t* at = buffer_.get() + ano::header_size;
@@ -209,4 +207,4 @@ void Tunnel::end_wrap(const Take& send) {
     start_wrap();
 }
 
-}  // namespace anogate
+}    // namespace anogate

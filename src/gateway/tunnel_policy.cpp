@@ -10,7 +10,7 @@ const Network loopback{IpAddress::v4(127, 0, 0, 0), 8};
 const Network multicast{IpAddress::v4(224, 0, 0, 0), 4};
 const Network reserved{IpAddress::v4(240, 0, 0, 0), 4};
 
-}  // namespace
+}    // namespace
 
 bool TunnelPolicy::allows(const IpAddress& address) const noexcept {
     if (address.v6 || nowhere.contains(address)) return false;
@@ -32,9 +32,8 @@ bool TunnelPolicy::lists(const IpAddress& address, const Network& within) const 
 }
 
 const Network* listed_loopback(const std::vector<Network>& allow) noexcept {
-    const auto network = std::find_if(allow.begin(), allow.end(), [](const Network& n) {
-        return loopback.contains(n.address) && n.prefix >= loopback.prefix;
-    });
+    const auto network = std::find_if(
+        allow.begin(), allow.end(), [](const Network& n) { return loopback.contains(n.address) && n.prefix >= loopback.prefix; });
     return network == allow.end() ? nullptr : &*network;
 }
 
@@ -46,4 +45,4 @@ const Network* listed_own(const std::vector<Network>& allow, const std::vector<N
     return network == allow.end() ? nullptr : &*network;
 }
 
-}  // namespace anogate
+}    // namespace anogate

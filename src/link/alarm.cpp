@@ -57,4 +57,4 @@ void Alarm::set(ano::TimePoint at) {
     clock_.arm(at + slack_);
 }
 
-}  // namespace anogate
+}    // namespace anogate

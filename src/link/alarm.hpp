@@ -57,4 +57,4 @@ private:
     std::optional<ano::TimePoint> at_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -14,4 +14,4 @@ namespace anogate {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-}  // namespace anogate
+}    // namespace anogate

@@ -21,7 +21,7 @@ constexpr EventName event_names[] = {{"error_warning", "error_warning_s"},
 constexpr std::uint8_t CAN_ERR_CRTL_ACTIVE = 0x40;    // Linux 4.5
 #endif
 
-}  // namespace
+}    // namespace
 
 void CanBus::note(const can_frame& frame, TimePoint now) noexcept {
     if (frame.can_id & CAN_ERR_CRTL) {
@@ -66,4 +66,4 @@ std::string CanBus::trouble() const {
     return {};
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -39,4 +39,4 @@ private:
     std::array<Seen, events> seen_{};
 };
 
-}  // namespace anogate
+}    // namespace anogate

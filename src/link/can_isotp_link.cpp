@@ -20,7 +20,7 @@ bool is_of_transfer(int error) {
     return error == ECOMM || error == ETIMEDOUT || error == EILSEQ || error == EBADMSG || error == EMSGSIZE;
 }
 
-}  // namespace
+}    // namespace
 
 CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
     : CanLink{id, settings, context} {}
@@ -66,8 +66,9 @@ void CanIsotpLink::read() {
 
 void CanIsotpLink::transfer_failed(int error) {
     ++transfer_errors_;
-    trouble_ = error == ECOMM || error == ETIMEDOUT ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
-                                                    : "a transfer failed: " + error_text(error);
+    trouble_ = error == ECOMM || error == ETIMEDOUT
+                   ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
+                   : "a transfer failed: " + error_text(error);
 }
 
 void CanIsotpLink::write() {
@@ -108,4 +109,4 @@ std::string CanIsotpLink::trouble() const {
     return trouble_;
 }
 
-}  // namespace anogate
+}    // namespace anogate

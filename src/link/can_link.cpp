@@ -11,9 +11,9 @@ using namespace std::chrono_literals;
 
 constexpr Duration first_pause = 1ms;    // a queue of 10 frames drains in 2.2 ms at 500 kbit/s
 constexpr Duration longest_pause = 20ms;
-constexpr Duration patience = 1s;        // blocked for so long, the bus itself is in trouble
+constexpr Duration patience = 1s;    // blocked for so long, the bus itself is in trouble
 
-}  // namespace
+}    // namespace
 
 std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context) {
     if (settings.can.framing == CanFraming::isotp) return std::make_unique<CanIsotpLink>(id, settings, context);
@@ -140,4 +140,4 @@ std::string CanLink::trouble() const {
     return {};
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -63,10 +63,10 @@ private:
     Backoff backoff_;
     Alarm retry_;
     Alarm again_;
-    Duration pause_;                           // till the next try when the kernel does not tell
-    bool woken_ = false;                       // because there was room, and nothing was sent since
+    Duration pause_;        // till the next try when the kernel does not tell
+    bool woken_ = false;    // because there was room, and nothing was sent since
     std::optional<TimePoint> blocked_since_;
-    std::int64_t old_kernel_drops_ = 0;        // of sockets closed before
+    std::int64_t old_kernel_drops_ = 0;    // of sockets closed before
 };
 
 /// framing=stream, by a raw socket.
@@ -111,4 +111,4 @@ private:
     std::string trouble_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

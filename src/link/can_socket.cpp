@@ -63,7 +63,7 @@ OpenedSocket raw_socket() {
     return {std::move(fd), {}};
 }
 
-}  // namespace
+}    // namespace
 
 bool can_bus_is_off(const std::string& interface) {
     char carrier = '1';
@@ -145,4 +145,4 @@ OpenedSocket open_can_errors(const CanSettings& can) {
     return bound(std::move(opened.fd), can);
 }
 
-}  // namespace anogate
+}    // namespace anogate

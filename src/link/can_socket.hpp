@@ -22,4 +22,4 @@ OpenedSocket open_can_errors(const CanSettings& can);
 /// What a failed read or write says of the interface.
 std::string can_error_text(const CanSettings& can, int error);
 
-}  // namespace anogate
+}    // namespace anogate

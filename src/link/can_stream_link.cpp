@@ -131,4 +131,4 @@ LinkFacts CanStreamLink::facts() const {
     return facts;
 }
 
-}  // namespace anogate
+}    // namespace anogate

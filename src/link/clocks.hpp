@@ -16,8 +16,6 @@ inline ano::Duration time_by(clockid_t clock) noexcept {
     return duration_of(time);
 }
 
-inline ClockReading read_clocks() noexcept {
-    return {ano::Clock::now(), time_by(CLOCK_BOOTTIME), time_by(CLOCK_REALTIME)};
-}
+inline ClockReading read_clocks() noexcept { return {ano::Clock::now(), time_by(CLOCK_BOOTTIME), time_by(CLOCK_REALTIME)}; }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -23,7 +23,8 @@ public:
     }
     /// Of `message`, which has been received.
     static std::optional<ano::Duration> of(const msghdr& message) noexcept {
-        for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
+        for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c;
+             c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
             if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
             timespec time;
             std::memcpy(&time, CMSG_DATA(c), sizeof time);
@@ -87,4 +88,4 @@ private:
     std::array<Stamp, most> stamps_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int most_reported = 16;    // tries that fail for what became of earlier datagrams, before the rest waits a moment
 
-}  // namespace
+}    // namespace
 
 // Frames that came one behind the other stand so in the outbox: the kernel is given them as one piece.
 unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept {
@@ -22,10 +22,8 @@ unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::
         const std::size_t first = pieces;
         for (const auto frame : rest.first(count)) {
             iovec* last = pieces > first ? &room_->pieces[pieces - 1] : nullptr;
-            if (last && static_cast<std::uint8_t*>(last->iov_base) + last->iov_len == frame.data())
-                last->iov_len += frame.size();
-            else
-                room_->pieces[pieces++] = {const_cast<std::uint8_t*>(frame.data()), frame.size()};
+            if (last && static_cast<std::uint8_t*>(last->iov_base) + last->iov_len == frame.data()) last->iov_len += frame.size();
+            else room_->pieces[pieces++] = {const_cast<std::uint8_t*>(frame.data()), frame.size()};
         }
         mmsghdr& message = room_->messages[datagrams];
         message = {};
@@ -55,7 +53,8 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         const std::size_t paced = pacing.budget(outbox, now);
         if (paced == 0) return stop(SendResult::paced);
         const std::size_t budget = std::min(paced, way.most - spent);
-        const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now, budget);
+        const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now,
+                                                 budget);
         if (frames == 0) break;
         const unsigned datagrams = fill(frames, way.to, mtu);
         const int sent = ::sendmmsg(way.fd, room_->messages.data(), datagrams, MSG_DONTWAIT);
@@ -93,7 +92,8 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
             if (++failures == 2) give_up(&SendCounters::send_failed);
             break;
         case ENETUNREACH:
-            if (!way.to) return stop(SendResult::broken);    // connected when our address was another: it would never find a way again
+            if (!way.to)
+                return stop(SendResult::broken);    // connected when our address was another: it would never find a way again
             [[fallthrough]];
         default:
             if (!way.take_reports || ++failures == 2) give_up(&SendCounters::send_failed);
@@ -109,4 +109,4 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
     return report;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -55,4 +55,4 @@ private:
     std::unique_ptr<Room> room_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

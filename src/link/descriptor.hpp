@@ -2,8 +2,8 @@
 #pragma once
 #include <link/asio.hpp>
 
-#include <functional>
 #include <unistd.h>
+#include <functional>
 
 namespace anogate {
 
@@ -95,4 +95,4 @@ private:
     bool waits_writable_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -1,9 +1,9 @@
 #include <link/device_holder.hpp>
 
+#include <unistd.h>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 
 namespace anogate {
 namespace {
@@ -19,7 +19,7 @@ bool has_open(const fs::path& process, const fs::path& device) {
     return false;
 }
 
-}  // namespace
+}    // namespace
 
 std::string device_holder(const std::string& device) {
     std::error_code ec;
@@ -38,4 +38,4 @@ std::string device_holder(const std::string& device) {
     return {};
 }
 
-}  // namespace anogate
+}    // namespace anogate

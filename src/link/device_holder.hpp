@@ -8,4 +8,4 @@ namespace anogate {
 /// Reads the whole of /proc: for a failure, not for the data path.
 std::string device_holder(const std::string& device);
 
-}  // namespace anogate
+}    // namespace anogate

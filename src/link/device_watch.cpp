@@ -30,4 +30,4 @@ void DeviceWatch::read() {
     if (ours) call_();
 }
 
-}  // namespace anogate
+}    // namespace anogate

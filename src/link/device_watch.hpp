@@ -25,4 +25,4 @@ private:
     std::function<void()> call_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -20,11 +20,13 @@ bool from_network(const sock_extended_err& report) noexcept {
 }
 
 bool nothing_listens(const sock_extended_err& report) noexcept {
-    return (report.ee_origin == SO_EE_ORIGIN_ICMP && report.ee_type == ICMP_DEST_UNREACH && report.ee_code == ICMP_PORT_UNREACH) ||
-           (report.ee_origin == SO_EE_ORIGIN_ICMP6 && report.ee_type == ICMP6_DST_UNREACH && report.ee_code == ICMP6_DST_UNREACH_NOPORT);
+    return (report.ee_origin == SO_EE_ORIGIN_ICMP && report.ee_type == ICMP_DEST_UNREACH &&
+            report.ee_code == ICMP_PORT_UNREACH) ||
+           (report.ee_origin == SO_EE_ORIGIN_ICMP6 && report.ee_type == ICMP6_DST_UNREACH &&
+            report.ee_code == ICMP6_DST_UNREACH_NOPORT);
 }
 
-}  // namespace
+}    // namespace
 
 void keep_error_reports(int fd, bool v6_socket) noexcept {
     const int on = 1;
@@ -72,4 +74,4 @@ std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)
     return count;
 }
 
-}  // namespace anogate
+}    // namespace anogate

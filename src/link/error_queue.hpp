@@ -18,4 +18,4 @@ bool may_be_reported(int error) noexcept;
 /// came from the network: while there are any, a call may fail for no reason of its own.
 std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -12,4 +12,4 @@ inline std::string error_text(int error) { return std::generic_category().messag
 /// "/dev/ttyUSB0: No such file or directory"
 inline std::string error_text(const std::string& what, int error) { return what + ": " + error_text(error); }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -23,4 +23,4 @@ void feed_datagram(ano::FrameParser& parser, std::span<const std::uint8_t> datag
     }
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -29,7 +29,7 @@ struct LineFacts {
     std::string consumer;    // who holds it; empty when nobody says
 };
 
-}  // namespace
+}    // namespace
 
 // The two libraries: 1.6 has one header, 2.x a folder of them. Everything throws, mostly std::system_error.
 #if __has_include(<gpiodcxx/chip.hpp>)
@@ -78,12 +78,13 @@ gpiod::line_settings settings_of(const Want& want) {
     return settings;
 }
 
-}  // namespace
+}    // namespace
 
 struct GpioLine::Request {
     Request(Chip& chip, unsigned line, const Want& want)
         : offset{line},
-          request{chip.chip.prepare_request().set_consumer(want.consumer).add_line_settings(line, settings_of(want)).do_request()} {}
+          request{
+              chip.chip.prepare_request().set_consumer(want.consumer).add_line_settings(line, settings_of(want)).do_request()} {}
     void set(bool active) { request.set_value(offset, value_of(active)); }
     bool value() { return request.get_value(offset) == gpiod::line::value::ACTIVE; }
     int descriptor() const { return request.fd(); }
@@ -123,12 +124,11 @@ std::bitset<32> flags_of(const Want& want) {
     return flags;
 }
 
-}  // namespace
+}    // namespace
 
 struct GpioLine::Request {
     Request(Chip& chip, unsigned offset, const Want& want) : line{chip.chip.get_line(offset)} {
-        line.request({want.consumer,
-                      want.output ? gpiod::line_request::DIRECTION_OUTPUT : gpiod::line_request::EVENT_BOTH_EDGES,
+        line.request({want.consumer, want.output ? gpiod::line_request::DIRECTION_OUTPUT : gpiod::line_request::EVENT_BOTH_EDGES,
                       flags_of(want)},
                      want.active);
     }
@@ -188,7 +188,8 @@ bool is_at(const fs::path& path, const GpioSettings& settings, bool by_label, Pl
         if (by_label && chip.label() != settings.chip) return false;
         if (const auto offset = number(settings.line)) {
             if (*offset >= chip.lines()) {
-                place.error = path.filename().string() + " has lines 0 to " + std::to_string(chip.lines() - 1) + ", not " + settings.line;
+                place.error = path.filename().string() + " has lines 0 to " + std::to_string(chip.lines() - 1) + ", not " +
+                              settings.line;
                 return true;
             }
             place.offset = static_cast<unsigned>(*offset);
@@ -236,7 +237,8 @@ std::string why_not(const Place& place, int error) {
     } catch (const std::exception&) {    // then without
     }
     const std::string line = shown(place.chip_name, place.offset, facts);
-    if (error == EBUSY) return line + " is in use by " + (facts.consumer.empty() ? "another program or the kernel" : facts.consumer);
+    if (error == EBUSY)
+        return line + " is in use by " + (facts.consumer.empty() ? "another program or the kernel" : facts.consumer);
     if (error == EACCES || error == EPERM) return line + ": no permission";
     return error_text(line, error);
 }
@@ -253,7 +255,7 @@ std::string consumer(GpioUse use) {
     return "anogate";
 }
 
-}  // namespace
+}    // namespace
 
 GpioLine::GpioLine(std::unique_ptr<Request> request, std::string chip, unsigned offset, std::string name)
     : request_{std::move(request)}, chip_{std::move(chip)}, offset_{offset}, name_{std::move(name)} {}
@@ -304,4 +306,4 @@ std::optional<unsigned> GpioLine::take_edges() noexcept {
     }
 }
 
-}  // namespace anogate
+}    // namespace anogate

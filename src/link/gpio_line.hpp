@@ -49,4 +49,4 @@ private:
     std::string name_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -3,7 +3,8 @@
 
 namespace anogate {
 
-GpioPin::GpioPin(GpioSettings settings, Direction direction, asio::io_context& io, AlarmClock& alarms, std::function<void()> changed)
+GpioPin::GpioPin(GpioSettings settings, Direction direction, asio::io_context& io, AlarmClock& alarms,
+                 std::function<void()> changed)
     : settings_{std::move(settings)},
       direction_{direction},
       events_{io},
@@ -30,7 +31,8 @@ void GpioPin::look() {
 }
 
 void GpioPin::try_open() {
-    GpioLine::Opened opened = direction_ == Direction::in ? GpioLine::open_input(settings_) : GpioLine::open_output(settings_, active_);
+    GpioLine::Opened opened = direction_ == Direction::in ? GpioLine::open_input(settings_)
+                                                          : GpioLine::open_output(settings_, active_);
     line_ = std::move(opened.line);
     if (line_ && direction_ == Direction::in && !read_value()) opened.error = settings_.line + ": its edges can't be had";
     if (!line_) {
@@ -93,4 +95,4 @@ void GpioPin::count(std::uint64_t edges) {
     edge_at_ = Clock::now();
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -65,4 +65,4 @@ private:
     TimePoint edge_at_{};
 };
 
-}  // namespace anogate
+}    // namespace anogate

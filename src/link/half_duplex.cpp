@@ -35,8 +35,7 @@ void HalfDuplex::close() noexcept {
         closing_ = true;
         wait_.release();
         thread_.join();
-        while (wait_.try_acquire()) {
-        }
+        while (wait_.try_acquire()) {}
     }
     sent_.close();
     if (std::exchange(sending_, false)) send_(false);
@@ -64,4 +63,4 @@ void HalfDuplex::all_sent() {
     send_(false);
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -46,4 +46,4 @@ private:
     bool again_ = false;      // something was written since
 };
 
-}  // namespace anogate
+}    // namespace anogate

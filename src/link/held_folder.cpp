@@ -16,7 +16,7 @@ constexpr int look = O_PATH | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_trusted(const struct stat& info) { return info.st_uid == 0 || info.st_uid == ::geteuid(); }
 
-}  // namespace
+}    // namespace
 
 // False: errno says why, or it is a link.
 bool HeldFolder::enter(const char* name) {
@@ -62,4 +62,4 @@ HeldFolder HeldFolder::of(const fs::path& path) {
     return folder;
 }
 
-}  // namespace anogate
+}    // namespace anogate

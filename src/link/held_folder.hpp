@@ -30,4 +30,4 @@ private:
     bool fixed_ = true;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -41,4 +41,4 @@ private:
     std::optional<Endpoint> opened_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

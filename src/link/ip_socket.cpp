@@ -14,8 +14,8 @@
 namespace anogate {
 namespace {
 
-constexpr int small_send_buffer = 8 << 10;   // bytes: some datagrams; one that is larger passes when nothing else waits
-constexpr int receive_buffer = 1 << 20;    // bytes; the kernel gives what net.core.rmem_max allows
+constexpr int small_send_buffer = 8 << 10;    // bytes: some datagrams; one that is larger passes when nothing else waits
+constexpr int receive_buffer = 1 << 20;       // bytes; the kernel gives what net.core.rmem_max allows
 
 IpAddress address_of(const sockaddr_in6& in) noexcept {
     IpAddress address{true, {}, in.sin6_scope_id};
@@ -48,12 +48,13 @@ void for_each_own_network(Call call) {
         if (i->ifa_addr->sa_family == AF_INET)
             call(Network{address_of(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
         else if (i->ifa_addr->sa_family == AF_INET6)
-            call(Network{address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
+            call(Network{address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)},
+                 i->ifa_name);
     }
     ::freeifaddrs(list);
 }
 
-}  // namespace
+}    // namespace
 
 SocketAddress SocketAddress::of(const Endpoint& endpoint, bool v6_socket) noexcept {
     SocketAddress result;
@@ -183,4 +184,4 @@ int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> byte
     return ::sendto(fd, bytes.data(), bytes.size(), MSG_DONTWAIT, address.get(), address.size) >= 0 ? 0 : errno;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -54,4 +54,4 @@ std::int64_t kernel_drops(int fd) noexcept;
 /// Sends one datagram; 0, or what errno says.
 int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept;
 
-}  // namespace anogate
+}    // namespace anogate

@@ -23,4 +23,4 @@ const LinkKind* find_link_kind(std::string_view name) noexcept;
 /// A link of the kind that `settings.kind` names, not yet started.
 std::unique_ptr<Link> make_link(LinkId id, const LinkSettings& settings, const LinkContext& context);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -18,4 +18,4 @@ struct LinkContext {
 /// A retry may come this much later than Backoff says: the absent devices of a whole vehicle share one wake-up a second.
 inline constexpr Duration retry_slack = std::chrono::milliseconds{250};
 
-}  // namespace anogate
+}    // namespace anogate

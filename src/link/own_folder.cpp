@@ -17,7 +17,7 @@ bool is_own(const fs::path& folder) {
     return is_own_folder(folder, runtime_dir ? runtime_dir : "");
 }
 
-}  // namespace
+}    // namespace
 
 bool is_own_folder(const fs::path& folder, const std::string& runtime_dir) {
     for (const char* const own : {runtime_folder, "/var/log/anogate"})
@@ -43,7 +43,8 @@ std::string fault_of_folder(const fs::path& path) {
     const fs::path folder = folder_of(path);
     std::error_code ec;
     const fs::file_type there = fs::status(folder, ec).type();
-    if (is_own(folder) || there == fs::file_type::directory || there == fs::file_type::none || there == fs::file_type::unknown) return {};
+    if (is_own(folder) || there == fs::file_type::directory || there == fs::file_type::none || there == fs::file_type::unknown)
+        return {};
     return there == fs::file_type::not_found ? "there is no folder " + folder.string() : folder.string() + " is no folder";
 }
 
@@ -54,4 +55,4 @@ bool is_taken(const fs::path& path) {
     return !fs::is_symlink(there) || fs::read_symlink(path, ec).parent_path() != "/dev/pts";
 }
 
-}  // namespace anogate
+}    // namespace anogate

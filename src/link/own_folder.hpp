@@ -23,4 +23,4 @@ std::string fault_of_folder(const std::filesystem::path& path);
 /// Something is at `path`, and no link to a pseudo-terminal, which an earlier run may have left.
 bool is_taken(const std::filesystem::path& path);
 
-}  // namespace anogate
+}    // namespace anogate

@@ -55,4 +55,4 @@ private:
     std::uint32_t rate_ = 0;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -18,7 +18,7 @@ namespace anogate {
 namespace {
 
 constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
-constexpr int most_tries = 16;    // of a lock file that others remove just then
+constexpr int most_tries = 16;          // of a lock file that others remove just then
 constexpr int most_looked_at = 1000;    // lock files, each time
 constexpr int lock_flags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 constexpr char lock_prefix[] = ".lock-";
@@ -45,7 +45,9 @@ std::string lock_name(const struct stat& folder, const std::string& file) {
            std::to_string(std::hash<std::string>{}(file));
 }
 
-bool is_same(const struct stat& one, const struct stat& other) { return one.st_dev == other.st_dev && one.st_ino == other.st_ino; }
+bool is_same(const struct stat& one, const struct stat& other) {
+    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
 
 bool is_at(const UniqueFd& folder, const char* name, const struct stat& file) {
     struct stat there {};
@@ -74,7 +76,7 @@ void sweep(const UniqueFd& folder) {
     }
 }
 
-}  // namespace
+}    // namespace
 
 // Whoever ends removes its file: a lock on one that has gone is a lock on nothing. Where others sweep, one may be locked for that.
 PathClaim::Lock PathClaim::lock(bool trusted) {
@@ -121,4 +123,4 @@ void PathClaim::release() noexcept {
     folder_ = UniqueFd{};
 }
 
-}  // namespace anogate
+}    // namespace anogate

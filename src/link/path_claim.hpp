@@ -34,4 +34,4 @@ private:
     UniqueFd lock_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

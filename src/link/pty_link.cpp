@@ -26,13 +26,12 @@ void let_dialout_in(int terminal) {
         ::fchmod(terminal, 0660);
 }
 
-}  // namespace
+}    // namespace
 
 StreamLink::Opened PtyLink::open_wire() {
     UniqueFd ours{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     char name[64];
-    if (!ours || ::grantpt(ours.get()) != 0 || ::unlockpt(ours.get()) != 0 ||
-        ::ptsname_r(ours.get(), name, sizeof name) != 0)
+    if (!ours || ::grantpt(ours.get()) != 0 || ::unlockpt(ours.get()) != 0 || ::ptsname_r(ours.get(), name, sizeof name) != 0)
         return {{}, error_text("no pseudo-terminal", errno)};
     device_ = name;
     {
@@ -51,9 +50,7 @@ StreamLink::Opened PtyLink::open_wire() {
     return {{}, std::move(error)};
 }
 
-UniqueFd PtyLink::open_user_side() const {
-    return UniqueFd{::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-}
+UniqueFd PtyLink::open_user_side() const { return UniqueFd{::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)}; }
 
 std::string PtyLink::link_path(const std::string& device) {
     const fs::path path = settings().pty.path;
@@ -67,7 +64,8 @@ std::string PtyLink::link_path(const std::string& device) {
 void PtyLink::watch_users() {
     watch_.close();
     UniqueFd notify{::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)};
-    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN) < 0) return look_.set(context_.host.now() + between_looks);
+    if (!notify || ::inotify_add_watch(notify.get(), device_.c_str(), IN_OPEN) < 0)
+        return look_.set(context_.host.now() + between_looks);
     watch_.open(std::move(notify));
     watch_.read_with([this] {
         alignas(inotify_event) char events[4096];
@@ -180,4 +178,4 @@ LinkFacts PtyLink::facts() const {
     return facts;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -33,11 +33,11 @@ private:
     UniqueFd open_user_side() const;
     std::string nobody_there() const;
 
-    std::string device_;     // /dev/pts/N
-    PathClaim claim_;        // on the path, among gateways
-    Descriptor watch_;       // inotify: somebody opened device_, or the link at the path is another one
-    Alarm look_;             // where that can't be had: at whether somebody has it open, and at the path
+    std::string device_;    // /dev/pts/N
+    PathClaim claim_;       // on the path, among gateways
+    Descriptor watch_;      // inotify: somebody opened device_, or the link at the path is another one
+    Alarm look_;            // where that can't be had: at whether somebody has it open, and at the path
     bool up_ = false;
 };
 
-}  // namespace anogate
+}    // namespace anogate

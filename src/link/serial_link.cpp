@@ -19,7 +19,8 @@ std::string busy_text(const std::string& device) {
 /// What is written "ttyUSB0" or "/dev/ttyUSB0:115200" by those who know it from other programs.
 std::string absent_text(const std::string& device) {
     const std::size_t colon = device.rfind(':');
-    const bool baud = colon != device.npos && device.size() - colon > 3 && device.find_first_not_of("0123456789", colon + 1) == device.npos;
+    const bool baud = colon != device.npos && device.size() - colon > 3 &&
+                      device.find_first_not_of("0123456789", colon + 1) == device.npos;
     std::string meant = device.find('/') == device.npos ? "/dev/" : "";
     if (meant.empty() && !baud) return device + " is not there";
     meant += baud ? device.substr(0, colon) + ",baud=" + device.substr(colon + 1) : device;
@@ -32,12 +33,15 @@ std::string open_error_text(const std::string& device, int error) {
     case ENXIO:
     case ENODEV: return absent_text(device);
     case EBUSY: return busy_text(device);
-    case EACCES: return device + ": no permission (the user must be in the group of the device, usually dialout: sudo usermod -aG dialout $USER, and log in again)";
+    case EACCES:
+        return device +
+               ": no permission (the user must be in the group of the device, usually dialout: sudo usermod -aG dialout $USER, "
+               "and log in again)";
     default: return error_text(device, error);
     }
 }
 
-}  // namespace
+}    // namespace
 
 StreamLink::Opened SerialLink::open_wire() {
     const SerialSettings& serial = settings().serial;
@@ -124,4 +128,4 @@ LinkFacts SerialLink::facts() const {
     return facts;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -33,4 +33,4 @@ private:
     bool rs485_by_driver_ = false;    // it turns the transceiver by RTS, as well
 };
 
-}  // namespace anogate
+}    // namespace anogate

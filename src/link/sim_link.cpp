@@ -6,10 +6,9 @@
 namespace anogate {
 
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
-    : Link{id, std::move(settings)},
-      context_{context},
-      fc_{this->settings().sim.hz, Clock::now()},
-      tick_{context.alarms, [this] { tick(); }} {}
+    : Link{id, std::move(settings)}, context_{context}, fc_{this->settings().sim.hz, Clock::now()}, tick_{context.alarms, [this] {
+                                                                                                              tick();
+                                                                                                          }} {}
 
 void SimLink::start() {
     channel_ = context_.host.open_channel(*this, settings().sim.device);
@@ -48,4 +47,4 @@ void SimLink::flush(Channel& channel) {
     }
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -24,4 +24,4 @@ private:
     Alarm tick_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -9,14 +9,15 @@ namespace {
 constexpr std::size_t frames_per_write = 64;
 constexpr int reads_per_turn = 16;    // then the other links have theirs
 
-}  // namespace
+}    // namespace
 
 StreamLink::StreamLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
-      expiry_{context.alarms, [this] {
+      expiry_{context.alarms,
+              [this] {
                   if (channel_->parser.expire(context_.host.now())) deliver();
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
@@ -109,8 +110,7 @@ void StreamLink::write() {
         const std::size_t budget = pacing_.budget(outbox, now);
         if (budget == 0) return;
         const std::size_t count = outbox.gather(frames, now, budget);
-        for (std::size_t i = 0; i < count; ++i)
-            pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
+        for (std::size_t i = 0; i < count; ++i) pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
         if (count == 0) return;
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
@@ -127,4 +127,4 @@ void StreamLink::write() {
     }
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -17,7 +17,10 @@ public:
     StreamLink(LinkId id, LinkSettings settings, const LinkContext& context);
 
     void start() override;
-    void stop_reading() override { descriptor_.stop_reading(); retry_.cancel(); }
+    void stop_reading() override {
+        descriptor_.stop_reading();
+        retry_.cancel();
+    }
     void stop() override;
     void flush(Channel& channel) override;
 
@@ -73,4 +76,4 @@ private:
     Pacing pacing_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -30,7 +30,7 @@ Found find(const HeldFolder& folder, const std::string& name) {
     return {info.st_uid == ::geteuid() ? There::ours : There::anothers, leads_to};
 }
 
-}  // namespace
+}    // namespace
 
 // symlink() follows nothing and replaces nothing, which no look beforehand could promise.
 std::string link_to_terminal(const std::string& device, const fs::path& path) {
@@ -41,7 +41,8 @@ std::string link_to_terminal(const std::string& device, const fs::path& path) {
     if (there == There::anothers) return path.string() + " is a link of another user: it is left alone, choose another path";
     if (there == There::ours) ::unlinkat(folder.fd(), name.c_str(), 0);
     if (there != There::no_link && ::symlinkat(device.c_str(), folder.fd(), name.c_str()) == 0) return {};
-    if (there == There::no_link || errno == EEXIST) return path.string() + " exists and is not ours: it is left alone, choose another path";
+    if (there == There::no_link || errno == EEXIST)
+        return path.string() + " exists and is not ours: it is left alone, choose another path";
     return error_text(path.string(), errno);
 }
 
@@ -53,4 +54,4 @@ void remove_link_to(const std::string& device, const fs::path& path) {
         ::unlinkat(folder.fd(), name.c_str(), 0);
 }
 
-}  // namespace anogate
+}    // namespace anogate

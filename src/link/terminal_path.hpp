@@ -12,4 +12,4 @@ std::string link_to_terminal(const std::string& device, const std::filesystem::p
 /// Removes it when it still is ours and leads to `device`.
 void remove_link_to(const std::string& device, const std::filesystem::path& path);
 
-}  // namespace anogate
+}    // namespace anogate

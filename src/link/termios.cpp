@@ -51,7 +51,7 @@ std::size_t bytes_in(int fd, unsigned long queue) noexcept {
     return ::ioctl(fd, queue, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
-}  // namespace
+}    // namespace
 
 std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud) {
     termios2 t{};
@@ -119,4 +119,4 @@ std::size_t unread(int fd) noexcept { return bytes_in(fd, FIONREAD); }
 void discard_output(int fd) noexcept { ::ioctl(fd, TCFLSH, TCOFLUSH); }
 void discard_input(int fd) noexcept { ::ioctl(fd, TCFLSH, TCIFLUSH); }
 
-}  // namespace anogate::terminal
+}    // namespace anogate::terminal

@@ -34,4 +34,4 @@ void discard_output(int fd) noexcept;
 /// Throws away what has arrived and was not read.
 void discard_input(int fd) noexcept;
 
-}  // namespace anogate::terminal
+}    // namespace anogate::terminal

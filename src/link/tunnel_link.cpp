@@ -20,7 +20,7 @@ LinkSettings link_settings(const Settings& settings) {
     return link;
 }
 
-}  // namespace
+}    // namespace
 
 TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> wrap_to, const LinkContext& context,
                        TunnelHost& host)
@@ -125,4 +125,4 @@ LinkFacts TunnelLink::facts() const {
     return facts;
 }
 
-}  // namespace anogate
+}    // namespace anogate

@@ -78,4 +78,4 @@ private:
     std::optional<Way> last_way_;    // valid as long as what was seen then
 };
 
-}  // namespace anogate
+}    // namespace anogate

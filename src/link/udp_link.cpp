@@ -18,14 +18,15 @@ constexpr Duration join_slack = std::chrono::seconds{1};
 constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
 
-}  // namespace
+}    // namespace
 
 UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
       retry_{context.alarms, [this] { try_open(); }, retry_slack},
-      expiry_{context.alarms, [this] {
+      expiry_{context.alarms,
+              [this] {
                   if (channel_->parser.expire(context_.host.now())) deliver();
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
@@ -111,7 +112,8 @@ std::string UdpLink::join_group(int fd) const {
     group_req group{};
     group.gr_interface = interface;
     std::memcpy(&group.gr_group, &to_.storage, sizeof to_.storage);
-    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0 || errno == EADDRINUSE;
+    bool done = ::setsockopt(fd, v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &group, sizeof group) == 0 ||
+                errno == EADDRINUSE;
     if (done && interface != 0) {
         ip_mreqn sender{};
         sender.imr_ifindex = static_cast<int>(interface);
@@ -177,8 +179,7 @@ void UdpLink::read() {
         if (!connected_ && own(context_.batch.sender(at), now)) continue;
         trouble_.clear();
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
-        feed_datagram(channel_->parser, context_.batch.datagram(at), now,
-                      [&](ano::FrameView frame) { take(frame); });
+        feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
     }
     if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
@@ -210,7 +211,8 @@ void UdpLink::deliver() {
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
-    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX};
+    const DatagramSender::Way way{descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr,
+                                  SIZE_MAX};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);
     switch (report.result) {
@@ -231,9 +233,7 @@ void UdpLink::note(const SendReport& report) {
                                             : error_text(report.error);
 }
 
-std::string UdpLink::trouble() const {
-    return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : std::string{};
-}
+std::string UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : std::string{}; }
 
 LinkFacts UdpLink::facts() const {
     LinkFacts facts{{"peer", settings().udp.peer.text()}};
@@ -244,4 +244,4 @@ LinkFacts UdpLink::facts() const {
     return facts;
 }
 
-}  // namespace anogate
+}    // namespace anogate

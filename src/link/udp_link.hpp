@@ -56,4 +56,4 @@ private:
     TimePoint trouble_at_{};
 };
 
-}  // namespace anogate
+}    // namespace anogate

@@ -42,7 +42,7 @@ void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
     for (std::size_t i = 0; i < count; ++i) far.sent(ano::FrameView{next[i]}, now);
 }
 
-}  // namespace
+}    // namespace
 
 struct UdpListenLink::Peer {
     Peer(UdpListenLink& link, const Endpoint& e, Channel& c)
@@ -56,7 +56,7 @@ struct UdpListenLink::Peer {
     SocketAddress address;
     Channel& channel;
     Alarm expiry;
-    Alarm again;    // after the system had no memory to send
+    Alarm again;                     // after the system had no memory to send
     std::unique_ptr<FarPeer> far;    // outside our networks, until it has shown that it is there
     TimePoint ask_at{};              // a suspect, whether it is a listening gateway
     TimePoint silenced_until{};      // nothing of it is taken before
@@ -222,8 +222,7 @@ UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
 }
 
 // A stranger must be allowed, must say something in V8, and may take the place of another.
-UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram,
-                                          TimePoint now) try {
+UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now) try {
     if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     if (!is_welcome(endpoint, datagram, now)) return nullptr;
     if (check_.is_refused(endpoint)) {    // it does not know yet
@@ -276,8 +275,8 @@ bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     if (!anogate::can_be_peer(sender, networks_)) return false;
     if (!near || !context_.host.is_own_port(sender.port)) return true;
     return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
-               return network.address == sender.address;
-           });
+        return network.address == sender.address;
+    });
 }
 
 bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
@@ -421,4 +420,4 @@ std::string UdpListenLink::trouble() const {
     return stray_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
 }
 
-}  // namespace anogate
+}    // namespace anogate

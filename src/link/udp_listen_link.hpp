@@ -85,13 +85,13 @@ private:
     PeerBook book_;
     std::function<std::uint64_t()> random_;
     ListenerCheck check_;
-    std::uint64_t gateways_ = 0;    // that turned up as peers
-    std::uint64_t no_place_ = 0;    // datagrams of strangers for whom nobody gave way
-    std::string last_gateway_;      // of those that turned up
+    std::uint64_t gateways_ = 0;       // that turned up as peers
+    std::uint64_t no_place_ = 0;       // datagrams of strangers for whom nobody gave way
+    std::string last_gateway_;         // of those that turned up
     std::vector<Network> networks_;    // of our interfaces
     TimePoint networks_read_at_{};
     std::function<bool()> take_reports_;
     Endpoint local_;
 };
 
-}  // namespace anogate
+}    // namespace anogate

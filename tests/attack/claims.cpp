@@ -24,7 +24,8 @@ protected:
     void SetUp() override {
         fc.send(daemon.port("air"), broadcast(0));
         pilot.send(daemon.port("ground"), vendor::who_are_you);
-        ASSERT_TRUE(daemon.until([&] { return daemon.count("air", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
+        ASSERT_TRUE(
+            daemon.until([&] { return daemon.count("air", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
     }
     /// `from` says it on the ground; true when it has been routed.
     bool say(UdpPeer& from, const Bytes& bytes) { return said(from, "ground", bytes); }
@@ -98,7 +99,8 @@ TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
         }
         ASSERT_TRUE(device_says(broadcast(200)) && say(pilot, command(n)));
     }
-    ASSERT_TRUE(daemon.until([&] { return count(fc, 0xC0) == 70 && count(pilot, 0x03) >= 70; })) << count(fc, 0xC0) << ' ' << count(pilot, 0x03);
+    ASSERT_TRUE(daemon.until([&] { return count(fc, 0xC0) == 70 && count(pilot, 0x03) >= 70; }))
+        << count(fc, 0xC0) << ' ' << count(pilot, 0x03);
     for (auto& port : ports) EXPECT_EQ(count(*port, 0xC0), 0u);
     EXPECT_EQ(conflict().at("claimed_by").at("link"), "ground");
     EXPECT_TRUE(daemon.counters_add_up());
@@ -142,9 +144,10 @@ TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
     spdlog::default_logger()->set_level(spdlog::level::warn);
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
     spdlog::set_default_logger(before);
-    EXPECT_EQ(told.str(), "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
-                              "): the same device? give the links one `group`; two devices? give one of them another id; neither? "
-                              "pin it: --route 0xDC=LINK\n");
+    EXPECT_EQ(told.str(),
+              "0xDC is heard on ground and air, claimed by ground (" + attacker.local().text() +
+                  "): the same device? give the links one `group`; two devices? give one of them another id; neither? "
+                  "pin it: --route 0xDC=LINK\n");
 }
 
 TEST_F(Claims, host_is_reached_at_once_wherever_it_speaks) {
@@ -187,4 +190,4 @@ TEST(PinnedAddress, never_moves) {
     EXPECT_EQ(daemon.route("0xDC").at("via"), "pinned");
 }
 
-}  // namespace
+}    // namespace

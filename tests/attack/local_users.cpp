@@ -96,7 +96,8 @@ protected:
         gateway.io().poll();
     }
     bool is_answered(Client& client) {
-        return client.ask(1) && gateway.until([&] { return client.answers() == 1 || client.is_closed(); }) && client.answers() == 1;
+        return client.ask(1) && gateway.until([&] { return client.answers() == 1 || client.is_closed(); }) &&
+               client.answers() == 1;
     }
 
     TempDir dir;
@@ -132,7 +133,8 @@ protected:
             return sent == clients * static_cast<std::size_t>(requests);
         })) << sent;
         for (auto& client : greedy)
-            EXPECT_TRUE(gateway.until([&] { return client->answers() == static_cast<std::size_t>(requests); })) << client->answers();
+            EXPECT_TRUE(gateway.until([&] { return client->answers() == static_cast<std::size_t>(requests); }))
+                << client->answers();
         EXPECT_TRUE(gateway.until([&] { return arrived() == sent; })) << arrived();
     }
 
@@ -150,7 +152,6 @@ TEST_F(GreedyClients, sixteen_with_5_requests_each_let_every_command_pass_betwee
     serve(16, 5);
     EXPECT_LE(most_behind, 1u);
 }
-
 
 TEST_F(LocalUsers, forty_idle_clients_do_not_keep_the_next_one_waiting) {
     std::vector<std::unique_ptr<Client>> idle;
@@ -326,7 +327,7 @@ protected:
         ASSERT_EQ(::chmod(precious.c_str(), 0640), 0);
     }
     mode_t mode_of_precious() {
-        struct stat info{};
+        struct stat info {};
         ::stat(precious.c_str(), &info);
         return info.st_mode & 0777;
     }
@@ -372,7 +373,7 @@ TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
     {
         Control control{io};
         ASSERT_EQ(control.start(socket).error, "");
-        struct stat info{};
+        struct stat info {};
         ASSERT_EQ(::lstat(socket.c_str(), &info), 0);
         EXPECT_EQ(info.st_uid, 0u);
         EXPECT_EQ(info.st_mode & 0007, 0u) << "nor is it everybody's";
@@ -389,9 +390,11 @@ TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
     ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
     ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
     Control control{io};
-    EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a link of another user"), std::string::npos);
+    EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a link of another user"),
+              std::string::npos);
     RunningGateway gateway{pty("app", theirs + "/way/app")};
-    EXPECT_EQ(gateway.link("app").at("error"), theirs + "/way/app: leads through way, a link of another user: it is not followed");
+    EXPECT_EQ(gateway.link("app").at("error"),
+              theirs + "/way/app: leads through way, a link of another user: it is not followed");
     EXPECT_FALSE(fs::exists(fs::symlink_status(ours + "/app")));
     EXPECT_FALSE(fs::exists(ours + "/control.sock"));
 }
@@ -407,7 +410,8 @@ TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
     ASSERT_TRUE(wait_until([&] { return control.start(socket).in_use; }));
     ::kill(other.pid(), SIGKILL);
     other.wait();
-    EXPECT_EQ(control.start(socket).error, socket + ": is a socket of another user: it is left alone (give another path by --control)");
+    EXPECT_EQ(control.start(socket).error,
+              socket + ": is a socket of another user: it is left alone (give another path by --control)");
     EXPECT_TRUE(fs::exists(socket));
 }
 
@@ -431,7 +435,7 @@ TEST_F(ForeignFolder, what_was_put_beside_a_ptys_path_is_left_alone) {
 
 // As every user can have it: a name in the kernel that belongs to who is first.
 TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have) {
-    struct stat folder{};
+    struct stat folder {};
     ASSERT_EQ(::stat(theirs.c_str(), &folder), 0);
     const std::string name = "anogate-pty " + std::to_string(folder.st_dev) + " " + std::to_string(folder.st_ino) + " " +
                              std::to_string(std::hash<std::string>{}("app"));
@@ -457,24 +461,28 @@ TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place
         GTEST_SKIP() << "everybody may write to /run/anogate here";
     std::string lock;
     EXPECT_EQ(as_nobody([&] {
-        anogate::PathClaim one, other;
-        if (!one.take(dir / "tmp/app").error.empty() || locks() != 1) return 1;
-        if (!other.take(dir / "tmp/../tmp/app").in_use) return 2;
-        if (!one.take(dir / "tmp/app").error.empty()) return 3;
-        one.release();
-        if (locks() != 0) return 4;
-        if (!other.take(dir / "tmp/app").error.empty()) return 5;
-        ::_exit(0);    // as if killed: the file stays
-    }), 0);
+                  anogate::PathClaim one, other;
+                  if (!one.take(dir / "tmp/app").error.empty() || locks() != 1) return 1;
+                  if (!other.take(dir / "tmp/../tmp/app").in_use) return 2;
+                  if (!one.take(dir / "tmp/app").error.empty()) return 3;
+                  one.release();
+                  if (locks() != 0) return 4;
+                  if (!other.take(dir / "tmp/app").error.empty()) return 5;
+                  ::_exit(0);    // as if killed: the file stays
+              }),
+              0);
     ASSERT_EQ(locks(), 1);
-    lock = fs::directory_iterator{dir / "tmp"}->path();
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "what a dead one left";
+    lock = fs::directory_iterator { dir / "tmp" } -> path();
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
+        << "what a dead one left";
     EXPECT_EQ(locks(), 0);
     ASSERT_EQ(::symlink(precious.c_str(), lock.c_str()), 0);
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "a link of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
+        << "a link of root's";
     fs::remove(lock);
     std::ofstream{lock} << "root's";
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0) << "a file of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
+        << "a file of root's";
     EXPECT_TRUE(fs::is_regular_file(lock));
 }
 
@@ -485,13 +493,14 @@ TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_othe
     ASSERT_EQ(::chmod((dir / "open").c_str(), 01777), 0);
     const auto as_nobody = [&](const std::string& runtime_dir) {
         return Child{[&] {
-            if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
-            if (::access("/run/anogate", W_OK) == 0) return 2;
-            if (!anogate::PathClaim{}.take(dir / "open/app").error.empty()) return 3;
-            anogate::PathClaim claim;
-            claim.take(dir / "open/app");
-            return fs::is_empty(dir / "open") ? 10 : 11;
-        }}.wait();
+                   if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
+                   if (::access("/run/anogate", W_OK) == 0) return 2;
+                   if (!anogate::PathClaim{}.take(dir / "open/app").error.empty()) return 3;
+                   anogate::PathClaim claim;
+                   claim.take(dir / "open/app");
+                   return fs::is_empty(dir / "open") ? 10 : 11;
+               }}
+            .wait();
     };
     EXPECT_EQ(as_nobody(own), 10);
     EXPECT_EQ(as_nobody(ours), 11) << "another user's is not used: the lock is beside the path";
@@ -510,18 +519,21 @@ protected:
     /// What `work` returns, done by a user who has his locks in a folder of his own; 100: there is no such user here.
     int as_user(const std::function<int()>& work) {
         return Child{[&] {
-            if (::geteuid() == 0 && !become_nobody()) return 100;
-            if (::access("/run/anogate", W_OK) == 0 || ::setenv("XDG_RUNTIME_DIR", own.c_str(), 1) != 0) return 100;
-            return work();
-        }}.wait();
+                   if (::geteuid() == 0 && !become_nobody()) return 100;
+                   if (::access("/run/anogate", W_OK) == 0 || ::setenv("XDG_RUNTIME_DIR", own.c_str(), 1) != 0) return 100;
+                   return work();
+               }}
+            .wait();
     }
     auto locks() { return std::distance(fs::directory_iterator{own + "/anogate"}, fs::directory_iterator{}); }
     /// Takes `name` and ends as if killed; what it returns says whether it had it, and `inside` what it did with it.
-    int killed_with(const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
+    int killed_with(
+        const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
         return Child{[&]() -> int {
-            anogate::PathClaim claim;
-            ::_exit(claim.take(dir / name).error.empty() ? inside() : 50);
-        }}.wait();
+                   anogate::PathClaim claim;
+                   ::_exit(claim.take(dir / name).error.empty() ? inside() : 50);
+               }}
+            .wait();
     }
     TempDir dir;
     std::string own = dir / "own";
@@ -531,7 +543,8 @@ TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
     const int result = as_user([&] {
         anogate::PathClaim held, next;
         if (!held.take(dir / "held").error.empty()) return 1;
-        if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50) return 2;    // a is held while b is taken
+        if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50)
+            return 2;    // a is held while b is taken
         std::ofstream{own + "/anogate/notes"} << "no lock of ours";
         if (locks() != 4) return 3;
         if (!next.take(dir / "next").error.empty()) return 4;

@@ -16,7 +16,7 @@ namespace {
 
 std::size_t largest_allocation = SIZE_MAX;    // memory is short above it
 
-}  // namespace
+}    // namespace
 
 [[gnu::noinline]] void* operator new(std::size_t size) {
     void* memory = size > largest_allocation ? nullptr : std::malloc(size > 0 ? size : 1);
@@ -58,13 +58,15 @@ void send_forged(const Endpoint& from, const Endpoint& to, const Bytes& datagram
     std::memcpy(packet.data() + sizeof ip, &udp, sizeof udp);
     packet = packet + datagram;
     const auto address = anogate::SocketAddress::of({to.address, 0}, false);
-    ASSERT_EQ(::sendto(raw.get(), packet.data(), packet.size(), 0, address.get(), address.size), static_cast<ssize_t>(packet.size()));
+    ASSERT_EQ(::sendto(raw.get(), packet.data(), packet.size(), 0, address.get(), address.size),
+              static_cast<ssize_t>(packet.size()));
 }
 
 /// A gateway with its flight controller and its operator, in a namespace of its own.
 class Vehicle {
 public:
-    Vehicle(const Namespace& space, const std::string& address, std::vector<anogate::LinkSettings> links) : space_{space}, address_{address} {
+    Vehicle(const Namespace& space, const std::string& address, std::vector<anogate::LinkSettings> links)
+        : space_{space}, address_{address} {
         const Inside inside{space_};
         links.push_back(udp_listen("air"));
         gateway_ = std::make_unique<RunningGateway>(settings_of(std::move(links)));
@@ -135,7 +137,8 @@ protected:
             vehicle->fc_says(telemetry(vehicle == one.get() ? 0xDC : 0xDD, 0));
             vehicle->pilot_says(frame(0xFE, 0x30, 0xE0, {1, 0, 0}));
         }
-        ASSERT_TRUE(until([&] { return one->peers("air") == 1 && two->peers("air") == 1 && one->peers() == 1 && two->peers() == 1; }));
+        ASSERT_TRUE(
+            until([&] { return one->peers("air") == 1 && two->peers("air") == 1 && one->peers() == 1 && two->peers() == 1; }));
     }
     void TearDown() override {
         one.reset();
@@ -267,7 +270,8 @@ TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
 
 TEST_F(TwoVehicles, a_join_that_is_meant_is_a_udp_link) {
     two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
-    one = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{udp("join", two->ground().text()), udp_listen("ground", "0.0.0.0:0")});
+    one = std::make_unique<Vehicle>(*here, "10.0.0.1",
+                                    std::vector{udp("join", two->ground().text()), udp_listen("ground", "0.0.0.0:0")});
     one->fc_says(telemetry(0xDC, 0));
     two->fc_says(telemetry(0xDD, 0));
     ASSERT_TRUE(until([&] { return two->peers() == 1 && one->peers("air") == 1; }));
@@ -356,7 +360,8 @@ protected:
             vehicle->fc_says(telemetry(0xDC, static_cast<std::uint8_t>(n)));
             vehicle->turn();
         }
-        ASSERT_TRUE(until([&] { return vehicle->gateway().count("air", "frames_in") >= before + static_cast<std::uint64_t>(frames); }));
+        ASSERT_TRUE(
+            until([&] { return vehicle->gateway().count("air", "frames_in") >= before + static_cast<std::uint64_t>(frames); }));
     }
 
     std::unique_ptr<Vehicle> vehicle;
@@ -414,10 +419,11 @@ TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
     host.forget();
     largest_allocation = 4096;
     stranger.send(daemon.port("ground"), vendor::who_are_you);
-    const bool refused = wait_until([&] { return daemon.count("ground", "denied_in") == 1; }, patience, [&] {
-        daemon.io().restart();
-        daemon.io().poll();
-    });
+    const bool refused = wait_until([&] { return daemon.count("ground", "denied_in") == 1; }, patience,
+                                    [&] {
+                                        daemon.io().restart();
+                                        daemon.io().poll();
+                                    });
     largest_allocation = SIZE_MAX;
     ASSERT_TRUE(refused);
     EXPECT_EQ(peers(), 1u);
@@ -428,4 +434,4 @@ TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-}  // namespace
+}    // namespace

@@ -37,9 +37,7 @@ void parse(benchmark::State& state, const support::Piece& piece, std::size_t max
     state.counters["refused/KiB"] = 1024 * static_cast<double>(c.bad_check + c.bad_length) / total;
 }
 
-void append(Bytes& to, const Bytes& bytes) {
-    to.insert(to.end(), bytes.begin(), bytes.end());
-}
+void append(Bytes& to, const Bytes& bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
 
 Bytes random_bytes(Random& random, std::size_t n) {
     Bytes bytes(n);
@@ -53,9 +51,7 @@ auto frames(std::size_t data_size) {
     };
 }
 
-void mixed_frames(Bytes& input, Random& random) {
-    frames(random.below(60u))(input, random);
-}
+void mixed_frames(Bytes& input, Random& random) { frames(random.below(60u))(input, random); }
 
 void damaged_frames(Bytes& input, Random& random) {
     Bytes frame = support::frame(0xDC, 0xFE, 1, random_bytes(random, 13));
@@ -63,9 +59,7 @@ void damaged_frames(Bytes& input, Random& random) {
     append(input, frame);
 }
 
-void noise(Bytes& input, Random& random) {
-    append(input, random_bytes(random, 4096));
-}
+void noise(Bytes& input, Random& random) { append(input, random_bytes(random, 4096)); }
 
 BENCHMARK_CAPTURE(parse, good_21, frames(13), 4096);
 BENCHMARK_CAPTURE(parse, good_8_to_67, mixed_frames, 4096);

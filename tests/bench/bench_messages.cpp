@@ -50,8 +50,8 @@ void typed(benchmark::State& state) {
         for (const auto& bytes : all) {
             const auto m = as<"inertial">(FrameView{bytes});
             if (!m) continue;
-            const double sum = m->get<"acc_x">() + m->get<"acc_y">() + m->get<"acc_z">() + m->get<"gyr_x">() +
-                               m->get<"gyr_y">() + m->get<"gyr_z">() + m->get<"shock_sta">();
+            const double sum = m->get<"acc_x">() + m->get<"acc_y">() + m->get<"acc_z">() + m->get<"gyr_x">() + m->get<"gyr_y">() +
+                               m->get<"gyr_z">() + m->get<"shock_sta">();
             benchmark::DoNotOptimize(sum);
         }
     state.SetItemsProcessed(state.iterations() * 256);
@@ -93,14 +93,14 @@ void walk_by_hand(benchmark::State& state) {
                 const std::uint8_t* at = data.data() + row.offset;
                 double wire = 0;
                 switch (row.type) {
-                    case Type::u8: wire = *at; break;
-                    case Type::i8: wire = static_cast<std::int8_t>(*at); break;
-                    case Type::u16: wire = load<std::uint16_t>(at); break;
-                    case Type::i16: wire = load<std::int16_t>(at); break;
-                    case Type::u32: wire = load<std::uint32_t>(at); break;
-                    case Type::i32: wire = load<std::int32_t>(at); break;
-                    case Type::f32: wire = static_cast<double>(load<float>(at)); break;
-                    default: break;
+                case Type::u8: wire = *at; break;
+                case Type::i8: wire = static_cast<std::int8_t>(*at); break;
+                case Type::u16: wire = load<std::uint16_t>(at); break;
+                case Type::i16: wire = load<std::int16_t>(at); break;
+                case Type::u32: wire = load<std::uint32_t>(at); break;
+                case Type::i32: wire = load<std::int32_t>(at); break;
+                case Type::f32: wire = static_cast<double>(load<float>(at)); break;
+                default: break;
                 }
                 sum += wire * row.value / row.wire;
             }

@@ -33,8 +33,7 @@ void through(benchmark::State& state) {
     std::size_t n = 0;
     for (auto _ : state) {
         now += 10us;
-        for (std::size_t i = 0; i < offered; ++i)
-            outbox.push(ano::FrameView{frames[n++ % frames.size()]}, state_of_device, now);
+        for (std::size_t i = 0; i < offered; ++i) outbox.push(ano::FrameView{frames[n++ % frames.size()]}, state_of_device, now);
         std::size_t count = outbox.gather(std::span{pieces}.first(taken), now);
         benchmark::DoNotOptimize(pieces);
         for (; count > 0; --count) outbox.sent_frame();
@@ -68,7 +67,8 @@ void of_many(benchmark::State& state) {
     std::size_t n = 0;
     for (auto _ : state) {
         for (std::size_t i = 0; i < offered; ++i, ++n)
-            outbox.push(ano::FrameView{frames[n % 8]}, {TrafficClass::telemetry}, {}, ChannelId{static_cast<std::uint8_t>(n % 4)});
+            outbox.push(ano::FrameView{frames[n % 8]}, {TrafficClass::telemetry}, {},
+                        ChannelId{static_cast<std::uint8_t>(n % 4)});
         std::size_t count = outbox.gather(std::span{pieces}.first(taken));
         benchmark::DoNotOptimize(pieces);
         for (; count > 0; --count) outbox.sent_frame();
@@ -77,4 +77,4 @@ void of_many(benchmark::State& state) {
 }
 BENCHMARK(of_many)->ArgNames({"offered", "taken"})->Args({32, 32})->Args({8, 2});
 
-}  // namespace
+}    // namespace

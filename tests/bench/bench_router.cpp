@@ -48,10 +48,9 @@ void sixty_devices(benchmark::State& state) {
         const unsigned to = n++ * 7 % 60;
         const unsigned from = n % 60;
         benchmark::DoNotOptimize(router->route(static_cast<ChannelId>(from % channel_count),
-                                               static_cast<std::uint8_t>(100 + from),
-                                               static_cast<std::uint8_t>(100 + to), now));
+                                               static_cast<std::uint8_t>(100 + from), static_cast<std::uint8_t>(100 + to), now));
     }
 }
 BENCHMARK(sixty_devices);
 
-}  // namespace
+}    // namespace

@@ -74,11 +74,11 @@ void measure_parser(Run& run) {
     run.table.compare("Parser, the slowest of the inputs crafted to be slow (" + slowest.substr(slowest.find('_') + 1) +
                           "): GB/s, beside frames of 21 bytes",
                       results.at(slowest).gigabytes, good.gigabytes, at_least(0.5));
-    run.table.measure("Full line, 115200 to 1 Mbaud, a false header of random bytes each 50 frames: good frames within "
-                      "20 ms + two frame times, %",
-                      in_time(support::Noise::random_headers), at_least(99.5));
-    run.table.measure("… a bit of LEN turned over each 50 frames, %", in_time(support::Noise::flipped_len),
-                      at_least(99.5));
+    run.table.measure(
+        "Full line, 115200 to 1 Mbaud, a false header of random bytes each 50 frames: good frames within "
+        "20 ms + two frame times, %",
+        in_time(support::Noise::random_headers), at_least(99.5));
+    run.table.measure("… a bit of LEN turned over each 50 frames, %", in_time(support::Noise::flipped_len), at_least(99.5));
     run.table.measure("… a false header with any LEN up to `max_data` each 50 frames, %",
                       in_time(support::Noise::headers_to_max_data), no_goal);
 }

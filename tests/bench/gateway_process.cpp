@@ -20,8 +20,8 @@ std::string made_folder() {
     return name;
 }
 
-std::vector<std::string> command(const std::string& program, const std::string& folder,
-                                 const std::vector<std::string>& arguments, std::vector<std::string> words) {
+std::vector<std::string> command(const std::string& program, const std::string& folder, const std::vector<std::string>& arguments,
+                                 std::vector<std::string> words) {
     words.push_back(program);
     words.insert(words.end(), arguments.begin(), arguments.end());
     words.insert(words.end(), {"--control", folder + "/control", "--log-level", "error"});
@@ -39,8 +39,7 @@ std::string get(const std::string& socket, const std::string& path) {
         const std::string request = "GET " + path + " HTTP/1.0\r\n\r\n";
         if (::write(fd, request.data(), request.size()) < 0) answer.clear();
         char buffer[65536];
-        for (ssize_t n; (n = ::read(fd, buffer, sizeof buffer)) > 0;)
-            answer.append(buffer, static_cast<std::size_t>(n));
+        for (ssize_t n; (n = ::read(fd, buffer, sizeof buffer)) > 0;) answer.append(buffer, static_cast<std::size_t>(n));
     }
     ::close(fd);
     const auto body = answer.find("\r\n\r\n");
@@ -51,8 +50,7 @@ std::string get(const std::string& socket, const std::string& path) {
 
 GatewayProcess::GatewayProcess(const std::string& program, const std::vector<std::string>& arguments,
                                const std::vector<std::string>& tracer)
-    : folder_{made_folder()},
-      child_{Child::of(command(program, folder_.path, arguments, tracer), folder_.path + "/log")} {
+    : folder_{made_folder()}, child_{Child::of(command(program, folder_.path, arguments, tracer), folder_.path + "/log")} {
     for (int i = 0; i < 500; ++i) {
         if (!get(folder_.path + "/control", "/status").empty()) return;
         ::usleep(10000);
@@ -67,9 +65,7 @@ GatewayProcess::Folder::~Folder() {
     std::filesystem::remove_all(path, ignored);
 }
 
-nlohmann::json GatewayProcess::status() const {
-    return nlohmann::json::parse(get(folder_.path + "/control", "/status"));
-}
+nlohmann::json GatewayProcess::status() const { return nlohmann::json::parse(get(folder_.path + "/control", "/status")); }
 
 nlohmann::json GatewayProcess::link(const std::string& name) const {
     const nlohmann::json now = status();

@@ -16,10 +16,9 @@ using namespace std::chrono_literals;
 // With all that may make a link wait: devices absent, an address that no interface has, a terminal that nobody opened.
 void measure_idle(Run& run) {
     const std::string path = "/tmp/anogate-bench-" + std::to_string(::getpid());
-    const GatewayProcess gateway{
-        run.anogated,
-        {"udp-listen:127.0.0.1:0", "udp:127.0.0.1:9", "serial:/dev/anogate-absent-1", "serial:/dev/anogate-absent-2",
-         "udp-listen:192.0.2.1:0,name=absent-3", "pty:" + path}};
+    const GatewayProcess gateway{run.anogated,
+                                 {"udp-listen:127.0.0.1:0", "udp:127.0.0.1:9", "serial:/dev/anogate-absent-1",
+                                  "serial:/dev/anogate-absent-2", "udp-listen:192.0.2.1:0,name=absent-3", "pty:" + path}};
     std::this_thread::sleep_for(2s);
     std::vector<double> wake_ups;
     for (int i = 0; i < 4; ++i) {
@@ -28,8 +27,7 @@ void measure_idle(Run& run) {
         wake_ups.push_back(static_cast<double>(gateway.process().wake_ups() - before) / 2);
     }
     run.table.measure("Idle, three links absent: wake-ups a second", wake_ups, at_most(3));
-    run.table.measure("… resident memory, MB", {static_cast<double>(gateway.process().resident_bytes()) / 1e6},
-                      at_most(12));
+    run.table.measure("… resident memory, MB", {static_cast<double>(gateway.process().resident_bytes()) / 1e6}, at_most(12));
 }
 
 namespace {

@@ -20,9 +20,7 @@ constexpr std::uint8_t urgent = 0xE1;
 constexpr int rounds = 5;
 constexpr auto measured = 3s;
 
-std::uint64_t now() {
-    return static_cast<std::uint64_t>(steady_clock::now().time_since_epoch() / 1ns);
-}
+std::uint64_t now() { return static_cast<std::uint64_t>(steady_clock::now().time_since_epoch() / 1ns); }
 
 // How old the frames are that leave the line, in ms: their DATA says when they were sent.
 class Ages {
@@ -69,9 +67,9 @@ void measure_line(Run& run) {
     const Undisturbed undisturbed;
     Ages ages;
     SlowLine line{rate, [&](ano::FrameView frame) { ages.note(frame); }};
-    const GatewayProcess gateway{run.anogated,
-                                 {"--route", "0x42=line", "udp-listen:127.0.0.1:0,name=in",
-                                  "serial:" + line.path() + ",baud=115200,pace=on,name=line"}};
+    const GatewayProcess gateway{
+        run.anogated,
+        {"--route", "0x42=line", "udp-listen:127.0.0.1:0,name=in", "serial:" + line.path() + ",baud=115200,pace=on,name=line"}};
     Socket socket;
     socket.connect(gateway.port("in"));
     std::atomic<bool> stop{false};
@@ -91,12 +89,11 @@ void measure_line(Run& run) {
     }
     stop = true;
     sender.join();
-    run.table.measure("Serial at 115200, offered four times that: urgent frames, 98th percentile of their age, ms",
-                      urgent_98, at_most(45));
+    run.table.measure("Serial at 115200, offered four times that: urgent frames, 98th percentile of their age, ms", urgent_98,
+                      at_most(45));
     run.table.measure("… delivered telemetry, 98th percentile of its age, ms", telemetry_98, at_most(80));
     run.table.measure("… line used, %", used, at_least(85));
-    run.table.measure("… most that waited in the driver, ms (`latency` is 20)", {1e3 * line.most_waiting() / rate},
-                      at_most(20));
+    run.table.measure("… most that waited in the driver, ms (`latency` is 20)", {1e3 * line.most_waiting() / rate}, at_most(20));
     run.table.measure("… bytes damaged", {static_cast<double>(line.damaged())}, at_most(0));
 }
 

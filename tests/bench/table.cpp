@@ -10,12 +10,7 @@ namespace {
 // Three digits that mean something, thousands apart.
 std::string number(double value) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.*f",
-                  value == 0 || value >= 100 ? 0
-                  : value < 1                ? 3
-                  : value < 10               ? 2
-                                             : 1,
-                  value);
+    std::snprintf(text, sizeof text, "%.*f", value == 0 || value >= 100 ? 0 : value < 1 ? 3 : value < 10 ? 2 : 1, value);
     std::string result = text;
     for (std::size_t at = std::min(result.find('.'), result.size()); at > 3; at -= 3) result.insert(at - 3, ",");
     return result;
@@ -41,13 +36,12 @@ double quantile(std::vector<double> values, double share) {
     return values[std::min(static_cast<std::size_t>(share * static_cast<double>(values.size())), values.size() - 1)];
 }
 
-void Table::compare(const std::string& what, const std::vector<double>& ours, const std::vector<double>& beside,
-                    Goal goal) {
+void Table::compare(const std::string& what, const std::vector<double>& ours, const std::vector<double>& beside, Goal goal) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < std::min(ours.size(), beside.size()); ++i) ratios.push_back(ours[i] / beside[i]);
     const double ratio = quantile(ratios);
-    add({what, goal.text(" ×"), number(quantile(ours)), number(quantile(beside)),
-         number(ratio) + " ×" + middle_half(ratios), verdict(goal, ratio)});
+    add({what, goal.text(" ×"), number(quantile(ours)), number(quantile(beside)), number(ratio) + " ×" + middle_half(ratios),
+         verdict(goal, ratio)});
 }
 
 void Table::measure(const std::string& what, const std::vector<double>& values, Goal goal) {
@@ -55,9 +49,7 @@ void Table::measure(const std::string& what, const std::vector<double>& values, 
     add({what, goal.text(""), number(value) + middle_half(values), "", "", verdict(goal, value)});
 }
 
-void Table::skip(const std::string& what, const std::string& why) {
-    add({what, "", "", "", "", "skipped: " + why});
-}
+void Table::skip(const std::string& what, const std::string& why) { add({what, "", "", "", "", "skipped: " + why}); }
 
 void Table::add(Row row) {
     std::cerr << row.what << ": " << row.ours << ' ' << row.beside << ' ' << row.ratio << ' ' << row.verdict << '\n';
@@ -73,8 +65,8 @@ std::string Table::verdict(Goal goal, double value) {
 void Table::print() const {
     std::cout << "| measured | goal | anogate | beside it | ratio | |\n|---|---:|---:|---:|---:|---|\n";
     for (const Row& row : rows_)
-        std::cout << "| " << row.what << " | " << row.goal << " | " << row.ours << " | " << row.beside << " | "
-                  << row.ratio << " | " << row.verdict << " |\n";
+        std::cout << "| " << row.what << " | " << row.goal << " | " << row.ours << " | " << row.beside << " | " << row.ratio
+                  << " | " << row.verdict << " |\n";
 }
 
 }    // namespace bench

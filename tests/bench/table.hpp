@@ -15,12 +15,8 @@ struct Goal {
     /// With `unit` behind it.
     std::string text(const std::string& unit) const;
 };
-constexpr Goal at_least(double bound) {
-    return {Goal::Kind::at_least, bound};
-}
-constexpr Goal at_most(double bound) {
-    return {Goal::Kind::at_most, bound};
-}
+constexpr Goal at_least(double bound) { return {Goal::Kind::at_least, bound}; }
+constexpr Goal at_most(double bound) { return {Goal::Kind::at_most, bound}; }
 constexpr Goal no_goal{Goal::Kind::none, 0};
 
 /// The value in the middle, or at another share of the way from the lowest to the highest.
@@ -29,8 +25,7 @@ double quantile(std::vector<double> values, double share = 0.5);
 class Table {
 public:
     /// Both sides round by round: the goal is for the median of their ratios.
-    void compare(const std::string& what, const std::vector<double>& ours, const std::vector<double>& beside,
-                 Goal goal);
+    void compare(const std::string& what, const std::vector<double>& ours, const std::vector<double>& beside, Goal goal);
     /// A value a round: the goal is for their median.
     void measure(const std::string& what, const std::vector<double>& values, Goal goal);
     void skip(const std::string& what, const std::string& why);

@@ -24,8 +24,7 @@ constexpr std::size_t most_a_write = 4000;    // a pseudo-terminal holds a littl
 
 TalkingPtys::TalkingPtys(std::size_t count, std::uint8_t destination, std::size_t rate) : rate_{rate} {
     for (std::size_t i = 0; i < count; ++i) {
-        Device device{
-            ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC), -1, {}, static_cast<std::uint8_t>(0x43 + i)};
+        Device device{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC), -1, {}, static_cast<std::uint8_t>(0x43 + i)};
         must(device.fd >= 0 && ::grantpt(device.fd) == 0 && ::unlockpt(device.fd) == 0, "a pseudo-terminal");
         device.path = ::ptsname(device.fd);
         device.other_end = ::open(device.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -98,8 +97,7 @@ void TalkingPtys::send(Device& device, std::uint64_t until) {
     const std::vector<std::uint8_t>& stream = streams_[static_cast<std::size_t>(device.address - 0x43)];
     while (device.bytes < until) {
         const std::size_t at = device.bytes % stream.size();
-        const std::size_t size =
-            std::min({static_cast<std::size_t>(until - device.bytes), stream.size() - at, most_a_write});
+        const std::size_t size = std::min({static_cast<std::size_t>(until - device.bytes), stream.size() - at, most_a_write});
         const ssize_t n = ::write(device.fd, stream.data() + at, size);
         if (n <= 0) return;
         device.bytes += static_cast<std::uint64_t>(n);

@@ -15,10 +15,8 @@ constexpr auto measured = 300ms;
 
 double frames_a_cpu_second(const Forwarder& forwarder, std::uint8_t destination) {
     std::unique_ptr<Flood> flood;
-    if (forwarder.ptys)
-        forwarder.ptys->start();
-    else
-        flood = std::make_unique<Flood>(forwarder.port, destination);
+    if (forwarder.ptys) forwarder.ptys->start();
+    else flood = std::make_unique<Flood>(forwarder.port, destination);
     std::this_thread::sleep_for(warm_up);
     const std::uint64_t frames_before = forwarder.frames();
     const double cpu_before = forwarder.process().cpu_seconds();
@@ -50,21 +48,17 @@ Sides measure_both(const Forwarder& ours, const Forwarder& beside, std::uint8_t 
 
 void measure_udp(Run& run) {
     const auto [ours, beside] = measure_both(anogated_from_udp(run.anogated, 1, unpacked), bare_from_udp(1));
-    run.table.compare("UDP to UDP, a frame a datagram: frames a CPU second, beside a bare loop", ours, beside,
-                      at_least(0.80));
+    run.table.compare("UDP to UDP, a frame a datagram: frames a CPU second, beside a bare loop", ours, beside, at_least(0.80));
 }
 
 void measure_packed(Run& run) {
     const auto [ours, beside] = measure_both(anogated_from_udp(run.anogated, 1, ""), bare_from_udp(1, mtu));
-    run.table.compare("UDP to UDP, packed: frames a CPU second, beside a bare packing loop", ours, beside,
-                      at_least(0.75));
+    run.table.compare("UDP to UDP, packed: frames a CPU second, beside a bare packing loop", ours, beside, at_least(0.75));
 }
 
 void measure_pty(Run& run) {
-    const auto [ours, beside] =
-        measure_both(anogated_from_pty(run.anogated), anogated_from_udp(run.anogated, 1, unpacked));
-    run.table.compare("pty to UDP, packed: frames a CPU second, beside its own UDP to UDP unpacked", ours, beside,
-                      at_least(5));
+    const auto [ours, beside] = measure_both(anogated_from_pty(run.anogated), anogated_from_udp(run.anogated, 1, unpacked));
+    run.table.compare("pty to UDP, packed: frames a CPU second, beside its own UDP to UDP unpacked", ours, beside, at_least(5));
 }
 
 void measure_broadcast(Run& run) {

@@ -73,18 +73,14 @@ Socket::Socket() : fd_{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {
     port_ = ntohs(address.sin_port);
 }
 
-Socket::~Socket() {
-    ::close(fd_);
-}
+Socket::~Socket() { ::close(fd_); }
 
 void Socket::connect(std::uint16_t port) {
     const sockaddr_in address = loopback(port);
     must(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
 }
 
-void Socket::send(std::span<const std::uint8_t> bytes) const {
-    must(::send(fd_, bytes.data(), bytes.size(), 0) >= 0, "send");
-}
+void Socket::send(std::span<const std::uint8_t> bytes) const { must(::send(fd_, bytes.data(), bytes.size(), 0) >= 0, "send"); }
 
 bool Socket::wait_for(std::span<const std::uint8_t> bytes, std::chrono::milliseconds patience) const {
     const auto until = std::chrono::steady_clock::now() + patience;

@@ -16,8 +16,7 @@ inline constexpr std::size_t frame_size = 21;
 void must(bool good, const char* what);
 
 /// A frame of frame_size bytes from `source` to `destination`, its DATA made of `number`.
-std::vector<std::uint8_t> frame(std::uint8_t source, std::uint8_t destination, std::uint64_t number,
-                                std::uint8_t id = 0xF1);
+std::vector<std::uint8_t> frame(std::uint8_t source, std::uint8_t destination, std::uint64_t number, std::uint8_t id = 0xF1);
 
 /// A UDP socket on loopback, at a port the kernel chose.
 class Socket {

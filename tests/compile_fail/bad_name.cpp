@@ -7,4 +7,4 @@ constexpr Field field{"Acc-X", i16};
 #else
 constexpr Field field{"acc_x", i16};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

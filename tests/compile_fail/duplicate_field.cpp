@@ -7,4 +7,4 @@ constexpr Message row{0x01, "one", "", report, {{"a", u8}, {"b", u8}, {"a", u16}
 #else
 constexpr Message row{0x01, "one", "", report, {{"a", u8}, {"b", u8}, {"c", u16}}};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

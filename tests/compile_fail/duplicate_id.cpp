@@ -9,4 +9,4 @@ constexpr std::uint8_t id = 0x02;
 #endif
 constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}}, {id, "two", "", report, {{"a", u8}}}};
 constexpr MessageIndex checked = index_messages(rows);
-}  // namespace ano::table
+}    // namespace ano::table

@@ -11,4 +11,4 @@ constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}},
                             {0x01, "one", "", report, {{"a", u16}}, Variant{"wide", 2}},
                             {0x01, "one", "", report, {{"a", u32}}, Variant{label, 4}}};
 constexpr MessageIndex checked = index_messages(rows);
-}  // namespace ano::table
+}    // namespace ano::table

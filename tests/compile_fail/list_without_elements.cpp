@@ -7,4 +7,4 @@ constexpr Message row{0x01, "one", "", report, {{"a", u8}, {"points", list}}};
 #else
 constexpr Message row{0x01, "one", "", report, {{"a", u8}, {"points", list}, {"x", i16}}};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

@@ -8,4 +8,4 @@ constexpr Field field{"a", u8, states};
 #else
 constexpr Field field{"a", u16, states};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

@@ -8,4 +8,4 @@ constexpr Meaning states[]{{0, "off"}, {0, "on"}};
 constexpr Meaning states[]{{0, "off"}, {1, "on"}};
 #endif
 constexpr Field field{"a", u8, states};
-}  // namespace ano::table
+}    // namespace ano::table

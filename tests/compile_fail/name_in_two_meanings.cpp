@@ -9,4 +9,4 @@ constexpr const char* name = "two";
 #endif
 constexpr Message rows[] = {{0x01, "one", "", report, {{"a", u8}}}, {0x02, name, "", report, {{"a", u8}}}};
 constexpr MessageIndex checked = index_messages(rows);
-}  // namespace ano::table
+}    // namespace ano::table

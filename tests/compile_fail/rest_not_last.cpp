@@ -7,4 +7,4 @@ constexpr Message row{0x01, "one", "", report, {{"str", text}, {"a", u8}}};
 #else
 constexpr Message row{0x01, "one", "", report, {{"a", u8}, {"str", text}}};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

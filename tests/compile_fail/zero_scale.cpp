@@ -7,4 +7,4 @@ constexpr Field field{"a", i16, times(0)};
 #else
 constexpr Field field{"a", i16, times(100)};
 #endif
-}  // namespace ano::table
+}    // namespace ano::table

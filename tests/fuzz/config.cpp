@@ -11,7 +11,7 @@ void must(bool law) {
     if (!law) std::abort();
 }
 
-}  // namespace
+}    // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace anogate;

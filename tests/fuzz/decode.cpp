@@ -20,8 +20,7 @@ void must(bool law) {
 const FlexibleLayouts& layouts() {
     static const FlexibleLayouts all = [] {
         FlexibleLayouts made;
-        const std::vector<FlexibleField> every{
-            {"a", Type::u8, 0.5, ""}, {"b", Type::i16, 1, ""}, {"c", Type::f32, 3, ""}};
+        const std::vector<FlexibleField> every{{"a", Type::u8, 0.5, ""}, {"b", Type::i16, 1, ""}, {"c", Type::f32, 3, ""}};
         must(!made.add(0xF1, std::nullopt, every));
         must(!made.add(0xF2, 7, every));
         return made;
@@ -36,8 +35,7 @@ void use(const Value& value) {
         [](const auto& v) {
             if constexpr (requires { v.size(); })
                 for (const auto c : v) sum += static_cast<std::uint8_t>(c);
-            else if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>)
-                sum += std::isnan(v) ? 1u : 0u;
+            else if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>) sum += std::isnan(v) ? 1u : 0u;
         },
         value);
 }
@@ -46,10 +44,8 @@ void use(const Value& value) {
 void check_number(const Field& f, const Value& value, const std::uint8_t* at) {
     std::uint8_t again[8];
     const auto store_again = [&]<class T>(T v) -> bool {
-        if constexpr (std::is_arithmetic_v<T>)
-            return store_number(f, Number{v}, again) == Stored::ok;
-        else
-            return store_no_data(f, again);
+        if constexpr (std::is_arithmetic_v<T>) return store_number(f, Number{v}, again) == Stored::ok;
+        else return store_no_data(f, again);
     };
     must(std::visit(store_again, value));
     if (is_integer(f.type))

@@ -50,24 +50,24 @@ private:
         if (hex(c) >= 0) return byte();
         text_.remove_prefix(1);
         switch (c) {
-            case '\n':
-                datagram_ ? both.put_datagram(line_) : both.put(line_);
-                line_.clear();
-                open_.clear();
-                datagram_ = false;
-                break;
-            case '>': datagram_ = true; break;
-            case '*': repeat(number(10'000)); break;
-            case '(':
-                open_.push_back(line_.size());
-                line_.push_back(ano::head);
-                break;
-            case ')': close(); break;
-            case '~': both.now += std::chrono::milliseconds{number(2000)}; break;
-            case '?': both.expire(); break;
-            case '!': both.finish(); break;
-            case '#': text_.remove_prefix(std::min(text_.find('\n'), text_.size())); break;
-            default: break;
+        case '\n':
+            datagram_ ? both.put_datagram(line_) : both.put(line_);
+            line_.clear();
+            open_.clear();
+            datagram_ = false;
+            break;
+        case '>': datagram_ = true; break;
+        case '*': repeat(number(10'000)); break;
+        case '(':
+            open_.push_back(line_.size());
+            line_.push_back(ano::head);
+            break;
+        case ')': close(); break;
+        case '~': both.now += std::chrono::milliseconds{number(2000)}; break;
+        case '?': both.expire(); break;
+        case '!': both.finish(); break;
+        case '#': text_.remove_prefix(std::min(text_.find('\n'), text_.size())); break;
+        default: break;
         }
     }
 

@@ -47,7 +47,8 @@ void out(ano::FrameView frame, const std::vector<std::uint8_t>& whole, Deliver d
     if (!datagram) return;
     must(!datagram->to.address.v6 && Network{us, 24}.contains(datagram->to.address) && datagram->to.address != us);
     must(datagram->to.port != 0 && datagram->bytes.size() <= largest_datagram && !whole.empty());
-    if (deliver == Deliver::frames) return must(std::equal(whole.begin(), whole.end(), datagram->bytes.begin(), datagram->bytes.end()));
+    if (deliver == Deliver::frames)
+        return must(std::equal(whole.begin(), whole.end(), datagram->bytes.begin(), datagram->bytes.end()));
     const auto sent = ano::frame_at(datagram->bytes);
     must(sent && sent->bytes().size() == datagram->bytes.size());
     const auto content = unwrap(*sent, us);
@@ -58,7 +59,8 @@ void out(ano::FrameView frame, const std::vector<std::uint8_t>& whole, Deliver d
 void in(ano::FrameView frame, const std::vector<std::uint8_t>& whole) {
     Tunnel tunnel = make_tunnel(Deliver::frames);
     std::vector<std::uint8_t> taken;
-    const bool any = tunnel.in(frame, sender, [&](ano::FrameView f) { taken.insert(taken.end(), f.bytes().begin(), f.bytes().end()); });
+    const bool any = tunnel.in(frame, sender,
+                               [&](ano::FrameView f) { taken.insert(taken.end(), f.bytes().begin(), f.bytes().end()); });
     must(any == !taken.empty() && (any || refused(tunnel.counters()) == 1));
     must(taken.empty() || taken == whole);
 
@@ -80,7 +82,7 @@ void in(ano::FrameView frame, const std::vector<std::uint8_t>& whole) {
     must(again == fits);
 }
 
-}  // namespace
+}    // namespace
 
 /// The first byte says whether it is 0xB1 or 0xB2.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -133,10 +133,9 @@ TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
     user.write(euler);
     user.write(wind);
     EXPECT_EQ(monitor.exit_code(), 0);
-    EXPECT_EQ(
-        monitor.out().find(
-            "{\"from\":221,\"to\":255,\"id\":9,\"name\":\"wind\",\"fields\":{\"wind_x\":1,\"wind_y\":2},\"time\":"),
-        0u)
+    EXPECT_EQ(monitor.out().find(
+                  "{\"from\":221,\"to\":255,\"id\":9,\"name\":\"wind\",\"fields\":{\"wind_x\":1,\"wind_y\":2},\"time\":"),
+              0u)
         << monitor.out();
     EXPECT_NE(monitor.err().find("1 frame shown of 2"), std::string::npos) << monitor.err();
 }
@@ -200,10 +199,14 @@ TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
 TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
     const support::TemporaryFolder folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
-    Monitor monitor{{"serial:" + device.path() + ",baud=500000,profile=vendor,hello=on,limit.0x01=50,send.deny=bulk,receive.deny=0xA0,id=3"}};
+    Monitor monitor{
+        {"serial:" + device.path() + ",baud=500000,profile=vendor,hello=on,limit.0x01=50,send.deny=bulk,receive.deny=0xA0,id=3"}};
     EXPECT_TRUE(monitor.says("is up"));
-    EXPECT_EQ(monitor.err().find("anoctl: of no effect here: hello, limit.0x01, send.deny, receive.deny, id. monitor only listens; "
-                                 "--id, --from and --to choose what is shown\n"), 0u) << monitor.err();
+    EXPECT_EQ(
+        monitor.err().find("anoctl: of no effect here: hello, limit.0x01, send.deny, receive.deny, id. monitor only listens; "
+                           "--id, --from and --to choose what is shown\n"),
+        0u)
+        << monitor.err();
     Monitor plain{{"serial:/nowhere/tty,baud=500000,profile=vendor,parity=even,max_data=100,name=fc,encoding=gbk"}};
     EXPECT_TRUE(plain.says("waiting"));
     EXPECT_EQ(plain.err().find("no effect"), std::string::npos) << plain.err();
@@ -215,8 +218,7 @@ TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
     Monitor first{{"pty:" + path}};
     ASSERT_TRUE(support::wait_until([&] { return std::filesystem::is_symlink(path); })) << first.err();
     Monitor second{{"pty:" + path}};
-    EXPECT_TRUE(second.says("is in use by another gateway; to watch one that runs, give it one more link, "))
-        << second.err();
+    EXPECT_TRUE(second.says("is in use by another gateway; to watch one that runs, give it one more link, ")) << second.err();
     EXPECT_TRUE(second.says(" and start anoctl monitor udp-listen:127.0.0.1:6670\n")) << second.err();
 }
 
@@ -234,7 +236,8 @@ TEST(AnoctlMonitor, watches_a_gateway_as_the_readme_says) {
     Monitor monitor{{"udp-listen:127.0.0.1:0"}};
     ASSERT_TRUE(monitor.says(", port ")) << monitor.err();
     const std::string port = std::to_string(std::stoi(monitor.err().substr(monitor.err().find(", port ") + 7)));
-    support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(),
+    support::Daemon gateway{ANOGATED,
+                            (folder.path() / "socket").string(),
                             {"sim:fc,name=fc", "udp-listen:127.0.0.1:0,name=ground", "udp:127.0.0.1:" + port + ",name=watch",
                              "--route", "0xFE=ground", "--route", "0xFE=watch"}};
     ASSERT_TRUE(gateway.until_up("ground"));
@@ -253,10 +256,14 @@ TEST(AnoctlMonitor, says_why_nothing_is_shown) {
     EXPECT_TRUE(monitor.says("tty: bytes but no frames: wrong baud rate, or another protocol?\n")) << monitor.err();
     device.write(euler);
     EXPECT_TRUE(monitor.shows("euler"));
-    EXPECT_TRUE(support::wait_until([&] {
-        device.write(support::Bytes(20, 0x55));
-        return monitor.err().find("tty: bytes but no frames any more: was the baud rate changed, or the firmware?\n") != std::string::npos;
-    }, 2 * support::patience)) << monitor.err();
+    EXPECT_TRUE(support::wait_until(
+        [&] {
+            device.write(support::Bytes(20, 0x55));
+            return monitor.err().find("tty: bytes but no frames any more: was the baud rate changed, or the firmware?\n") !=
+                   std::string::npos;
+        },
+        2 * support::patience))
+        << monitor.err();
 }
 
 }    // namespace

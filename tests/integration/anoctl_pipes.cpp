@@ -45,7 +45,8 @@ private:
     int input_ = -1;
 };
 
-const std::string json = R"({"name": "euler", "fields": {"rol": 1.5}})" "\n";
+const std::string json = R"({"name": "euler", "fields": {"rol": 1.5}})"
+                         "\n";
 const std::string encoded = "AB FE FF 03 07 00 96 00 00 00 00 00 00 48 03\n";
 
 std::string frame_bytes() {
@@ -62,7 +63,8 @@ TEST(AnoctlPipes, a_frame_is_shown_when_it_comes) {
 
 TEST(AnoctlPipes, a_line_is_encoded_when_it_comes) {
     Piped piped{"encode -"};
-    for (const std::string& piece : {json.substr(0, 9), json.substr(9) + json + json.substr(0, 20)}) ASSERT_TRUE(piped.write(piece));
+    for (const std::string& piece : {json.substr(0, 9), json.substr(9) + json + json.substr(0, 20)})
+        ASSERT_TRUE(piped.write(piece));
     EXPECT_TRUE(piped.anoctl().until_says(encoded + encoded)) << piped.anoctl().output();
     EXPECT_TRUE(piped.anoctl().is_running());
 }
@@ -112,4 +114,4 @@ TEST(AnoctlTerminal, has_colours_unless_no_color_ends_them) {
     EXPECT_NE(plain.find("waypoint_read"), std::string::npos) << plain;
 }
 
-}  // namespace
+}    // namespace

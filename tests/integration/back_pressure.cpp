@@ -156,8 +156,8 @@ TEST(BackPressure, a_flood_is_forwarded_or_counted_frame_by_frame) {
             ++heard;
             got = got + datagram;
         }
-        return heard >= daemon.count("host", "frames_out") && daemon.count("air", "frames_in") +
-               daemon.link("air").at("kernel_drops").get<std::uint64_t>() == n;
+        return heard >= daemon.count("host", "frames_out") &&
+               daemon.count("air", "frames_in") + daemon.link("air").at("kernel_drops").get<std::uint64_t>() == n;
     }));
     std::size_t count = 0;
     std::uint32_t last = 0;

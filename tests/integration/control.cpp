@@ -136,7 +136,7 @@ TEST_F(ControlSocket, many_connections_at_once_are_survived) {
 
 TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
     if (::getgrnam("anogate")) GTEST_SKIP() << "this system has a group anogate";
-    struct stat info{};
+    struct stat info {};
     ASSERT_EQ(::stat(socket.c_str(), &info), 0);
     EXPECT_EQ(info.st_mode & 0777, 0600u);
     std::filesystem::create_directory(dir / "open");
@@ -232,7 +232,8 @@ TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
     Daemon first{ANOGATED, socket, {"sim:fc,name=first"}};
     ASSERT_TRUE(first.until_answers()) << first.output();
     Daemon second{ANOGATED, socket, {"sim:fc,name=second"}};
-    ASSERT_TRUE(second.until_says("another program is using it (give this one another by --control); waiting for it")) << second.output();
+    ASSERT_TRUE(second.until_says("another program is using it (give this one another by --control); waiting for it"))
+        << second.output();
     first.signal(SIGTERM);
     EXPECT_EQ(first.wait(), 0);
     EXPECT_TRUE(second.until_says(socket + ": up")) << second.output();

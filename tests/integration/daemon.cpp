@@ -69,8 +69,8 @@ TEST(Daemon, the_simulator_answers_a_question_over_udp) {
 TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
     const TempDir dir;
     UdpPeer holder;
-    Daemon daemon{ANOGATED, dir / "control",
-                  {"serial:" + (dir / "ttyUSB0"), "udp-listen:" + holder.local().text() + ",name=ground"}};
+    Daemon daemon{
+        ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0"), "udp-listen:" + holder.local().text() + ",name=ground"}};
     ASSERT_TRUE(daemon.until_answers());
     EXPECT_EQ(daemon.link("ttyUSB0").at("state"), "waiting");
     EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
@@ -205,10 +205,15 @@ TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
     std::smatch match;
     const std::string line = said.substr(0, said.find('\n'));
     ASSERT_TRUE(std::regex_match(line, match, first)) << said;
-    EXPECT_EQ(match[1], (dir / "a.json") + " and command line, 2 links; ground, for ground stations: UDP a port that the system chooses, shown in the status");
+    EXPECT_EQ(
+        match[1],
+        (dir / "a.json") +
+            " and command line, 2 links; ground, for ground stations: UDP a port that the system chooses, shown in the status");
     ASSERT_EQ(said.back(), '\n');
     const std::size_t last = said.rfind('\n', said.size() - 2) + 1;
-    EXPECT_TRUE(std::regex_search(said.substr(last), std::regex{" info ends: SIGTERM, after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"})) << said;
+    EXPECT_TRUE(
+        std::regex_search(said.substr(last), std::regex{" info ends: SIGTERM, after \\d+ s, [1-9]\\d* frames? in, 0 out\n$"}))
+        << said;
 }
 
 TEST(Daemon, gives_the_journal_priorities_and_no_times) {
@@ -231,7 +236,8 @@ TEST(Daemon, gives_the_journal_priorities_and_no_times) {
 
 TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
     const TempDir dir;
-    Daemon daemon{ANOGATED, dir / "control", {"sim:fc"}, {"JOURNAL_STREAM=1:2", "INVOCATION_ID=0123"}};    // as a desktop leaves them
+    Daemon daemon{
+        ANOGATED, dir / "control", {"sim:fc"}, {"JOURNAL_STREAM=1:2", "INVOCATION_ID=0123"}};    // as a desktop leaves them
     ASSERT_TRUE(daemon.until_says("fc: up")) << daemon.output();
     EXPECT_TRUE(daemon.output().starts_with("20")) << daemon.output();
     EXPECT_EQ(terminate(daemon).status, 0);
@@ -367,7 +373,8 @@ TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
     const TempDir dir;
     std::ofstream{dir / "config.json"} << R"({"links": ["sim:fc"], "log": {"file": ")" << (dir / "lgo/file") << R"("}})";
     Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "config.json"}};
-    EXPECT_TRUE(daemon.until_says("the log goes to standard error: " + (dir / "lgo/file") + ": there is no folder")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("the log goes to standard error: " + (dir / "lgo/file") + ": there is no folder"))
+        << daemon.output();
     EXPECT_FALSE(std::filesystem::exists(dir / "lgo"));
     EXPECT_EQ(terminate(daemon).status, 0);
 }
@@ -416,8 +423,8 @@ TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {
         return daemon.output();
     };
     const std::string first = printed({"--id", "199", "--route", "30-40=fc", "serial:/dev/ttyUSB0,name=fc,baud=250000,id=3",
-                                       "udp-listen:[::]:12333,allow=10.0.0.0/8+192.168.1.1", "udp:192.168.1.20:6670,bind=0.0.0.0:6669",
-                                       "pty:/tmp/x", "sim:fc,hz=7"});
+                                       "udp-listen:[::]:12333,allow=10.0.0.0/8+192.168.1.1",
+                                       "udp:192.168.1.20:6670,bind=0.0.0.0:6669", "pty:/tmp/x", "sim:fc,hz=7"});
     std::ofstream{dir / "config.json"} << first;
     EXPECT_EQ(printed({"--config", dir / "config.json"}), first);
 }

@@ -24,11 +24,13 @@ struct Pair {
     /// Everything is taken in; b is read meanwhile.
     bool say(std::span<const std::uint8_t> bytes) {
         said += bytes.size();
-        return daemon->until([&] {
-            bytes = bytes.subspan(a.write(bytes));
-            b.heard();
-            return bytes.empty() && daemon->count("a", "bytes_in") == said;
-        }, 30s);
+        return daemon->until(
+            [&] {
+                bytes = bytes.subspan(a.write(bytes));
+                b.heard();
+                return bytes.empty() && daemon->count("a", "bytes_in") == said;
+            },
+            30s);
     }
     TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"};

@@ -95,7 +95,8 @@ protected:
             return;
         }
         if (from.unsent.empty()) from.unsent = random_frames(from, frames_at_once);
-        from.unsent.erase(from.unsent.begin(), from.unsent.begin() + static_cast<std::ptrdiff_t>(from.device->write(from.unsent)));
+        from.unsent.erase(from.unsent.begin(),
+                          from.unsent.begin() + static_cast<std::ptrdiff_t>(from.device->write(from.unsent)));
     }
     void hear(End& at) {
         if (at.device) {
@@ -127,7 +128,8 @@ protected:
         const bool whole = frame.data().size() == size && std::memcmp(frame.data().data(), data, size) == 0;
         ASSERT_TRUE(whole) << "altered on the way";
         const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // of one sender they alone overtake
-        const auto traffic = sticks ? anogate::traffic_classes : static_cast<std::size_t>(anogate::treatment_of(frame.id()).traffic);
+        const auto traffic = sticks ? anogate::traffic_classes
+                                    : static_cast<std::size_t>(anogate::treatment_of(frame.id()).traffic);
         const std::size_t receiver = static_cast<std::size_t>(&at - ends);
         std::uint32_t& last = last_number[receiver][frame.source()][frame.destination()][traffic];
         ASSERT_LT(last, number) << "twice, or behind a younger one";
@@ -139,8 +141,7 @@ protected:
             end.device->unplug();
             end.unsent.clear();
             end.parser->finish();
-            while (end.parser->next()) {
-            }
+            while (end.parser->next()) {}
         } else {
             end.device->plug();
         }

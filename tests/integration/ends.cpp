@@ -38,7 +38,8 @@ pid_t start(const std::string& control, const std::vector<std::string>& environm
     const int nowhere = ::open("/dev/null", O_RDWR);
     for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, fd);
     for (const std::string& variable : environment) ::putenv(const_cast<char*>(variable.c_str()));
-    std::vector<std::string> words{"anogated", "--control", control, "sim:fc,hz=100", "udp-listen:127.0.0.1:0", "serial:/dev/nonexistent"};
+    std::vector<std::string> words{
+        "anogated", "--control", control, "sim:fc,hz=100", "udp-listen:127.0.0.1:0", "serial:/dev/nonexistent"};
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     ::_exit(anogate::run_program(static_cast<int>(argv.size()), argv.data()));

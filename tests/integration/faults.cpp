@@ -63,8 +63,8 @@ protected:
     void expect_accounted() {
         EXPECT_TRUE(daemon->counters_add_up());
         std::uint64_t sum = 0;
-        for (const char* cause : {"frames_out", "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big",
-                                  "send_failed", "held_back", "waiting"})
+        for (const char* cause : {"frames_out", "superseded", "queue_full", "stale", "limited", "denied_out", "link_down",
+                                  "too_big", "send_failed", "held_back", "waiting"})
             sum += count(cause);
         EXPECT_EQ(sum, sent);
     }
@@ -118,9 +118,9 @@ TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_begins_with_a_wh
         std::size_t calls = 0;
         fate_of_writev = [&](int) -> Fate {
             switch (++calls) {
-                case 1: return {0, 7};    // a part of a frame
-                case 2: return {EIO, 0};
-                default: return Fate{};
+            case 1: return {0, 7};    // a part of a frame
+            case 2: return {EIO, 0};
+            default: return Fate{};
             }
         };
         in(5);

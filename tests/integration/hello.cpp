@@ -223,7 +223,8 @@ TEST_F(VendorDevice, gets_198_bytes_of_data_at_the_most_and_never_none) {
     EXPECT_EQ(gateway->count("fc", "empty_out"), 0u);
     const Bytes image = frame(0xDC, 0xFE, 0xB0, Bytes(4000));
     fc.write(image);
-    EXPECT_TRUE(gateway->until([&] { return gateway->count("ground", "bytes_out") >= image.size(); })) << "what it sends may be larger";
+    EXPECT_TRUE(gateway->until([&] { return gateway->count("ground", "bytes_out") >= image.size(); }))
+        << "what it sends may be larger";
 }
 
 TEST_F(VendorDevice, the_bounds_of_what_comes_in_and_what_leaves_are_apart) {

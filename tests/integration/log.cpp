@@ -31,8 +31,7 @@ public:
         fd_ = ::open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
         ::fcntl(fd_, F_SETPIPE_SZ, 4096);
         const std::string filling(4096, '.');
-        while (::write(fd_, filling.data(), filling.size()) > 0) {
-        }
+        while (::write(fd_, filling.data(), filling.size()) > 0) {}
     }
     ~FullPipe() { ::close(fd_); }
     FullPipe(const FullPipe&) = delete;

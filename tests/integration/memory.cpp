@@ -117,7 +117,8 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
             clients.push_back(connected_to(dir / "control"));
             ::send(clients.back().get(), beginning.data(), beginning.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         }
-        EXPECT_TRUE(wait_until([&] { return std::ranges::all_of(clients, [](const auto& client) { return was_heard(client.get()); }); }));
+        EXPECT_TRUE(
+            wait_until([&] { return std::ranges::all_of(clients, [](const auto& client) { return was_heard(client.get()); }); }));
         clients.clear();
         ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
         EXPECT_EQ(daemon.count("ground", "frames_in"), 0u) << "it lives, and answers";
@@ -132,4 +133,4 @@ TEST(Memory, has_no_huge_pages) {
     EXPECT_EQ(daemon.proc_status("THP_enabled"), 0);
 }
 
-}  // namespace
+}    // namespace

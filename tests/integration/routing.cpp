@@ -221,7 +221,8 @@ TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
     c_link.id = 6;
     start();
     ASSERT_TRUE(say(a, "a", frame(5, 0xFE, 0x01)) && say(c, "c", frame(6, 0xFE, 0x01)));
-    EXPECT_EQ(daemon->link("a").at("hint"), "device 0x05 can't be reached: its address is the port id of a link, change one of them");
+    EXPECT_EQ(daemon->link("a").at("hint"),
+              "device 0x05 can't be reached: its address is the port id of a link, change one of them");
     EXPECT_EQ(daemon->link("b").at("hint"), "");
     EXPECT_EQ(daemon->link("c").at("hint"), "") << "it is behind its port";
 }
@@ -247,7 +248,8 @@ TEST_F(Routing, hosts_appear_as_the_one_that_a_device_answers) {
 
     ASSERT_TRUE(say(a, "a", frame(0xD2, 0xDC, 0xE0, {2, 7, 0})));
     EXPECT_EQ(heard().c, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
-    ASSERT_TRUE(say(c, "c", frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0xE1, {7, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1})));
+    ASSERT_TRUE(
+        say(c, "c", frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0xE1, {7, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1})));
     now = heard();
     EXPECT_EQ(now.a, frame(0xDC, 0xD2, 0xE1, {7, 0, 1}));
     EXPECT_EQ(now.b, frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1}));
@@ -348,7 +350,8 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
         daemon.run_for(20ms);
         const std::string by_one = daemon.link("one").at("hint"), by_two = daemon.link("two").at("hint");
         return by_one.starts_with(words) && by_two.starts_with(words);
-    })) << daemon.link("one").at("hint") << " / " << daemon.link("two").at("hint");
+    })) << daemon.link("one").at("hint")
+        << " / " << daemon.link("two").at("hint");
     for (int i = 0; i < 100; ++i) {    // and it stays so
         one.write(frame(0xDC, 0xFE, 0x03, {count}));
         two.write(frame(0xDC, 0xFE, 0x03, {count++}));

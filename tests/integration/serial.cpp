@@ -34,9 +34,7 @@ TEST(SerialLink, vendor_bytes_pass_unchanged_both_ways) {
     mcu.write(vendor::written);
     EXPECT_TRUE(daemon.until([&] { return ground.heard() == vendor::i_am_an_mcu + vendor::written; }));
     ground.send(daemon.port("ground"), vendor::command);
-    EXPECT_TRUE(daemon.until([&] {
-        return mcu.heard() == vendor::who_are_you + vendor::write_parameter + vendor::command;
-    }));
+    EXPECT_TRUE(daemon.until([&] { return mcu.heard() == vendor::who_are_you + vendor::write_parameter + vendor::command; }));
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
@@ -54,7 +52,8 @@ TEST(SerialLink, a_frame_sent_one_byte_at_a_time_arrives_whole) {
 }
 
 TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_how_it_is_meant) {
-    RunningGateway daemon{serial("a", "ttyAbsent"), serial("b", "/dev/ttyAbsent:115200"), serial("c", "/dev/by-path/usb-0:1:1.0")};
+    RunningGateway daemon{serial("a", "ttyAbsent"), serial("b", "/dev/ttyAbsent:115200"),
+                          serial("c", "/dev/by-path/usb-0:1:1.0")};
     EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent is not there (did you mean /dev/ttyAbsent?)");
     EXPECT_EQ(daemon.link("b").at("error"), "/dev/ttyAbsent:115200 is not there (did you mean /dev/ttyAbsent,baud=115200?)");
     EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 is not there");
@@ -152,8 +151,7 @@ TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
     Child child{[&] {
         if (!become_nobody()) return 1;
         RunningGateway daemon{serial("fc", fc.path())};
-        if (!daemon.until([&] { return daemon.link("fc").at("error") == fc.path() + " is in use by another program"; }))
-            return 2;
+        if (!daemon.until([&] { return daemon.link("fc").at("error") == fc.path() + " is in use by another program"; })) return 2;
         if (::write(busy[1], "", 1) != 1) return 3;
         return daemon.until_up("fc") ? 0 : 4;
     }};
@@ -174,18 +172,22 @@ protected:
     }
     int open_as_nobody() {
         return Child{[&] {
-            if (!become_nobody()) return 1;
-            return ::open(fc.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
-        }}.wait();
+                   if (!become_nobody()) return 1;
+                   return ::open(fc.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
+               }}
+            .wait();
     }
     /// What the status of a gateway of nobody says of the port; the child exits with 0 when `expected` comes.
     int gateway_of_nobody(const std::string& state, const std::string& error) {
         return Child{[&] {
-            if (!become_nobody()) return 1;
-            RunningGateway daemon{serial("fc", fc.path())};
-            const auto is_so = [&](const nlohmann::json& link) { return link.at("state") == state && link.at("error") == error; };
-            return daemon.until([&] { return is_so(daemon.link("fc")); }) ? 0 : 2;
-        }}.wait();
+                   if (!become_nobody()) return 1;
+                   RunningGateway daemon{serial("fc", fc.path())};
+                   const auto is_so = [&](const nlohmann::json& link) {
+                       return link.at("state") == state && link.at("error") == error;
+                   };
+                   return daemon.until([&] { return is_so(daemon.link("fc")); }) ? 0 : 2;
+               }}
+            .wait();
     }
     TempDir dir;
     PtyDevice fc{dir / "fc"};
@@ -292,11 +294,12 @@ TEST(SerialLink, a_port_without_permission_says_what_to_do) {
     PtyDevice fc{dir / "fc"};
     ::chmod(fc.terminal().c_str(), 0600);
     EXPECT_EQ(Child{[&] {
-        if (!become_nobody()) return 1;
-        RunningGateway daemon{serial("fc", fc.path())};
-        const std::string error = daemon.link("fc").at("error");
-        return error.find("dialout") != std::string::npos ? 0 : 2;
-    }}.wait(), 0);
+                  if (!become_nobody()) return 1;
+                  RunningGateway daemon{serial("fc", fc.path())};
+                  const std::string error = daemon.link("fc").at("error");
+                  return error.find("dialout") != std::string::npos ? 0 : 2;
+              }}.wait(),
+              0);
 }
 
 TEST(SerialLink, a_port_that_nobody_reads_does_not_hold_up_the_end) {

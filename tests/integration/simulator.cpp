@@ -53,7 +53,8 @@ TEST_P(SimulatorRate, is_never_above_what_was_set) {
     const double seconds = std::chrono::duration<double>(anogate::Clock::now() - begin).count();
     EXPECT_GT(seconds, 0.8 * std::max<int>(rate, 2) / rate - 1.0 / rate) << "not faster";
     auto counts = count_by_id(host.heard());
-    for (const std::uint8_t id : {std::uint8_t{0x01}, std::uint8_t{0x03}}) EXPECT_LE(counts[id], 1 + 1.3 * rate * seconds) << "id " << int{id};
+    for (const std::uint8_t id : {std::uint8_t{0x01}, std::uint8_t{0x03}})
+        EXPECT_LE(counts[id], 1 + 1.3 * rate * seconds) << "id " << int{id};
     EXPECT_NEAR(counts[0x01], counts[0x03], 1) << "a slow machine makes both late";
     for (const int id : {0x05, 0x06, 0x07, 0x0D}) EXPECT_GT(counts[static_cast<std::uint8_t>(id)], 0) << id;
     for (const Bytes& f : split(host.heard()).frames) EXPECT_EQ(f[2], 0xFE);

@@ -23,10 +23,7 @@ Bytes numbered(std::uint8_t source, std::uint8_t id, std::uint8_t n) { return fr
 /// Two ways in, a port of UDP and a pty, and one way out.
 class Standstill : public testing::Test {
 protected:
-    Standstill()
-        : daemon{ANOGATED,
-                 dir / "control",
-                 {"--config", configuration()}} {}
+    Standstill() : daemon{ANOGATED, dir / "control", {"--config", configuration()}} {}
 
     void SetUp() override {
         ASSERT_TRUE(daemon.until_up("ground"));
@@ -126,7 +123,8 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
 }
 
 TEST_F(Standstill, each_of_two_in_a_row_is_in_the_log) {
-    for (const auto& [time, words] : {std::pair{700ms, "stood still for at least 0."}, std::pair{1700ms, "stood still for at least 1."}}) {
+    for (const auto& [time, words] :
+         {std::pair{700ms, "stood still for at least 0."}, std::pair{1700ms, "stood still for at least 1."}}) {
         stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 5)); }, time);
         go_on();
         EXPECT_TRUE(daemon.until_says(words));
@@ -152,10 +150,12 @@ TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
 }
 
 TEST_F(Standstill, makes_nobody_who_spoke_meanwhile_a_peer_that_is_gone) {
-    stand_still_with([&] {
-        for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read takes
-        other.send(ground_port, numbered(40, telemetry, 1));
-    }, 2100ms);
+    stand_still_with(
+        [&] {
+            for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read takes
+            other.send(ground_port, numbered(40, telemetry, 1));
+        },
+        2100ms);
     go_on();
     EXPECT_TRUE(wait_until([&] { return daemon.count("ground", "frames_in") == 103; }));
     EXPECT_EQ(daemon.link("ground").at("channels").size(), 2u);

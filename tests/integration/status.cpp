@@ -16,10 +16,10 @@ using namespace std::chrono_literals;
 using namespace support;
 using nlohmann::json;
 
-const char* const counters[] = {"frames_in",  "bytes_in",   "bad_check", "bad_length", "skipped_bytes", "expired",
-                                "denied_in",  "inhibited",  "looped",    "duplicate",  "no_route",      "frames_out",
-                                "bytes_out",  "empty_out",  "superseded", "queue_full", "stale",        "limited",
-                                "denied_out", "link_down",  "too_big",   "send_failed", "held_back",     "waiting"};
+const char* const counters[] = {"frames_in",  "bytes_in",  "bad_check",  "bad_length",  "skipped_bytes", "expired",
+                                "denied_in",  "inhibited", "looped",     "duplicate",   "no_route",      "frames_out",
+                                "bytes_out",  "empty_out", "superseded", "queue_full",  "stale",         "limited",
+                                "denied_out", "link_down", "too_big",    "send_failed", "held_back",     "waiting"};
 
 TEST(Status, has_the_shape_that_programs_depend_on) {
     const TempDir dir;
@@ -115,14 +115,16 @@ TEST_F(Hints, are_news_once_while_the_link_is_up) {
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.write(Bytes(500, 0xF8));
     ASSERT_TRUE(hint_says("fc", "bytes but no frames"));
-    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
+    EXPECT_EQ(log.news(daemon->gateway()),
+              std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.unplug();
     ASSERT_TRUE(daemon->until([&] { return daemon->link("fc").at("state") == "waiting"; }));
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.plug();
     ASSERT_TRUE(daemon->until_up("fc"));
-    EXPECT_EQ(log.news(daemon->gateway()), std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
+    EXPECT_EQ(log.news(daemon->gateway()),
+              std::vector<std::string>{"fc: bytes but no frames: wrong baud rate, or another protocol?"});
 }
 
 TEST_F(Hints, older_frames_are_named) {
@@ -175,7 +177,9 @@ TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
 
 TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
-    EXPECT_TRUE(hint_says("fc", "nothing received yet: is the device powered, are RX and TX crossed? (some speak only when spoken to: try hello=on)"));
+    EXPECT_TRUE(hint_says(
+        "fc",
+        "nothing received yet: is the device powered, are RX and TX crossed? (some speak only when spoken to: try hello=on)"));
     EXPECT_TRUE(hint_says("ground", "no peer yet"));
 }
 

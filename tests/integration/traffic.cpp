@@ -93,7 +93,9 @@ TEST_F(Alias, writes_of_the_sensor_are_acknowledged_twenty_in_flight) {
 }
 
 TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
-    const auto who = [](std::uint8_t source, std::uint8_t id) { return frame(source, host, 0xE3, {id, 1, 0, 2, 0, 'f', 'l', 'o', 'w'}); };
+    const auto who = [](std::uint8_t source, std::uint8_t id) {
+        return frame(source, host, 0xE3, {id, 1, 0, 2, 0, 'f', 'l', 'o', 'w'});
+    };
     flow1.write(who(sensor, sensor));
     ASSERT_TRUE(daemon->until([&] { return heard_above().size() == 1; }));
     flow2.write(who(sensor, sensor));
@@ -150,8 +152,8 @@ TEST_F(Traffic, filters_refuse_what_comes_in_and_what_would_leave) {
     to.rules.send.allow = {{0x00, 0x0F}, {0xE0, 0xE3}};
     to.rules.send.deny_destinations = {{0xFE, 0xFE}};
     start(to, from);
-    in(frame(0xDC, 0xFF, 0x01, {1}) + frame(0xDC, 0xFF, 0xF0, {1, 2}) + frame(0x42, 0xFF, 0x01, {3}) + frame(0xDC, 0xFF, 0xA0, {4}) +
-       frame(0xDC, 0xFE, 0x01, {5}) + frame(0xDC, 0xDD, 0x01, {6}));
+    in(frame(0xDC, 0xFF, 0x01, {1}) + frame(0xDC, 0xFF, 0xF0, {1, 2}) + frame(0x42, 0xFF, 0x01, {3}) +
+       frame(0xDC, 0xFF, 0xA0, {4}) + frame(0xDC, 0xFE, 0x01, {5}) + frame(0xDC, 0xDD, 0x01, {6}));
     ASSERT_TRUE(daemon->until([&] { return split(peer.heard()).frames.size() == 2; }));
     EXPECT_EQ(split(peer.heard()).frames, (std::vector{frame(0xDC, 0xFF, 0x01, {1}), frame(0xDC, 0xDD, 0x01, {6})}));
     EXPECT_EQ(daemon->count("air", "denied_in"), 2u);

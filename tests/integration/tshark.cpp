@@ -68,8 +68,7 @@ void collect(const Json& tree, const std::string& key, std::vector<std::string>&
     for (const auto& [name, value] : tree.items()) {
         if (name == "ano") continue;
         if (name == key) {
-            if (value.is_string())
-                values.push_back(value.get<std::string>());
+            if (value.is_string()) values.push_back(value.get<std::string>());
             else if (value.is_array())
                 for (const Json& one : value) values.push_back(one.get<std::string>());
         } else if (value.is_object()) {
@@ -130,18 +129,18 @@ private:
         const Json& expected = fields[std::string{f.name}];
         const std::string key = prefix_ + std::string{f.name};
         switch (f.type) {
-            case ano::Type::bytes: return bytes(expected, shown, key);
-            case ano::Type::frames: return inner(expected, shown);
-            case ano::Type::list:
-                for (const ano::Field& e : row.element()) {
-                    Json column = Json::array();
-                    for (const Json& point : expected) column.push_back(point[std::string{e.name}]);
-                    numbers(e, column, values_of(shown, prefix_ + std::string{e.name}));
-                }
-                return;
-            case ano::Type::text:
-            case ano::Type::ip: return text(expected.get<std::string>(), values_of(shown, key));
-            default: return numbers(f, expected.is_array() ? expected : Json::array({expected}), values_of(shown, key));
+        case ano::Type::bytes: return bytes(expected, shown, key);
+        case ano::Type::frames: return inner(expected, shown);
+        case ano::Type::list:
+            for (const ano::Field& e : row.element()) {
+                Json column = Json::array();
+                for (const Json& point : expected) column.push_back(point[std::string{e.name}]);
+                numbers(e, column, values_of(shown, prefix_ + std::string{e.name}));
+            }
+            return;
+        case ano::Type::text:
+        case ano::Type::ip: return text(expected.get<std::string>(), values_of(shown, key));
+        default: return numbers(f, expected.is_array() ? expected : Json::array({expected}), values_of(shown, key));
         }
     }
     // How broken UTF-8 is shown is tshark's own business.
@@ -158,12 +157,9 @@ private:
             if (one.is_null() && f.no_data) continue;
             ASSERT_LT(i, shown.size()) << name_ << " " << f.name;
             const double value = std::strtod(shown[i++].c_str(), nullptr);
-            if (one.is_null())
-                EXPECT_FALSE(std::isfinite(value)) << name_;
-            else if (f.type == ano::Type::f32)
-                EXPECT_EQ(static_cast<float>(value), one.get<float>()) << name_ << " " << f.name;
-            else
-                EXPECT_NEAR(value, one.get<double>(), 1e-12 * std::abs(value)) << name_ << " " << f.name;
+            if (one.is_null()) EXPECT_FALSE(std::isfinite(value)) << name_;
+            else if (f.type == ano::Type::f32) EXPECT_EQ(static_cast<float>(value), one.get<float>()) << name_ << " " << f.name;
+            else EXPECT_NEAR(value, one.get<double>(), 1e-12 * std::abs(value)) << name_ << " " << f.name;
         }
         EXPECT_EQ(i, shown.size()) << name_ << " " << f.name;
     }
@@ -182,13 +178,11 @@ private:
 };
 
 /// What tshark shows of each datagram.
-Json dissected(const support::TemporaryFolder& folder, const std::string& lua,
-               const std::vector<support::Vector>& vectors) {
+Json dissected(const support::TemporaryFolder& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
     const std::string script = folder.write("ano.lua", lua);
     const std::string capture = folder.write("frames.pcap", pcap_of(vectors));
-    const std::string text =
-        output_of("HOME=" + (folder.path() / "").string() + " tshark -r " + capture + " -X lua_script:" + script +
-                  " -T json --no-duplicate-keys 2>" + (folder.path() / "errors").string());
+    const std::string text = output_of("HOME=" + (folder.path() / "").string() + " tshark -r " + capture + " -X lua_script:" +
+                                       script + " -T json --no-duplicate-keys 2>" + (folder.path() / "errors").string());
     std::ifstream errors{(folder.path() / "errors").string()};
     for (std::string line; std::getline(errors, line);)
         if (line.find("Lua") != std::string::npos || line.find("lua") != std::string::npos) ADD_FAILURE() << line;
@@ -197,9 +191,7 @@ Json dissected(const support::TemporaryFolder& folder, const std::string& lua,
     return text.empty() ? Json::array() : Json::parse(ano::to_utf8({bytes, text.size()}, ano::Encoding::utf8));
 }
 
-bool has_tshark() {
-    return !output_of("tshark --version 2>/dev/null").empty();
-}
+bool has_tshark() { return !output_of("tshark --version 2>/dev/null").empty(); }
 
 TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";

@@ -354,7 +354,8 @@ TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
     start();
     const auto ground = b->peer("10.77.0.2:7001");
     const Bytes firmware = frame(host, mcu, 0xF0, {1, 2, 3}), elsewhere = frame(host, 0xDD, 0xE0, {0, 0, 0});
-    for (const auto& wrapped : {b1("10.77.0.2", 7001, firmware + command + elsewhere), b2(2, 7001, firmware + command + elsewhere)})
+    for (const auto& wrapped :
+         {b1("10.77.0.2", 7001, firmware + command + elsewhere), b2(2, 7001, firmware + command + elsewhere)})
         a->device.write(wrapped);
     EXPECT_TRUE(until([&] { return ground->heard().size() == 2 * command.size(); }));
     EXPECT_EQ(ground->heard(), command + command);
@@ -434,7 +435,8 @@ TEST_F(TwoGateways, a_gateway_is_no_relay) {
     start();
     const auto attacker = b->peer("10.77.0.2:7001"), victim = b->peer("10.77.0.2:7002");
     const auto gateway = endpoint("10.77.0.1:12333");
-    for (const char* to : {"10.77.0.2", "8.8.8.8", "255.255.255.255", "224.0.0.1"}) attacker->send(gateway, b1(to, 7002, command));
+    for (const char* to : {"10.77.0.2", "8.8.8.8", "255.255.255.255", "224.0.0.1"})
+        attacker->send(gateway, b1(to, 7002, command));
     attacker->send(gateway, b2(2, 7002, command));
     EXPECT_TRUE(until([&] { return a->count("tunnel_other_ip") == 5; }));
     EXPECT_EQ(a->peers(), 0u) << "no channel for that";
@@ -575,7 +577,8 @@ TEST_P(Ring, nothing_goes_round) {
 }
 
 INSTANTIATE_TEST_SUITE_P(TwoGateways, Ring,
-                         testing::Values(Combination{"frames", false, Deliver::frames}, Combination{"tunnel", false, Deliver::tunnel},
+                         testing::Values(Combination{"frames", false, Deliver::frames},
+                                         Combination{"tunnel", false, Deliver::tunnel},
                                          Combination{"frames_wrapped", true, Deliver::frames},
                                          Combination{"tunnel_wrapped", true, Deliver::tunnel}),
                          [](const auto& combination) { return std::string{combination.param.name}; });

@@ -196,12 +196,14 @@ TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
     }
     ASSERT_TRUE(until_quiet()) << "something goes round";
     const Times got = heard(at_b);
-    for (int n = 0; n < count; ++n) EXPECT_EQ(got.count(key(numbered(0xFE, 0xFF, 0xC0, n))) ? got.at(key(numbered(0xFE, 0xFF, 0xC0, n))) : 0, 1) << n;
+    for (int n = 0; n < count; ++n)
+        EXPECT_EQ(got.count(key(numbered(0xFE, 0xFF, 0xC0, n))) ? got.at(key(numbered(0xFE, 0xFF, 0xC0, n))) : 0, 1) << n;
     for (auto& gateway : {a.get(), b.get()})
         for (const char* way : {"way1", "way2"}) {
             const std::string hint = gateway->link(way).at("hint");
             EXPECT_TRUE(hint == "a ring: what goes out by way1 comes back by way2" ||
-                        hint == "a ring: what goes out by way2 comes back by way1") << hint;
+                        hint == "a ring: what goes out by way2 comes back by way1")
+                << hint;
         }
     EXPECT_TRUE(adds_up());
 }

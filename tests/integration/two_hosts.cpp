@@ -44,9 +44,7 @@ protected:
         EXPECT_EQ(arrived(), before + 1);
     }
     std::size_t arrived() { return split(device.heard()).frames.size(); }
-    std::uint64_t looped() {
-        return gateway->count("ground", "looped") + (GetParam() ? gateway->count("tower", "looped") : 0);
-    }
+    std::uint64_t looped() { return gateway->count("ground", "looped") + (GetParam() ? gateway->count("tower", "looped") : 0); }
 
     const TempDir dir;
     PtyDevice device{dir / "device"};

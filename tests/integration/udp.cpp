@@ -27,8 +27,9 @@ void join(const UdpPeer& peer, const std::string& group) {
     const auto to = anogate::SocketAddress::of(endpoint(group), peer.local().address.v6);
     group_req request{};
     std::memcpy(&request.gr_group, &to.storage, sizeof to.storage);
-    ASSERT_EQ(::setsockopt(peer.fd(), peer.local().address.v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &request,
-                           sizeof request), 0);
+    ASSERT_EQ(
+        ::setsockopt(peer.fd(), peer.local().address.v6 ? IPPROTO_IPV6 : IPPROTO_IP, MCAST_JOIN_GROUP, &request, sizeof request),
+        0);
 }
 
 TEST(UdpLink, serial_and_a_fixed_peer_exchange_vendor_bytes_unchanged) {
@@ -135,8 +136,7 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
     const NetworkNamespace network;
     ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
-                network.run("link set va up") && network.run("link set vb up") &&
-                network.run("route add 224.0.0.0/4 dev va"));
+                network.run("link set va up") && network.run("link set vb up") && network.run("route add 224.0.0.0/4 dev va"));
     UdpPeer member{"0.0.0.0:0"}, air;
     const std::string group = "239.1.2.3:" + std::to_string(member.port());
     join(member, group);
@@ -270,7 +270,8 @@ TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
                 network.run("link set va up"));
     RunningGateway daemon{udp("group", "239.1.2.3:17000")};
     EXPECT_EQ(daemon.link("group").at("error"),
-              "no route leads to the multicast group 239.1.2.3; name an interface: interface=NAME, or by its address bind=ADDRESS:17000");
+              "no route leads to the multicast group 239.1.2.3; name an interface: interface=NAME, or by its address "
+              "bind=ADDRESS:17000");
 }
 
 TEST(UdpLink, ipv6_multicast_on_an_interface) {
@@ -292,10 +293,9 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
     RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001"), udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("air"));
     for (const int round : {1, 2}) {
-        for (const char* link : {"far", "near"})
-            EXPECT_EQ(daemon.link(link).at("error"), "no network interface va now") << round;
-        ASSERT_TRUE(network.run("link add va type veth peer name vb" + std::to_string(round)) &&
-                    network.run("link set va up") && network.run("link set vb" + std::to_string(round) + " up") &&
+        for (const char* link : {"far", "near"}) EXPECT_EQ(daemon.link(link).at("error"), "no network interface va now") << round;
+        ASSERT_TRUE(network.run("link add va type veth peer name vb" + std::to_string(round)) && network.run("link set va up") &&
+                    network.run("link set vb" + std::to_string(round) + " up") &&
                     network.run("addr add fe80::1/64 dev va nodad") && network.run("addr add fe80::2/64 dev va nodad"));
         ASSERT_TRUE(daemon.until_up("far") && daemon.until_up("near")) << round;
         {

@@ -14,9 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace support;
 
-std::size_t peers(RunningGateway& daemon, const std::string& link = "ground") {
-    return daemon.link(link).at("channels").size();
-}
+std::size_t peers(RunningGateway& daemon, const std::string& link = "ground") { return daemon.link(link).at("channels").size(); }
 
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
@@ -379,7 +377,8 @@ TEST(UdpListenLink, one_port_is_had_by_one_link_of_each_interface) {
                                    port_of("both", "0.0.0.0:12333", ""), port_of("again", "0.0.0.0:12333", "wg0")});
     const Inside inside{t.vehicle};
     ASSERT_TRUE(daemon->until_up("private") && daemon->until_up("open"));
-    for (const char* third : {"both", "again"}) EXPECT_EQ(daemon->link(third).at("error"), "port 12333 is in use by another program");
+    for (const char* third : {"both", "again"})
+        EXPECT_EQ(daemon->link(third).at("error"), "port 12333 is in use by another program");
     ground->send(endpoint("10.77.0.1:12333"), vendor::who_are_you);
     for (int i = 0; i < 2; ++i) stranger->send(endpoint("192.168.7.1:12333"), vendor::who_are_you);
     ASSERT_TRUE(daemon->until([&] { return daemon->count("private", "frames_in") + daemon->count("open", "frames_in") == 3; }));
@@ -411,7 +410,8 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
     TwoLinks t;
     UdpPeer host;
     std::vector<std::unique_ptr<UdpPeer>> dead;
-    for (int i = 0; i < 7; ++i) dead.emplace_back(std::make_unique<UdpPeer>())->send(t.daemon.port("ground"), vendor::who_are_you);
+    for (int i = 0; i < 7; ++i)
+        dead.emplace_back(std::make_unique<UdpPeer>())->send(t.daemon.port("ground"), vendor::who_are_you);
     host.send(t.daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 8; }));
     host.forget();

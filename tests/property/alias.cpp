@@ -80,8 +80,7 @@ TEST(Alias, every_acknowledgement_fits_what_was_sent) {
                 const Bytes answer = support::frame(flight.to == host ? host : device, flight.arrived[1], 0x00, told);
                 const Bytes got = network.carry(answer, flight.to);
                 const Bytes expected{flight.sent[3], flight.sent[n - 2], flight.sent[n - 1]};
-                EXPECT_EQ(Bytes(got.begin() + 6, got.begin() + 9), expected)
-                    << int{flight.from} << " to " << int{flight.to};
+                EXPECT_EQ(Bytes(got.begin() + 6, got.begin() + 9), expected) << int{flight.from} << " to " << int{flight.to};
                 EXPECT_EQ(got[1], flight.to);
             }
             flying.clear();

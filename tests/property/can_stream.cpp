@@ -80,7 +80,8 @@ TEST(CanStream, every_frame_arrives_whole_and_in_order) {
             Bytes data(random.below(random.one_in(10) ? 4097u : 40u));
             for (auto& byte : data) byte = random.of<std::uint8_t>({0x00, 0xAB, 0xFF, random.byte()});
             const auto source = static_cast<std::uint8_t>(random.below(20));
-            bus.send(support::frame(source, random.of<std::uint8_t>({0xFE, 0xFF}), random.of<std::uint8_t>({0x03, 0xC0, 0xB0}), data));
+            bus.send(
+                support::frame(source, random.of<std::uint8_t>({0xFE, 0xFF}), random.of<std::uint8_t>({0x03, 0xC0, 0xB0}), data));
             bytes += ano::overhead + data.size();
             bus.take();
         }

@@ -165,7 +165,8 @@ TEST(Fairness, channels_that_always_wait_have_equal_shares) {
                 for (; waits[s] < 3000; waits[s] += ano::overhead + most_data[s]) {
                     Bytes data(most_data[s], static_cast<std::uint8_t>(s));
                     const auto source = static_cast<std::uint8_t>(s == 0 ? 1 + random.below(200u) : 0xFE);
-                    outbox.push(ano::FrameView{support::frame(source, 0xDC, 0xE1, data)}, treatment, TimePoint{}, ChannelId{static_cast<std::uint8_t>(s)});
+                    outbox.push(ano::FrameView{support::frame(source, 0xDC, 0xE1, data)}, treatment, TimePoint{},
+                                ChannelId{static_cast<std::uint8_t>(s)});
                 }
             const std::size_t count = outbox.gather(pieces, TimePoint{}, 600 + random.below(3000u));
             std::size_t leave = random.below(count + 1);
@@ -278,8 +279,8 @@ TEST(Shares, every_mix) {
         for (std::size_t c = 0; c < 3; ++c) {
             // What a tenth of the line carries within half of the age of telemetry, at the most.
             const std::size_t most = std::min<std::size_t>(c == 2 ? 4104 : 300, mix.rate / 10 / 2 * (c == 2 ? 5 : 1));
-            mix.classes[c] = {random.of({0.0, 0.02, 0.05, 0.2, 0.5, 1.0, 3.0}), ano::overhead + random.below(most - ano::overhead),
-                              1 + random.below(10u)};
+            mix.classes[c] = {random.of({0.0, 0.02, 0.05, 0.2, 0.5, 1.0, 3.0}),
+                              ano::overhead + random.below(most - ano::overhead), 1 + random.below(10u)};
         }
         mix.run(8s);
         mix.expect_shares();

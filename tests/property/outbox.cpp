@@ -170,9 +170,7 @@ struct Model {
     std::uint64_t pushed = 0;
     SendCounters counters;
 
-    std::size_t frames() const {
-        return queues[0].count() + queues[1].count() + queues[2].count() + begun.has_value();
-    }
+    std::size_t frames() const { return queues[0].count() + queues[1].count() + queues[2].count() + begun.has_value(); }
     std::size_t bytes(std::size_t classes = 3) const {
         std::size_t sum = begun ? begun->bytes.size() : 0;
         for (std::size_t c = 0; c < classes; ++c) sum += queues[c].bytes();
@@ -299,19 +297,19 @@ struct Trial {
 
     void step() {
         switch (random.below(9u)) {
-            case 0:
-            case 1:
-            case 2: push(); break;
-            case 3:
-            case 4: send_part(); break;
-            case 5: send_datagrams(); break;
-            case 6:
-                for (unsigned n = random.below(20u); n > 0; --n) push();
-                break;
-            case 7: now += random.of<ano::Duration>({0ms, 5ms, 90ms, 700ms}); break;
-            default:
-                if (!random.one_in(8)) break;
-                model.open ? (outbox.close(), model.close()) : (outbox.open(), void(model.open = true));
+        case 0:
+        case 1:
+        case 2: push(); break;
+        case 3:
+        case 4: send_part(); break;
+        case 5: send_datagrams(); break;
+        case 6:
+            for (unsigned n = random.below(20u); n > 0; --n) push();
+            break;
+        case 7: now += random.of<ano::Duration>({0ms, 5ms, 90ms, 700ms}); break;
+        default:
+            if (!random.one_in(8)) break;
+            model.open ? (outbox.close(), model.close()) : (outbox.open(), void(model.open = true));
         }
         check();
     }
@@ -385,8 +383,8 @@ struct Trial {
         std::size_t total = 0;
         const auto expect_piece = [&](const Bytes& frame, std::size_t from) {
             if (i >= count) return void(ADD_FAILURE() << "a piece is missing");
-            EXPECT_TRUE(std::equal(pieces[i].begin(), pieces[i].end(),
-                                   frame.begin() + static_cast<std::ptrdiff_t>(from), frame.end()))
+            EXPECT_TRUE(
+                std::equal(pieces[i].begin(), pieces[i].end(), frame.begin() + static_cast<std::ptrdiff_t>(from), frame.end()))
                 << "piece " << i;
             total += frame.size() - from;
             ++i;
@@ -415,8 +413,7 @@ struct Trial {
         EXPECT_EQ(outbox.is_open(), model.open);
         EXPECT_EQ(outbox.congested(), model.congested);
         EXPECT_EQ(outbox.counters().offered, model.counters.offered);
-        for (const auto& row : send_counters)
-            EXPECT_EQ(outbox.counters().*row.value, model.counters.*row.value) << row.name;
+        for (const auto& row : send_counters) EXPECT_EQ(outbox.counters().*row.value, model.counters.*row.value) << row.name;
     }
 
     support::Random random;

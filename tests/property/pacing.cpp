@@ -151,7 +151,8 @@ TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
     for (int step = 0; step < 200'000; ++step) {
         now += random.one_in(100) ? random.of<Duration>({-3h, -1s, -5ms, 100ms, 1s, 3h}) : Duration{random.below(4u) * 1ms};
         const Treatment treatment = random.one_in(5) ? urgent : telemetry;
-        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, random.byte(), Bytes(random.below(std::size_t{30})))}, treatment, now);
+        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, random.byte(), Bytes(random.below(std::size_t{30})))}, treatment,
+                    now);
         const auto next = outbox.next(now);
         ASSERT_GT(next.size, 0u);
         const std::size_t budget = pacer.allowance(next.size, next.urgent, now);

@@ -15,9 +15,7 @@ using support::Random;
 
 namespace {
 
-void append(Bytes& to, const Bytes& bytes) {
-    to.insert(to.end(), bytes.begin(), bytes.end());
-}
+void append(Bytes& to, const Bytes& bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
 
 Bytes random_bytes(Random& random, std::size_t n) {
     Bytes bytes(n);
@@ -26,12 +24,8 @@ Bytes random_bytes(Random& random, std::size_t n) {
 }
 
 // Few, so that most have been heard before.
-std::uint8_t random_source(Random& random) {
-    return random.of<std::uint8_t>({1, 1, 2, ano::head, random.byte()});
-}
-std::uint8_t random_id(Random& random) {
-    return random.of<std::uint8_t>({0x01, 0x03, 0x34, 0xA0, 0xB1, random.byte()});
-}
+std::uint8_t random_source(Random& random) { return random.of<std::uint8_t>({1, 1, 2, ano::head, random.byte()}); }
+std::uint8_t random_id(Random& random) { return random.of<std::uint8_t>({0x01, 0x03, 0x34, 0xA0, 0xB1, random.byte()}); }
 
 Bytes random_frame(Random& random, std::size_t max_data) {
     const std::size_t size = random.below(random.one_in(4) ? max_data + 1 : std::min<std::size_t>(max_data, 30) + 1);
@@ -45,42 +39,42 @@ Bytes random_frame(Random& random, std::size_t max_data) {
 // all HEAD.
 Bytes random_piece(Random& random, std::size_t max_data) {
     switch (random.below(9)) {
-        case 0: return random_bytes(random, random.below(60u));
-        case 1: {
-            Bytes bytes = random_frame(random, max_data);
-            bytes[random.below(bytes.size())] ^= static_cast<std::uint8_t>(1u << random.below(8u));
-            return bytes;
-        }
-        case 2: {
-            Bytes bytes = random_frame(random, max_data);
-            bytes.resize(random.below(bytes.size()));
-            return bytes;
-        }
-        case 3: {
-            const auto length = random.below(max_data + max_data / 8 + 2);
-            return {ano::head,
-                    random_source(random),
-                    random.byte(),
-                    random_id(random),
-                    static_cast<std::uint8_t>(length),
-                    static_cast<std::uint8_t>(length >> 8)};
-        }
-        case 4: {
-            Bytes bytes(random.below(40u), ano::head);
-            for (auto& byte : bytes)
-                if (random.one_in(5)) byte = random.below(std::uint8_t{4});
-            return bytes;
-        }
-        case 5: {
-            Bytes inner;
-            while (random.below(3u) > 0 && inner.size() < max_data) append(inner, random_frame(random, max_data / 4));
-            if (inner.size() > max_data) inner.resize(max_data);
-            Bytes bytes = support::frame(random_source(random), 2, random_id(random), inner);
-            if (random.one_in(2)) bytes[random.below(bytes.size())] ^= 0x10;
-            if (random.one_in(3)) bytes.resize(random.below(bytes.size()) + 1);
-            return bytes;
-        }
-        default: return random_frame(random, max_data);
+    case 0: return random_bytes(random, random.below(60u));
+    case 1: {
+        Bytes bytes = random_frame(random, max_data);
+        bytes[random.below(bytes.size())] ^= static_cast<std::uint8_t>(1u << random.below(8u));
+        return bytes;
+    }
+    case 2: {
+        Bytes bytes = random_frame(random, max_data);
+        bytes.resize(random.below(bytes.size()));
+        return bytes;
+    }
+    case 3: {
+        const auto length = random.below(max_data + max_data / 8 + 2);
+        return {ano::head,
+                random_source(random),
+                random.byte(),
+                random_id(random),
+                static_cast<std::uint8_t>(length),
+                static_cast<std::uint8_t>(length >> 8)};
+    }
+    case 4: {
+        Bytes bytes(random.below(40u), ano::head);
+        for (auto& byte : bytes)
+            if (random.one_in(5)) byte = random.below(std::uint8_t{4});
+        return bytes;
+    }
+    case 5: {
+        Bytes inner;
+        while (random.below(3u) > 0 && inner.size() < max_data) append(inner, random_frame(random, max_data / 4));
+        if (inner.size() > max_data) inner.resize(max_data);
+        Bytes bytes = support::frame(random_source(random), 2, random_id(random), inner);
+        if (random.one_in(2)) bytes[random.below(bytes.size())] ^= 0x10;
+        if (random.one_in(3)) bytes.resize(random.below(bytes.size()) + 1);
+        return bytes;
+    }
+    default: return random_frame(random, max_data);
     }
 }
 
@@ -120,8 +114,7 @@ TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
             } else {
                 std::span<const std::uint8_t> rest{bytes};
                 while (!rest.empty()) {
-                    const std::size_t n =
-                        std::min(rest.size(), 1 + random.below(random.of<std::size_t>({1, 7, 70, 5000})));
+                    const std::size_t n = std::min(rest.size(), 1 + random.below(random.of<std::size_t>({1, 7, 70, 5000})));
                     both.put(rest.first(n));
                     rest = rest.subspan(n);
                     if (random.one_in(20)) both.expire();
@@ -209,8 +202,8 @@ class FullLine : public testing::TestWithParam<std::tuple<std::uint32_t, support
 TEST_P(FullLine, brings_its_good_frames_in_time) {
     const auto [baud, noise] = GetParam();
     for (const std::size_t at_once : {16u, 62u}) {
-        const support::Delays delays =
-            support::delays_on({.baud = baud, .noise = noise, .noise_one_in = 50, .at_once = at_once, .frames = 10'000});
+        const support::Delays delays = support::delays_on(
+            {.baud = baud, .noise = noise, .noise_one_in = 50, .at_once = at_once, .frames = 10'000});
         EXPECT_EQ(delays.lost, 0u);
         EXPECT_GE(delays.share_in_time(), 0.995) << "the longest took " << delays.longest.count() << " s";
     }
@@ -221,8 +214,7 @@ INSTANTIATE_TEST_SUITE_P(baud, FullLine,
                                           testing::Values(support::Noise::random_headers, support::Noise::flipped_len)),
                          [](const auto& test) {
                              return std::to_string(std::get<0>(test.param)) +
-                                    (std::get<1>(test.param) == support::Noise::flipped_len ? "_flipped_len"
-                                                                                            : "_random_headers");
+                                    (std::get<1>(test.param) == support::Noise::flipped_len ? "_flipped_len" : "_random_headers");
                          });
 
 }    // namespace

@@ -26,9 +26,7 @@ struct Model {
     };
     std::map<ChannelId, Peer> peers;
 
-    static bool dead(const Peer& p) {
-        return p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s;
-    }
+    static bool dead(const Peer& p) { return p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s; }
     ChannelSet overdue(TimePoint now) const {
         ChannelSet result;
         std::map<std::string, std::vector<std::pair<TimePoint, ChannelId>>> listeners;    // silent ones, by address
@@ -104,7 +102,8 @@ TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
         std::map<ChannelId, Peer> peers;
         TimePoint now = TimePoint{} + 10h;
         const auto of_address = [&](const IpAddress& address) {
-            return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint.address == address; }));
+            return static_cast<std::size_t>(
+                std::count_if(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint.address == address; }));
         };
         for (int step = 0; step < 600; ++step) {
             now += random.of({Duration{0}, Duration{1ms}, Duration{400ms}, Duration{2s}, Duration{25s}});
@@ -145,4 +144,4 @@ TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
     }
 }
 
-}  // namespace
+}    // namespace

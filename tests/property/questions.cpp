@@ -42,7 +42,7 @@ struct Device {
     std::map<std::uint16_t, ano::TimePoint> unanswered;
     std::deque<Bytes> others;
     int last = -1;
-    int channels = 1;    // that questions come by, which their numbers tell
+    int channels = 1;                    // that questions come by, which their numbers tell
     std::map<int, int> left, last_of;    // by channel
 
     void hear(const Bytes& frame, ano::TimePoint now) {
@@ -127,22 +127,22 @@ TEST(Questions, whatever_happens) {
         std::array<int, 4> asked{};
         for (int step = 0; step < 600; ++step) {
             switch (random.below(8)) {
-                case 0:
-                case 1: {
-                    const std::size_t channel = random.one_in(2) ? 0u : random.below(4u);
-                    line.ask(static_cast<int>(channel), asked[channel]++);
-                    break;
-                }
-                case 2: line.push(other_frame(random)); break;
-                case 3: line.send(random.below(16u)); break;
-                case 4: line.reply(random); break;
-                case 5: line.now += std::chrono::milliseconds{random.below(random.one_in(10) ? 3000 : 60)}; break;
-                case 6: line.queue.release(line.now); break;
-                case 7:
-                    if (random.one_in(20)) line.outbox.is_open() ? line.close() : line.outbox.open();
-                    else if (random.one_in(10)) line.outbox.set_congested();
-                    else if (!line.outbox.empty() && random.one_in(10)) line.outbox.drop_frame(&SendCounters::send_failed);
-                    break;
+            case 0:
+            case 1: {
+                const std::size_t channel = random.one_in(2) ? 0u : random.below(4u);
+                line.ask(static_cast<int>(channel), asked[channel]++);
+                break;
+            }
+            case 2: line.push(other_frame(random)); break;
+            case 3: line.send(random.below(16u)); break;
+            case 4: line.reply(random); break;
+            case 5: line.now += std::chrono::milliseconds{random.below(random.one_in(10) ? 3000 : 60)}; break;
+            case 6: line.queue.release(line.now); break;
+            case 7:
+                if (random.one_in(20)) line.outbox.is_open() ? line.close() : line.outbox.open();
+                else if (random.one_in(10)) line.outbox.set_congested();
+                else if (!line.outbox.empty() && random.one_in(10)) line.outbox.drop_frame(&SendCounters::send_failed);
+                break;
             }
             line.expect_accounted();
             if (HasFatalFailure()) FAIL() << "seed " << seed << ", step " << step;
@@ -252,7 +252,8 @@ TEST(Questions, commands_and_sticks_pass_those_that_wait) {
     Line line{{}};
     for (std::uint16_t n = 0; n < 20; ++n) line.push(question(n));
     line.send(16);
-    for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xC0, 0x40, 0x41, 0xE1}) line.push(support::frame(host, fc, id, Bytes(11)));
+    for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xC0, 0x40, 0x41, 0xE1})
+        line.push(support::frame(host, fc, id, Bytes(11)));
     line.push(support::frame(host, fc, 0xE0, {0x10, 0xAB, 0}));
     line.send(16);
     EXPECT_EQ(line.device.others.size(), 5u);

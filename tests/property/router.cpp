@@ -126,9 +126,8 @@ struct Trial {
         settings.forget_after = random.of<Duration>({1s, 5s, 30s});
         router = std::make_unique<Router>(settings);
         for (unsigned n = 0; n < link_count; ++n) {
-            const Router::LinkRule rule{.port_id = static_cast<std::uint8_t>(n == 2 ? 3 : 0),
-                                        .flood = !random.one_in(4),
-                                        .broadcast = !random.one_in(4)};
+            const Router::LinkRule rule{
+                .port_id = static_cast<std::uint8_t>(n == 2 ? 3 : 0), .flood = !random.one_in(4), .broadcast = !random.one_in(4)};
             model.rules.push_back(rule);
             EXPECT_EQ(index(router->add_link(rule)), n);
         }
@@ -176,8 +175,7 @@ struct Trial {
         EXPECT_EQ(text(got.via), text(expected.via));
         for (const std::uint8_t a : addresses) {
             const bool known =
-                !model.heard_within(ano::address::is_host(a) ? Duration::max() : model.settings.forget_after, a, now)
-                     .empty();
+                !model.heard_within(ano::address::is_host(a) ? Duration::max() : model.settings.forget_after, a, now).empty();
             EXPECT_EQ(router->learned(a, now).links.empty(), !known);
         }
     }
@@ -229,7 +227,8 @@ TEST(Router, moves_an_address_after_silence_alone) {
             const TimePoint next = now + random.of<Duration>({1ms, 500ms, 500ms, 2s, 4s});
             while (router->next_question().value_or(TimePoint::max()) <= next) {    // the gateway looks in time
                 now = *router->next_question();
-                while (const auto question = router->take_question(now)) EXPECT_EQ(question->channels, ChannelSet{static_cast<ChannelId>(*home)});
+                while (const auto question = router->take_question(now))
+                    EXPECT_EQ(question->channels, ChannelSet{static_cast<ChannelId>(*home)});
                 if (claimant && now == began + 3s) move(*std::exchange(claimant, std::nullopt));
             }
             now = next;
@@ -258,7 +257,8 @@ TEST(Router, moves_an_address_after_silence_alone) {
             router->route(static_cast<ChannelId>(n), 0xDE, 0xFF, now);
             EXPECT_EQ(support::allocations, before);
             ASSERT_TRUE(router->holds(0xDE, static_cast<ChannelId>(*home)));
-            for (unsigned other = 0; other < 4; ++other) EXPECT_EQ(router->holds(0xDE, static_cast<ChannelId>(other)), other == home);
+            for (unsigned other = 0; other < 4; ++other)
+                EXPECT_EQ(router->holds(0xDE, static_cast<ChannelId>(other)), other == home);
             EXPECT_EQ(router->next_question().has_value(), claimant.has_value());
             const auto found = router->conflicts(now);
             if (!found.empty()) EXPECT_EQ(found[0].count, refused);

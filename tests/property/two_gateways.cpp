@@ -24,9 +24,7 @@ namespace {
 
 constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
 
-constexpr Replaces replace_of(const Bytes& frame) {
-    return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing;
-}
+constexpr Replaces replace_of(const Bytes& frame) { return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing; }
 
 // The order of the steps is that of Gateway::receive(), Gateway::ask() and Gateway::take_probe().
 struct Node {
@@ -64,11 +62,14 @@ struct Node {
     }
     std::vector<Leaves> release(TimePoint now) {
         std::vector<Leaves> leave;
-        while (const auto first = held.take(now)) append(leave, judge(static_cast<unsigned>(index(first->from)), bytes_of(*first), now, true));
+        while (const auto first = held.take(now))
+            append(leave, judge(static_cast<unsigned>(index(first->from)), bytes_of(*first), now, true));
         return leave;
     }
     static Bytes bytes_of(const Held::Frame& frame) { return {frame.view().bytes().begin(), frame.view().bytes().end()}; }
-    static void append(std::vector<Leaves>& to, const std::vector<Leaves>& more) { to.insert(to.end(), more.begin(), more.end()); }
+    static void append(std::vector<Leaves>& to, const std::vector<Leaves>& more) {
+        to.insert(to.end(), more.begin(), more.end());
+    }
     std::vector<Leaves> judge(unsigned channel, const Bytes& bytes, TimePoint now, bool waited, bool hurried = false) {
         std::vector<Leaves> leave;
         const ano::FrameView frame{bytes};
@@ -84,7 +85,8 @@ struct Node {
             leave.push_back({from, {probe.begin(), probe.end()}});
             ++probes;
         }
-        if (judgement.fate == LoopGuard::Fate::waits && !waited && held.put(from, frame, now + judgement.wait, {judgement.repeats, now + LoopGuard::come_together}))
+        if (judgement.fate == LoopGuard::Fate::waits && !waited &&
+            held.put(from, frame, now + judgement.wait, {judgement.repeats, now + LoopGuard::come_together}))
             return leave;
         if (judgement.fate == LoopGuard::Fate::ends) {
             ++looped;
@@ -149,7 +151,9 @@ struct World {
         ways[{b.node, b.channel}] = {a, back};
     }
 
-    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at) { events.push({at, ++numbers, node, channel, bytes}); }
+    void send(unsigned node, unsigned channel, const Bytes& bytes, TimePoint at) {
+        events.push({at, ++numbers, node, channel, bytes});
+    }
     void run() {
         while (!events.empty()) {
             const Event event = events.top();
@@ -157,11 +161,11 @@ struct World {
             ASSERT_LT(++handled, most) << "a storm";
             now = event.at;
             Node& node = nodes[event.node];
-            for (const Node::Leaves& out : event.bytes.empty() ? node.release(now) : node.receive(event.channel, event.bytes, now)) {
+            for (const Node::Leaves& out :
+                 event.bytes.empty() ? node.release(now) : node.receive(event.channel, event.bytes, now)) {
                 const unsigned channel = static_cast<unsigned>(index(out.to));
                 const auto way = ways.find({event.node, channel});
-                if (way == ways.end())
-                    ++arrived[event.node][key_of(ano::FrameView{out.bytes})];
+                if (way == ways.end()) ++arrived[event.node][key_of(ano::FrameView{out.bytes})];
                 else if (carries(out.bytes) && (channel > 2 || channel == 0 || now < failing_from[channel - 1]))
                     send(way->second.first.node, way->second.first.channel, out.bytes,
                          now + way->second.second + delay_of(event.node, channel));
@@ -499,8 +503,7 @@ TEST(Hosts, one_behind_a_cable_loses_nothing) {
                 world.nodes[0].open(1, false);
                 if (devices_speak)
                     for (int n = 0; n < 50; ++n) world.send(0, device, telemetry(n), TimePoint{1h} + n * 200ms);
-                else
-                    world.send(0, 2, order(1), TimePoint{1h});
+                else world.send(0, 2, order(1), TimePoint{1h});
                 const Duration lag = random.below(1'000'000 / frequency) * 1us;
                 for (int n = 0; n < 6 * frequency; ++n) {
                     world.send(0, 2, order(0), TimePoint{1h} + 4s + n * 1s / frequency);

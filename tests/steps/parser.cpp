@@ -64,8 +64,7 @@ TEST_P(AnyRead, of_any_short_pattern_costs_linear_time) {
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
         Random random{seed};
         Bytes pattern(1 + random.below(16u));
-        for (auto& byte : pattern)
-            byte = random.of<std::uint8_t>({ano::head, ano::head, ano::head, 0, 1, random.byte()});
+        for (auto& byte : pattern) byte = random.of<std::uint8_t>({ano::head, ano::head, ano::head, 0, 1, random.byte()});
         const std::size_t max_data = random.of<std::size_t>({198, 4096, 65535});
         const double needed = share(support::input_of(support::repeat(pattern), input_size), max_data, GetParam());
         EXPECT_LT(needed, 1) << "seed " << seed;

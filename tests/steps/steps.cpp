@@ -13,16 +13,14 @@ constexpr std::size_t bytes_a_step = 16;    // of what the C library does a vect
 extern "C" {
 
 void __sanitizer_cov_trace_pc();
-void __sanitizer_cov_trace_pc() {
-    ++support::steps;
-}
+void __sanitizer_cov_trace_pc() { ++support::steps; }
 
 void* __real_memchr(const void* bytes, int byte, std::size_t size);
 void* __wrap_memchr(const void* bytes, int byte, std::size_t size);
 void* __wrap_memchr(const void* bytes, int byte, std::size_t size) {
     void* const found = __real_memchr(bytes, byte, size);
-    const std::size_t seen =
-        found ? static_cast<std::size_t>(static_cast<const char*>(found) - static_cast<const char*>(bytes)) : size;
+    const std::size_t seen = found ? static_cast<std::size_t>(static_cast<const char*>(found) - static_cast<const char*>(bytes))
+                                   : size;
     support::steps += 1 + seen / bytes_a_step;
     return found;
 }

@@ -24,8 +24,7 @@ inline AnoctlResult anoctl(std::vector<std::string> words, const std::string& in
     std::vector<const char*> argv{"anoctl"};
     for (const std::string& word : words) argv.push_back(word.c_str());
     const int in = memfd_create("input", MFD_CLOEXEC);
-    if (in < 0 || write(in, input.data(), input.size()) != static_cast<ssize_t>(input.size()))
-        throw std::runtime_error("memfd");
+    if (in < 0 || write(in, input.data(), input.size()) != static_cast<ssize_t>(input.size())) throw std::runtime_error("memfd");
     lseek(in, 0, SEEK_SET);
     std::ostringstream out;
     std::ostringstream err;

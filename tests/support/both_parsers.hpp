@@ -24,9 +24,7 @@ public:
     const std::vector<Bytes>& frames() const { return reference_.frames; }
     const ano::FrameParser& parser() const { return parser_; }
 
-    void put(std::span<const std::uint8_t> bytes) {
-        feed(bytes);
-    }
+    void put(std::span<const std::uint8_t> bytes) { feed(bytes); }
     void put_datagram(std::span<const std::uint8_t> datagram) {
         reference_.begin_datagram({datagram.begin(), datagram.end()}, now);
         parser_.begin_datagram(datagram, now);
@@ -39,8 +37,7 @@ public:
             if (i == 0) return tell("expire() has no end");
             drain();
         }
-        if (const auto due = parser_.deadline(); due && *due <= now)
-            tell("deadline() is past and expire() had nothing to do");
+        if (const auto due = parser_.deadline(); due && *due <= now) tell("deadline() is past and expire() had nothing to do");
         compare();
     }
     void finish() {
@@ -82,8 +79,7 @@ private:
 
     void conserve() {
         const auto& c = parser_.counters();
-        if (c.bytes_in != good_bytes_ + c.skipped_bytes + parser_.waiting())
-            tell("bytes_in is not good + skipped + waiting");
+        if (c.bytes_in != good_bytes_ + c.skipped_bytes + parser_.waiting()) tell("bytes_in is not good + skipped + waiting");
     }
 
     void compare() {

@@ -1,11 +1,11 @@
 // Work in a process of its own, which is ended with its handle.
 #pragma once
-#include <csignal>
-#include <functional>
-#include <string>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
+#include <functional>
+#include <string>
 
 namespace support {
 

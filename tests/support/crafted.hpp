@@ -59,8 +59,8 @@ inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size
             next = 0;
         }
         if (input.size() >= next) {
-            input.insert(input.end(), {ano::head, 0x77, 0, 1, static_cast<std::uint8_t>(max_data),
-                                       static_cast<std::uint8_t>(max_data >> 8)});
+            input.insert(input.end(),
+                         {ano::head, 0x77, 0, 1, static_cast<std::uint8_t>(max_data), static_cast<std::uint8_t>(max_data >> 8)});
             next = input.size() + run;
         }
         piece(input, random);
@@ -79,8 +79,8 @@ inline Piece pair_behind_headers(std::size_t headers, std::size_t max_data) {
     return [=](Bytes& input, Random& random) {
         for (std::size_t i = 0; i < headers; ++i) {
             const std::size_t length = max_data - random.below(std::min<std::size_t>(max_data, 100));
-            input.insert(input.end(), {ano::head, random.of<std::uint8_t>({0, 0x77}), 0, 1,
-                                       static_cast<std::uint8_t>(length), static_cast<std::uint8_t>(length >> 8)});
+            input.insert(input.end(), {ano::head, random.of<std::uint8_t>({0, 0x77}), 0, 1, static_cast<std::uint8_t>(length),
+                                       static_cast<std::uint8_t>(length >> 8)});
         }
         const Bytes one = frame(0, 0xFF, 0xE0, {1, 0, 0});
         for (int i = 0; i < 2; ++i) input.insert(input.end(), one.begin(), one.end());

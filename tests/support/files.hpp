@@ -1,18 +1,16 @@
 // Files of the source tree, and files for one test.
 #pragma once
+#include <unistd.h>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <unistd.h>
 
 namespace support {
 
 /// `path` is relative to the top of the source tree.
-inline std::filesystem::path source_file(const std::string& path) {
-    return std::filesystem::path{ANOGATE_SOURCE_DIR} / path;
-}
+inline std::filesystem::path source_file(const std::string& path) { return std::filesystem::path{ANOGATE_SOURCE_DIR} / path; }
 
 inline std::string text_of(const std::filesystem::path& path) {
     std::ifstream file{path, std::ios::binary};
@@ -44,4 +42,4 @@ private:
     std::filesystem::path path_;
 };
 
-}  // namespace support
+}    // namespace support

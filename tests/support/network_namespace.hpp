@@ -1,10 +1,10 @@
 // A network of the test's own: interfaces and addresses come and go here without touching the machine's.
 #pragma once
-#include <cstdlib>
 #include <fcntl.h>
 #include <sched.h>
-#include <string>
 #include <unistd.h>
+#include <cstdlib>
+#include <string>
 
 namespace support {
 

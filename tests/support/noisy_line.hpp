@@ -14,16 +14,16 @@
 namespace support {
 
 enum class Noise {
-    random_headers,        // HEAD and five random bytes: most claim more than max_data
-    headers_to_max_data,   // the same, but LEN is 0 to max_data
-    flipped_len,           // one bit of LEN of a telemetry frame turned over
+    random_headers,         // HEAD and five random bytes: most claim more than max_data
+    headers_to_max_data,    // the same, but LEN is 0 to max_data
+    flipped_len,            // one bit of LEN of a telemetry frame turned over
 };
 
 struct NoisyLine {
     std::uint32_t baud = 115200;
     Noise noise = Noise::random_headers;
-    unsigned noise_one_in = 20;        // frames
-    std::size_t at_once = 62;          // bytes that the driver hands over together: those of an FTDI's USB packet
+    unsigned noise_one_in = 20;    // frames
+    std::size_t at_once = 62;      // bytes that the driver hands over together: those of an FTDI's USB packet
     std::size_t frames = 20'000;
     std::size_t max_data = 4096;
     std::uint64_t seed = 1;
@@ -57,10 +57,9 @@ inline Bytes telemetry(std::size_t number) {
         std::uint8_t source, id;
         std::size_t length;
     };
-    static constexpr std::array kinds{Kind{0xDC, 0x01, 13}, Kind{0xDC, 0x03, 7},  Kind{0xDC, 0x04, 9},
-                                      Kind{0xDC, 0x05, 13}, Kind{0xDC, 0x06, 5},  Kind{0xDC, 0x07, 6},
-                                      Kind{0xDC, 0x08, 12}, Kind{0xDE, 0x51, 15}, Kind{0xDC, 0x20, 16},
-                                      Kind{0xDC, 0x40, 20}, Kind{0xDC, 0x0D, 4},  Kind{0xDC, 0x30, 23}};
+    static constexpr std::array kinds{Kind{0xDC, 0x01, 13}, Kind{0xDC, 0x03, 7},  Kind{0xDC, 0x04, 9},  Kind{0xDC, 0x05, 13},
+                                      Kind{0xDC, 0x06, 5},  Kind{0xDC, 0x07, 6},  Kind{0xDC, 0x08, 12}, Kind{0xDE, 0x51, 15},
+                                      Kind{0xDC, 0x20, 16}, Kind{0xDC, 0x40, 20}, Kind{0xDC, 0x0D, 4},  Kind{0xDC, 0x30, 23}};
     const Kind& kind = kinds[number % kinds.size()];
     Bytes data(kind.length);
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(number >> (i % 4 * 8) ^ 37 * i);

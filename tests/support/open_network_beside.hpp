@@ -22,7 +22,8 @@ struct OpenNetworkBeside {
         stranger.ip("address add 10.77.0.2/32 dev lo");
         stranger.ip("route add 10.77.0.1/32 via 192.168.7.1");
         const Inside inside{vehicle};
-        for (const char* one : {"all", "default", "wifi0"}) std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
+        for (const char* one : {"all", "default", "wifi0"})
+            std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
     }
     void join_ground() { vehicle.join(ground, "wg0", "10.77.0.1/24", "10.77.0.2/24"); }
     /// The vehicle's; it is to be run inside.

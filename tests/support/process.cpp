@@ -83,14 +83,16 @@ bool Process::is_running() {
 int Process::wait(std::chrono::steady_clock::duration limit) {
     // ThreadSanitizer of clang 14 takes a signal from the kernel now and then and never hands it on.
     auto again = std::chrono::steady_clock::now();
-    wait_until([&] {
-        const auto now = std::chrono::steady_clock::now();
-        if (thread_sanitized && last_signal_ == SIGTERM && now - again > std::chrono::seconds{1}) {
-            again = now;
-            ::kill(pid_, SIGTERM);
-        }
-        return !is_running();
-    }, limit);
+    wait_until(
+        [&] {
+            const auto now = std::chrono::steady_clock::now();
+            if (thread_sanitized && last_signal_ == SIGTERM && now - again > std::chrono::seconds{1}) {
+                again = now;
+                ::kill(pid_, SIGTERM);
+            }
+            return !is_running();
+        },
+        limit);
     output();
     return status_.value_or(-1);
 }

@@ -38,9 +38,7 @@ public:
         if (old || what_begins(datagram, 0) == good) finish();
     }
 
-    void finish() {
-        give_up_before(bytes_.size());
-    }
+    void finish() { give_up_before(bytes_.size()); }
 
     void expire(ano::TimePoint now) {
         while (waiting() > 0) {
@@ -50,8 +48,7 @@ public:
             } else if (now >= overdue_at(at_, since_)) {
                 // Of a candidate that shows only now, it is known that it came with the last byte at the latest.
                 std::size_t next = at_ + 1;
-                while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_)))
-                    ++next;
+                while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_))) ++next;
                 give_up_before(next);
             } else {
                 return;
@@ -85,8 +82,7 @@ private:
     // Protocol text, section 4: these have a length of their own.
     static bool has_fixed_length(unsigned id, unsigned first) {
         if (id == 0x34) return first != 100;
-        static const std::set<unsigned> fixed{0x20, 0x21, 0x30, 0x31, 0x32, 0x33, 0x35, 0x40,
-                                              0x41, 0x51, 0x60, 0x61, 0xC1, 0xE0};
+        static const std::set<unsigned> fixed{0x20, 0x21, 0x30, 0x31, 0x32, 0x33, 0x35, 0x40, 0x41, 0x51, 0x60, 0x61, 0xC1, 0xE0};
         return id <= 0x0F || fixed.count(id) > 0;
     }
 
@@ -142,33 +138,32 @@ private:
     void look() {
         while (waiting() > 0) {
             switch (what_begins(bytes_, at_)) {
-                case good: {
-                    const std::size_t size = 8 + length_at(at_);
-                    sources_.insert(bytes_[at_ + 1]);
-                    credit_ = std::min<std::size_t>(credit_ + size, 65536);
-                    largest_[bytes_[at_ + 3]] = std::max(largest_[bytes_[at_ + 3]], length_at(at_));
-                    const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
-                    frames.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(size));
-                    at_ += size;
-                    waits_ = false;
+            case good: {
+                const std::size_t size = 8 + length_at(at_);
+                sources_.insert(bytes_[at_ + 1]);
+                credit_ = std::min<std::size_t>(credit_ + size, 65536);
+                largest_[bytes_[at_ + 3]] = std::max(largest_[bytes_[at_ + 3]], length_at(at_));
+                const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
+                frames.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(size));
+                at_ += size;
+                waits_ = false;
+                break;
+            }
+            case refusable: drop(); break;
+            case incomplete:
+                if (at_ < given_up_) {
+                    drop();
                     break;
                 }
-                case refusable: drop(); break;
-                case incomplete:
-                    if (at_ < given_up_) {
-                        drop();
-                        break;
-                    }
-                    // To give way costs a look as well.
-                    if (waiting() > 8 && !sources_.empty() && !credible() && can_look() && two_good_frames_behind() &&
-                        can_look()) {
-                        credit_ -= 32;
-                        drop();
-                        break;
-                    }
-                    if (!waits_) since_ = last_arrival_;
-                    waits_ = true;
-                    return;
+                // To give way costs a look as well.
+                if (waiting() > 8 && !sources_.empty() && !credible() && can_look() && two_good_frames_behind() && can_look()) {
+                    credit_ -= 32;
+                    drop();
+                    break;
+                }
+                if (!waits_) since_ = last_arrival_;
+                waits_ = true;
+                return;
             }
         }
     }
@@ -181,16 +176,16 @@ private:
     }
 
     ano::FrameParser::Options options_;
-    Bytes bytes_;           // all that ever came
-    std::size_t at_ = 0;    // what stands before is skipped or part of a good frame
+    Bytes bytes_;                 // all that ever came
+    std::size_t at_ = 0;          // what stands before is skipped or part of a good frame
     std::size_t given_up_ = 0;    // what begins before this has no rest to wait for
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
-    std::set<unsigned> sources_;                    // of good frames
-    std::array<std::size_t, 256> largest_{};        // LEN of good frames, by id
+    std::set<unsigned> sources_;                // of good frames
+    std::array<std::size_t, 256> largest_{};    // LEN of good frames, by id
     std::size_t credit_ = 65536;
-    std::map<std::size_t, bool> counts_;            // by the place of a header that was looked at
+    std::map<std::size_t, bool> counts_;    // by the place of a header that was looked at
 };
 
 }    // namespace support

@@ -35,8 +35,8 @@ public:
     bool until_up(const std::string& name);
     bool until_waiting(const std::string& name);
     /// As SIGTERM does. Returns how long it took, up to the end of the loop.
-    anogate::Duration stop(anogate::Duration flush_for = std::chrono::milliseconds{500},
-                           const std::function<void()>& meanwhile = [] {});
+    anogate::Duration stop(
+        anogate::Duration flush_for = std::chrono::milliseconds{500}, const std::function<void()>& meanwhile = [] {});
 
     nlohmann::json status();
     nlohmann::json link(const std::string& name);

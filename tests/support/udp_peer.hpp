@@ -49,8 +49,8 @@ public:
         Bytes buffer(65536);
         sockaddr_storage from{};
         socklen_t size = sizeof from;
-        for (ssize_t n; (n = ::recvfrom(socket_.get(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from),
-                                        &size)) >= 0;
+        for (ssize_t n;
+             (n = ::recvfrom(socket_.get(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size)) >= 0;
              size = sizeof from) {
             result.emplace_back(buffer.begin(), buffer.begin() + n);
             last_sender_ = anogate::endpoint_of(from);

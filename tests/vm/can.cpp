@@ -39,7 +39,8 @@ namespace {
 bool have_vcan() {
     static const bool have = [] {
         if (::unshare(CLONE_NEWNET) != 0) return false;
-        return run("ip link set lo up") == 0 && run("ip link add dev vcan0 type vcan 2>/dev/null") == 0 && run("ip link del vcan0") == 0;
+        return run("ip link set lo up") == 0 && run("ip link add dev vcan0 type vcan 2>/dev/null") == 0 &&
+               run("ip link del vcan0") == 0;
     }();
     return have;
 }
@@ -155,10 +156,12 @@ struct Can : testing::Test {
     }
     std::vector<Bytes> received(UdpApp& from, std::size_t count, std::chrono::seconds patience = 30s) {
         std::vector<Bytes> all;
-        loop.until([&] {
-            for (Bytes& one : from.frames()) all.push_back(std::move(one));
-            return all.size() >= count;
-        }, patience);
+        loop.until(
+            [&] {
+                for (Bytes& one : from.frames()) all.push_back(std::move(one));
+                return all.size() >= count;
+            },
+            patience);
         return all;
     }
 
@@ -239,7 +242,9 @@ TEST_F(Can, what_cansend_sends_arrives_classic_extended_and_fd) {
         CanSettings can;
         can.extended = *extended;
         can.fd = *fd;
-        RunningGateway gateway{loop, {std::string{"can:vcan0"} + (can.extended ? ",extended" : "") + (can.fd ? ",fd" : ""), app.link("app") + ",age.telemetry=60s"}};
+        RunningGateway gateway{loop,
+                               {std::string{"can:vcan0"} + (can.extended ? ",extended" : "") + (can.fd ? ",fd" : ""),
+                                app.link("app") + ",age.telemetry=60s"}};
         const Bytes sent = frame(0xDC, 0xFE, 0x03, data_of(20));
         std::string command = "true";
         for (const std::string& piece : cut(sent, can)) command += " && cansend vcan0 '" + piece + "'";
@@ -301,7 +306,8 @@ TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
 TEST_F(Can, other_traffic_on_the_bus_is_kept_out_by_the_kernel) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
-    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R8"}) ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
+    for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R8"})
+        ASSERT_EQ(run(std::string{"cansend vcan0 "} + other), 0);
     bus.send(frame(0xDC, 0xFE, 0x03));
     EXPECT_EQ(received(app, 1).size(), 1u);
     EXPECT_EQ(gateway.count("vcan0", "bytes_in"), 8u);
@@ -311,20 +317,24 @@ TEST_F(Can, noise_at_full_rate_harms_nothing) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
     Process full{"cangen vcan0 -g 0 -i -I 6DD -L 8 -D r -n 20000"};
-    Process any_length{"cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no id at random: noise amid a frame of ours costs that frame
+    Process any_length{
+        "cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no id at random: noise amid a frame of ours costs that frame
     const double before = cpu_seconds(RUSAGE_SELF), theirs = cpu_seconds(RUSAGE_CHILDREN);
     std::size_t sent = 0, got = 0;
-    loop.until([&] {
-        if (sent - got < 20) bus.send(frame(0xDC, 0xFE, 0x03, data_of(17))), ++sent;
-        got += app.frames().size();
-        return full.ended() && any_length.ended();
-    }, 120s);
+    loop.until(
+        [&] {
+            if (sent - got < 20) bus.send(frame(0xDC, 0xFE, 0x03, data_of(17))), ++sent;
+            got += app.frames().size();
+            return full.ended() && any_length.ended();
+        },
+        120s);
     EXPECT_TRUE(loop.until([&] { return (got += app.frames().size()) >= sent; }));
     EXPECT_EQ(got, sent);
     EXPECT_GT(sent, 20u);
     const double ours = cpu_seconds(RUSAGE_SELF) - before, noise = cpu_seconds(RUSAGE_CHILDREN) - theirs;
     RecordProperty("cpu_to_noise", std::to_string(ours / noise));
-    EXPECT_LT(ours, 2 * noise) << "the test's own frames included: " << ours << " s beside " << noise << " s of those who make it";
+    EXPECT_LT(ours, 2 * noise) << "the test's own frames included: " << ours << " s beside " << noise
+                               << " s of those who make it";
     EXPECT_TRUE(gateway.up("vcan0"));
     EXPECT_GT(gateway.count("vcan0", "skipped_bytes"), 100'000u);
     EXPECT_EQ(gateway.count("vcan0", "kernel_drops"), 0u);
@@ -372,7 +382,9 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
     };
     const auto waits_for = [&](const char* change, const char* why) {
         EXPECT_EQ(run(change), 0);
-        EXPECT_TRUE(loop.until([&] { return !gateway.up("vcan0") && gateway.link("vcan0")["error"].get<std::string>().find(why) == 0; })) << why;
+        EXPECT_TRUE(loop.until([&] {
+            return !gateway.up("vcan0") && gateway.link("vcan0")["error"].get<std::string>().find(why) == 0;
+        })) << why;
         other.send(frame(0x05, 0xFE, 0x03), gateway.port("other"));
         EXPECT_EQ(received(app, 1).size(), 1u);
         const auto refused = gateway.count("vcan0", "link_down");
@@ -400,7 +412,8 @@ TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {
 }
 
 TEST_F(Can, absent_interfaces_cost_few_wake_ups) {
-    Process daemon{std::string{"exec "} + ANOGATED + " --control none --log-level error can:nocan0 can:nocan1,fd can:nocan2,framing=isotp,tx=1,rx=2"};
+    Process daemon{std::string{"exec "} + ANOGATED +
+                   " --control none --log-level error can:nocan0 can:nocan1,fd can:nocan2,framing=isotp,tx=1,rx=2"};
     const auto wake_ups = [&] {
         std::ifstream status{"/proc/" + std::to_string(daemon.pid()) + "/status"};
         for (std::string word; status >> word;)
@@ -467,13 +480,15 @@ TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
     app.send(frame(0xFE, 0xFF, 0xC0, data_of(11)), near.port("app"));
     std::size_t images = 0;
     bool commanded = false;
-    loop.until([&] {
-        for (const Bytes& f : far.frames()) {
-            if (f[3] == 0xC0) commanded = true;
-            else if (!commanded) ++images;
-        }
-        return commanded;
-    }, 60s);
+    loop.until(
+        [&] {
+            for (const Bytes& f : far.frames()) {
+                if (f[3] == 0xC0) commanded = true;
+                else if (!commanded) ++images;
+            }
+            return commanded;
+        },
+        60s);
     EXPECT_TRUE(commanded);
     EXPECT_GT(near.count("vcan0", "waiting"), 100u) << images << " images came before it";
 }
@@ -569,11 +584,13 @@ TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
         next[sender] += senders;
         ++got;
     };
-    const bool done = loop.until([&] {
-        for (; sent < all && sent - got < window; ++sent) app.send(made(sent), to);
-        for (const Bytes& f : far.frames()) arrived(f);
-        return got >= all || testing::Test::HasFailure();
-    }, 400s);
+    const bool done = loop.until(
+        [&] {
+            for (; sent < all && sent - got < window; ++sent) app.send(made(sent), to);
+            for (const Bytes& f : far.frames()) arrived(f);
+            return got >= all || testing::Test::HasFailure();
+        },
+        400s);
     EXPECT_TRUE(done) << "sent " << sent << ", got " << got;
     EXPECT_EQ(b.count("vcan0", "frames_in"), all);
     EXPECT_EQ(b.count("vcan0", "skipped_bytes"), 0u);
@@ -610,7 +627,8 @@ TEST_F(Can, isotp_one_frame_one_pdu_from_and_to_the_tools) {
             EXPECT_TRUE(loop.until([&] {
                 got += receiver.read();
                 return got.find('\n') != std::string::npos;
-            })) << size << fd;
+            })) << size
+                << fd;
             std::string digits;
             for (const char c : got)
                 if (c != ' ' && c != '\n') digits += c;
@@ -690,7 +708,8 @@ TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
     ASSERT_EQ(run("echo 'install can-isotp /bin/false' >/etc/modprobe.d/no-isotp.conf"), 0);
     ASSERT_TRUE(loop.until([] { return run("rmmod can-isotp 2>/dev/null") == 0; })) << "sockets of earlier tests close late";
     UdpApp other;
-    RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
+    RunningGateway gateway{loop,
+                           {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
     EXPECT_EQ(gateway.link("vcan0")["state"], "waiting");
     EXPECT_EQ(gateway.link("vcan0")["error"], "this kernel has no ISO-TP (module can-isotp)");
     EXPECT_TRUE(gateway.up("stream"));

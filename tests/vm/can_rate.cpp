@@ -4,7 +4,8 @@
 #include <cstdio>
 
 int main() {
-    std::printf("| DATA | framing | 500 kbit/s | 1 Mbit/s | FD 500 kbit/s / 2 Mbit/s | FD 1 / 5 Mbit/s |\n|---|---|---|---|---|---|\n");
+    std::printf(
+        "| DATA | framing | 500 kbit/s | 1 Mbit/s | FD 500 kbit/s / 2 Mbit/s | FD 1 / 5 Mbit/s |\n|---|---|---|---|---|---|\n");
     for (const std::size_t data : {4u, 13u, 50u, 200u}) {
         for (const bool isotp : {false, true}) {
             std::printf("| %zu | %s |", data, isotp ? "isotp" : "stream");

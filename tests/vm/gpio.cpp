@@ -103,8 +103,9 @@ const Bytes command = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 TEST_F(Gpio, link_up_is_on_while_the_link_is_up) {
     GpioSim sim{"a", 4};
     const std::string links = "{\"kind\": \"serial\", \"device\": \"" + (dir / "port") + "\", \"name\": \"fc\"}";
-    GpioGateway gateway{loop, links, line(sim, 0, R"("use": "link_up", "link": "fc")") + "," +
-                                         line(sim, 1, R"("use": "link_up", "link": "fc", "active_low": true)")};
+    GpioGateway gateway{loop, links,
+                        line(sim, 0, R"("use": "link_up", "link": "fc")") + "," +
+                            line(sim, 1, R"("use": "link_up", "link": "fc", "active_low": true)")};
     EXPECT_FALSE(sim.level(0));
     EXPECT_TRUE(sim.level(1)) << "active low: off is high";
     EXPECT_EQ(gateway.gpio()["value"], false);
@@ -150,7 +151,8 @@ TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
     EXPECT_TRUE(becomes(sim, 0, false));
     const std::uint64_t sent = gateway.gpio()["edges"];
     other.send(frame(0xDC, 0xFF, 0x03, Bytes(7)), gateway.port("other"));
-    EXPECT_TRUE(loop.until([&] { return gateway.gpio()["edges"] > sent; })) << "what leaves by the link is traffic too" << gateway.status();
+    EXPECT_TRUE(loop.until([&] { return gateway.gpio()["edges"] > sent; }))
+        << "what leaves by the link is traffic too" << gateway.status();
 }
 
 TEST_F(Gpio, power_is_on_from_the_start_and_cycled_when_asked) {
@@ -240,7 +242,8 @@ TEST_F(Gpio, inhibit_keeps_control_frames_off_and_lets_the_rest_pass) {
 
 TEST_F(Gpio, inhibit_can_be_active_low_with_a_pull_up) {
     GpioSim sim{"a", 4};
-    GpioGateway gateway{loop, udp("ground"), line(sim, 1, R"("use": "inhibit", "links": ["ground"], "bias": "pull_up", "active_low": true)")};
+    GpioGateway gateway{loop, udp("ground"),
+                        line(sim, 1, R"("use": "inhibit", "links": ["ground"], "bias": "pull_up", "active_low": true)")};
     EXPECT_TRUE(sim.pulled_up(1)) << "the chip's own resistor";
     EXPECT_EQ(gateway.gpio()["inhibiting"], false) << "an open switch";
     sim.pull(1, false);
@@ -316,7 +319,8 @@ TEST_F(Gpio, inhibit_counts_as_active_while_its_chip_is_gone) {
     EXPECT_EQ(received(fc, 1), 1u);
     for (int turn = 0; turn < 3; ++turn) {
         sim.unplug();
-        EXPECT_TRUE(loop.until([&] { return gateway.gpio()["state"] == "waiting"; })) << "nobody asks the line: the chip's going tells";
+        EXPECT_TRUE(loop.until([&] { return gateway.gpio()["state"] == "waiting"; }))
+            << "nobody asks the line: the chip's going tells";
         EXPECT_EQ(gateway.gpio()["inhibiting"], true);
         EXPECT_EQ(gateway.gpio()["value"], nullptr);
         EXPECT_EQ(gateway.gpio()["chip"], sim.label());
@@ -377,8 +381,10 @@ TEST_F(Gpio, a_line_is_found_by_name_on_any_chip_and_a_chip_by_path_or_label) {
     GpioSim first{"a", 2}, second{"b", 4, {{3, "ACT_LED"}}};
     GpioGateway gateway{loop, udp("ground"),
                         R"({"line": "ACT_LED", "use": "link_up", "link": "ground"},
-                           {"chip": "/dev/)" + first.chip() + R"(", "line": 0, "use": "link_up", "link": "ground"},
-                           {"chip": ")" + second.label() + R"(", "line": 1, "use": "link_up", "link": "ground"})"};
+                           {"chip": "/dev/)" +
+                            first.chip() + R"(", "line": 0, "use": "link_up", "link": "ground"},
+                           {"chip": ")" +
+                            second.label() + R"(", "line": 1, "use": "link_up", "link": "ground"})"};
     EXPECT_TRUE(second.level(3));
     EXPECT_TRUE(first.level(0));
     EXPECT_TRUE(second.level(1));
@@ -394,7 +400,8 @@ TEST_F(Gpio, a_line_that_can_not_be_had_says_so_and_is_waited_for) {
     const std::string absent = later->chip();
     later.reset();
     GpioGateway gateway{loop, udp("ground"),
-                        line(sim, 1, R"("use": "link_up", "link": "ground")") + "," + line(sim, 9, R"("use": "link_up", "link": "ground")") +
+                        line(sim, 1, R"("use": "link_up", "link": "ground")") + "," +
+                            line(sim, 9, R"("use": "link_up", "link": "ground")") +
                             R"(,{"chip": "sim-b", "line": 0, "use": "power"}, {"line": "NOBODYS", "use": "power"})"};
     EXPECT_EQ(gateway.gpio(0)["error"], sim.chip() + " line 1 (LAMP) is in use by the-kernel");
     EXPECT_EQ(gateway.gpio(1)["error"], sim.chip() + " has lines 0 to 3, not 9");
@@ -454,7 +461,8 @@ TEST_F(Gpio, outputs_have_their_value_again_when_the_chip_is_back) {
 TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
     GpioSim sim{"a", 2};
     const std::string chip = "{\"chip\": \"" + sim.label() + "\", ";
-    GpioGateway gateway{loop, udp("fc"), chip + R"("line": 0, "use": "reset", "link": "fc"}, )" + chip + R"("line": 1, "use": "power"})"};
+    GpioGateway gateway{loop, udp("fc"),
+                        chip + R"("line": 0, "use": "reset", "link": "fc"}, )" + chip + R"("line": 1, "use": "power"})"};
     sim.unplug();    // the gateway has not noticed yet
     const auto reset = gateway.post(R"({"use": "reset"})"), power = gateway.post(R"({"use": "power"})");
     EXPECT_EQ(reset.status, 409u) << reset.body;
@@ -472,7 +480,8 @@ TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
 TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
     GpioSim sim{"a", 4};
     GpioGateway gateway{loop, udp("fc") + "," + udp("radio"),
-                        line(sim, 0, R"("use": "reset", "link": "fc")") + "," + line(sim, 1, R"("use": "power", "link": "radio")") + "," +
+                        line(sim, 0, R"("use": "reset", "link": "fc")") + "," +
+                            line(sim, 1, R"("use": "power", "link": "radio")") + "," +
                             line(sim, 2, R"("use": "link_up", "link": "fc")")};
     const auto answer = [&](const std::string& body) {
         const auto reply = gateway.post(body);
@@ -485,7 +494,8 @@ TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
     EXPECT_EQ(answer("{").substr(0, 4), "400 ");
     EXPECT_EQ(answer(R"({"link": "fd"})"), "404 no GPIO line fits; GET /status lists them under gpio");
     EXPECT_EQ(answer(R"({"line": 2})"), "400 only reset and power lines can be asked to do something");
-    EXPECT_EQ(answer(R"({"link": "radio", "action": "pulse"})"), "400 the action of a reset is pulse, of power cycle, not 'pulse'");
+    EXPECT_EQ(answer(R"({"link": "radio", "action": "pulse"})"),
+              "400 the action of a reset is pulse, of power cycle, not 'pulse'");
     EXPECT_FALSE(sim.level(0));
     EXPECT_TRUE(sim.level(1));
     EXPECT_EQ(answer(R"({"link": "fc"})"), "200 ") << "one that can act";
@@ -512,7 +522,8 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
             const ssize_t n = ::read(far >= 0 ? far : pty.fd(), bytes.data(), bytes.size());
             return n > 0 ? static_cast<std::size_t>(n) : 0;
         };
-        GpioGateway gateway{loop, "{\"kind\": \"serial\", \"device\": \"" + port + R"(", "baud": 115200, "name": "bus"},)" + udp("app"),
+        GpioGateway gateway{loop,
+                            "{\"kind\": \"serial\", \"device\": \"" + port + R"(", "baud": 115200, "name": "bus"},)" + udp("app"),
                             line(sim, 0, R"("use": "rs485", "link": "bus")")};
         ASSERT_TRUE(loop.until([&] { return gateway.link("bus")["state"] == "up"; })) << gateway.link("bus");
         EXPECT_EQ(gateway.link("bus")["rs485"], "by a GPIO line") << "neither a pty nor a plain 16550 can do it by itself";
@@ -524,10 +535,12 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
             app.send(bytes, gateway.port("app"));
             expected += bytes.size();
             // One event after the other: it is turned by one, and back by another.
-            ASSERT_TRUE(support::wait_until([&] { return sim.level(0); }, 10s, [&] {
-                loop.io.restart();
-                loop.io.run_one_for(2ms);
-            })) << port << " " << turn;
+            ASSERT_TRUE(support::wait_until([&] { return sim.level(0); }, 10s,
+                                            [&] {
+                                                loop.io.restart();
+                                                loop.io.run_one_for(2ms);
+                                            }))
+                << port << " " << turn;
             ASSERT_TRUE(becomes(sim, 0, false)) << port << " " << turn;
             if (far < 0) continue;
             // All is out when the line goes back: what the far end has not read yet, it has.
@@ -539,9 +552,13 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
         EXPECT_TRUE(loop.until([&] {
             far_bytes();
             const json bus = gateway.link("bus");
-            return bus["frames_out"].get<int>() + bus["superseded"].get<int>() == 70;    // newer ones take their place in a slow line
+            return bus["frames_out"].get<int>() + bus["superseded"].get<int>() ==
+                   70;    // newer ones take their place in a slow line
         })) << gateway.link("bus");
-        EXPECT_TRUE(loop.until([&] { far_bytes(); return !sim.level(0); }));
+        EXPECT_TRUE(loop.until([&] {
+            far_bytes();
+            return !sim.level(0);
+        }));
         gateway.stop();
         EXPECT_FALSE(sim.level(0));
         if (far >= 0) ::close(far);

@@ -13,7 +13,8 @@ namespace support {
 class GpioSim {
 public:
     /// `names` of lines; `hogs`: lines that the kernel holds, by whom.
-    GpioSim(std::string name, int lines, const std::map<int, std::string>& names = {}, const std::map<int, std::string>& hogs = {})
+    GpioSim(std::string name, int lines, const std::map<int, std::string>& names = {},
+            const std::map<int, std::string>& hogs = {})
         : folder_{"/sys/kernel/config/gpio-sim/" + std::move(name)} {
         std::filesystem::create_directories(bank());
         write(bank() + "/num_lines", std::to_string(lines));

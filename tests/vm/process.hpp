@@ -1,11 +1,11 @@
 // Other programs beside the test: started, read, ended with it.
 #pragma once
-#include <csignal>
 #include <poll.h>
-#include <string>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
+#include <string>
 
 namespace support {
 

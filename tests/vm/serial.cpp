@@ -93,7 +93,8 @@ TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
     const std::uint16_t to = gateway.port("app");
     for (std::uint8_t turn = 0; turn < 10; ++turn) {
         ASSERT_EQ(run("modprobe g_serial"), 0);
-        ASSERT_TRUE(loop.until([&] { return std::filesystem::exists("/dev/ttyGS0") && gateway.up("ttyACM0"); })) << int{turn} << gateway.link("ttyACM0");
+        ASSERT_TRUE(loop.until([&] { return std::filesystem::exists("/dev/ttyGS0") && gateway.up("ttyACM0"); }))
+            << int{turn} << gateway.link("ttyACM0");
         {
             Device device{"/dev/ttyGS0"};
             ASSERT_GE(device.fd(), 0);
@@ -160,8 +161,7 @@ TEST_F(Serial, modem_lines_are_held_as_told) {
         ASSERT_TRUE(gateway.up("ttyS1")) << gateway.link("ttyS1")["error"];
         std::ifstream ports{"/proc/tty/driver/serial"};    // to open the port would raise them
         std::string port;
-        while (std::getline(ports, port) && !port.starts_with("1:")) {
-        }
+        while (std::getline(ports, port) && !port.starts_with("1:")) {}
         EXPECT_EQ(port.find("DTR") != port.npos, on) << port;
         EXPECT_EQ(port.find("RTS") != port.npos, on) << port;
     }
@@ -172,9 +172,10 @@ TEST_F(Serial, no_other_user_opens_a_port_that_is_ours_and_any_may_when_we_are_g
     ASSERT_EQ(run("chmod 666 /dev/ttyS1"), 0);
     const auto open_as_nobody = [] {
         return support::Child{[] {
-            if (!support::become_nobody()) return 1;
-            return ::open("/dev/ttyS1", O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
-        }}.wait();
+                   if (!support::become_nobody()) return 1;
+                   return ::open("/dev/ttyS1", O_RDWR | O_NOCTTY | O_NONBLOCK) >= 0 ? 0 : errno;
+               }}
+            .wait();
     };
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);

@@ -36,8 +36,8 @@ public:
     }
     void send(const Bytes& frame, std::uint16_t to) {
         const sockaddr_in there = loopback(to);
-        while (::sendto(fd_, frame.data(), frame.size(), 0, reinterpret_cast<const sockaddr*>(&there), sizeof there) < 0 && errno == EAGAIN) {
-        }
+        while (::sendto(fd_, frame.data(), frame.size(), 0, reinterpret_cast<const sockaddr*>(&there), sizeof there) < 0 &&
+               errno == EAGAIN) {}
     }
     /// The frames that have come since the last call.
     std::vector<Bytes> frames() {

@@ -76,7 +76,8 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     for (const CLI::Option* known : command.get_options())
         for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
     const std::string name = option->substr(0, option->find('='));
-    return "there is no option " + ano::in_quotes(name) + ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
+    return "there is no option " + ano::in_quotes(name) +
+           ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
 }
 
 }    // namespace
@@ -127,7 +128,8 @@ int run(int argc, const char* const* given, Streams& streams) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
         // --id and its like take every word behind them, the link too.
-        const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options" : "NAME is missing";
+        const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options"
+                                                                  : "NAME is missing";
         complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : missing, usage);
         streams.err << "Run with --help for more information.\n";
         return usage;

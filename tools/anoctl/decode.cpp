@@ -83,7 +83,9 @@ public:
         gap_until(end);
         if (parser_.counters().frames_in == 0 && end == 0) complain() << "no bytes\n";
         if (parser_.counters().frames_in == 0 && !no_hex_.empty())
-            complain() << no_hex_ << " is no hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
+            complain()
+                << no_hex_
+                << " is no hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
         return damaged_ || parser_.counters().frames_in == 0 ? failed : fine;
     }
 
@@ -181,7 +183,7 @@ private:
     bool damaged_ = false;
     std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, those that are not told yet among them
     std::uint64_t kept_at_ = 0;
-    std::string no_hex_;        // where text was read as bytes
+    std::string no_hex_;    // where text was read as bytes
 };
 
 struct Decode {
@@ -194,8 +196,7 @@ struct Decode {
         for (const std::string& word : input) joined += word + " ";
         const bool from_stdin = input.empty() || (input.size() == 1 && input[0] == "-");
         if (from_stdin) {
-            if (input.empty() && streams.in_is_terminal)
-                throw UsageError{"give hex digits, a file, or - for standard input"};
+            if (input.empty() && streams.in_is_terminal) throw UsageError{"give hex digits, a file, or - for standard input"};
             decoder.read_all(streams.in, "standard input");
         } else if (const auto bytes = from_hex_text(joined)) {
             decoder.put_in(*bytes);
@@ -225,10 +226,8 @@ private:
         for (const std::string& word : input) {
             char last = 0;
             for (const char c : word) {
-                if (std::isxdigit(static_cast<unsigned char>(c)))
-                    ++digits;
-                else if ((c == 'x' || c == 'X') && last == '0')
-                    --digits;    // the 0 of 0x
+                if (std::isxdigit(static_cast<unsigned char>(c))) ++digits;
+                else if ((c == 'x' || c == 'X') && last == '0') --digits;    // the 0 of 0x
                 else if (!std::isspace(static_cast<unsigned char>(c)) && c != ',')
                     return input.size() > 1 || errno == ENOENT ? in_quotes(word) + neither(word, c)
                                                                : in_quotes(word) + ": " + std::strerror(errno);

@@ -12,10 +12,8 @@ using namespace ano;
 
 Json describe(const Field& f) {
     Json json{{"name", f.name}, {"type", name_of(f.type)}};
-    if (f.is_open())
-        json["count"] = nullptr;
-    else if (f.count != 1)
-        json["count"] = f.count;
+    if (f.is_open()) json["count"] = nullptr;
+    else if (f.count != 1) json["count"] = f.count;
     json["offset"] = f.offset;
     if (is_number(f.type)) json["scale"] = f.scale.factor();
     if (!f.unit.empty()) json["unit"] = f.unit;

@@ -82,10 +82,8 @@ void write_details(std::ostream& out, const Message& row, bool color) {
     std::vector<Line> lines{{"field", "type", "unit", "range", "values"}};
     for (const Field& f : row.fields()) lines.push_back(line_of(f, ""));
     for (const Field& f : row.element()) lines.push_back(line_of(f, "  "));
-    if (lines.size() == 1)
-        out << "    as configured\n";
-    else
-        write_columns(out, lines);
+    if (lines.size() == 1) out << "    as configured\n";
+    else write_columns(out, lines);
 }
 
 }    // namespace anoctl

@@ -104,8 +104,7 @@ struct Encode {
 private:
     // What `decode --json` prints: one object a line.
     int encode_lines(Streams& streams, const JsonOptions& options) const {
-        if (!fields.empty() || data)
-            throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
+        if (!fields.empty() || data) throw UsageError{"with -, frames come from standard input: no FIELD=VALUE, no --data"};
         Lines lines{streams.in};
         for (std::string line; streams.out && lines.next(line);) {
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -174,8 +173,7 @@ private:
 
 Run add_encode(CLI::App& options) {
     const auto self = std::make_shared<Encode>();
-    options
-        .add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
+    options.add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
         ->required()
         ->option_text("NAME");
     options

@@ -63,9 +63,7 @@ std::string shown(const Json& given, const Field* field) {
     return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : shown(value);
 }
 
-const Field* field_of(const Reading& reading, const std::string& name) {
-    return reading.field(name);
-}
+const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
 
 // " (airborne)", or nothing; of the types of a command's values, those that it has.
 std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) {
@@ -105,18 +103,20 @@ void FrameOptions::add(CLI::App& options, FrameOptions& self) {
             throw CLI::ValidationError{"--encoding", in_quotes(word) + " is neither utf8 nor gbk"};
         self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
     };
-    options.add_option_function<std::string>("--encoding", read_encoding,
-                                             "What text on the wire is written in (default: read as UTF-8, as GBK "
-                                             "where it is not UTF-8; written as UTF-8)")
+    options
+        .add_option_function<std::string>("--encoding", read_encoding,
+                                          "What text on the wire is written in (default: read as UTF-8, as GBK "
+                                          "where it is not UTF-8; written as UTF-8)")
         ->option_text("utf8|gbk");
     const auto read_value_type = [&self](const std::string& word) {
         if (word != "f32" && word != "u64")
             throw CLI::ValidationError{"--value-type-7", in_quotes(word) + " is neither f32 nor u64"};
         self.value_type_7 = word == "u64" ? ValueType7::u64 : ValueType7::f32;
     };
-    options.add_option_function<std::string>("--value-type-7", read_value_type,
-                                             "What 7 is among the types of a command's values: f32 (default), or u64 "
-                                             "as on current devices")
+    options
+        .add_option_function<std::string>("--value-type-7", read_value_type,
+                                          "What 7 is among the types of a command's values: f32 (default), or u64 "
+                                          "as on current devices")
         ->option_text("f32|u64");
     options.add_option("--config", self.config, "A gateway's configuration, for its layouts of flexible messages")
         ->option_text("FILE");
@@ -155,17 +155,15 @@ void FramePrinter::print(FrameView frame, const std::string& link, double time) 
         return;
     }
     if (!link.empty()) streams_.out << colored(dim, clock_text(time)) << ' ' << link << ' ';
-    if (streams_.terminal)
-        columns(frame, json);
-    else
-        plain(frame, json);
+    if (streams_.terminal) columns(frame, json);
+    else plain(frame, json);
 }
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: what stands behind the id is what `encode` takes.
 void FramePrinter::plain(FrameView frame, const Json& json) {
     const Reading reading = read(frame, &layouts_);
-    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id())
-                 << ' ' << json.value("name", "-");
+    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
+                 << json.value("name", "-");
     if (json.contains("fields"))
         for (const auto& [name, value] : json["fields"].items())
             streams_.out << ' ' << name << '=' << shown(value, field_of(reading, name));

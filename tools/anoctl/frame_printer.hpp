@@ -14,9 +14,9 @@ namespace anoctl {
 /// The options of every subcommand that shows or makes frames.
 struct FrameOptions {
     bool json = false;
-    std::optional<ano::Encoding> encoding;           // automatic when nobody says
-    std::optional<ano::ValueType7> value_type_7;     // f32 when nobody says
-    std::string config;    // where the layouts of flexible messages come from
+    std::optional<ano::Encoding> encoding;          // automatic when nobody says
+    std::optional<ano::ValueType7> value_type_7;    // f32 when nobody says
+    std::string config;                             // where the layouts of flexible messages come from
 
     /// `self` lives as long as the run.
     static void add(CLI::App& options, FrameOptions& self);
@@ -24,8 +24,7 @@ struct FrameOptions {
     ano::FlexibleLayouts layouts() const;
     /// For frames; `layouts` lives as long.
     ano::JsonOptions json_options(const ano::FlexibleLayouts& layouts) const {
-        return {&layouts, encoding.value_or(ano::Encoding::automatic),
-                value_type_7.value_or(ano::ValueType7::f32)};
+        return {&layouts, encoding.value_or(ano::Encoding::automatic), value_type_7.value_or(ano::ValueType7::f32)};
     }
 };
 

@@ -106,7 +106,8 @@ std::span<const std::uint8_t> BytesOrText::finish() {
 
 std::span<const std::uint8_t> BytesOrText::all_raw() {
     kind_ = Kind::raw;
-    if (!held_.empty() && held_.front() != ano::head && std::all_of(held_.begin(), held_.end(), is_of_text)) raw_line_ = text_.line();
+    if (!held_.empty() && held_.front() != ano::head && std::all_of(held_.begin(), held_.end(), is_of_text))
+        raw_line_ = text_.line();
     return held_;
 }
 

@@ -24,10 +24,10 @@ private:
     bool read(char c, std::vector<std::uint8_t>& bytes);
     bool end_word(std::vector<std::uint8_t>& bytes);
 
-    std::size_t mark_ = 0;    // how much of the UTF-8 byte order mark was read, which may stand first
-    int high_ = -1;           // a digit that waits for its second; -1: none
-    std::size_t digits_ = 0;  // of this word
-    bool prefixed_ = false;   // this word began with 0x
+    std::size_t mark_ = 0;      // how much of the UTF-8 byte order mark was read, which may stand first
+    int high_ = -1;             // a digit that waits for its second; -1: none
+    std::size_t digits_ = 0;    // of this word
+    bool prefixed_ = false;     // this word began with 0x
     std::size_t line_ = 1;
 };
 

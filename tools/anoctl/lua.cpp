@@ -248,12 +248,10 @@ std::string lua_text(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\')
-            out += {'\\', c};
+        if (c == '"' || c == '\\') out += {'\\', c};
         else if (byte < 0x20 || byte == 0x7F)
             out += "\\x" + std::string{"0123456789ABCDEF"[byte >> 4], "0123456789ABCDEF"[byte & 15]};
-        else
-            out += c;
+        else out += c;
     }
     return out + '"';
 }
@@ -263,18 +261,16 @@ std::string filter_part(std::string_view name, std::size_t position) {
     std::string out;
     for (const char c : name) {
         const bool ok = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-        if (ok)
-            out += c;
-        else if (c >= 'A' && c <= 'Z')
-            out += static_cast<char>(c - 'A' + 'a');
+        if (ok) out += c;
+        else if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
     }
     return out.size() == name.size() ? out : "value" + std::to_string(position);
 }
 
 void write_field(std::ostream& out, const Field& f, const std::string& filter) {
-    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \""
-        << name_of(f.type) << "\", count = " << f.count << ", offset = " << f.offset
-        << ", wire = " << number_text(f.scale.wire) << ", value = " << number_text(f.scale.value);
+    out << "        {name = " << lua_text(f.name) << ", filter = " << lua_text(filter) << ", type = \"" << name_of(f.type)
+        << "\", count = " << f.count << ", offset = " << f.offset << ", wire = " << number_text(f.scale.wire)
+        << ", value = " << number_text(f.scale.value);
     if (!f.unit.empty()) out << ", unit = " << lua_text(f.unit);
     if (f.no_data) out << ", no_data = " << *f.no_data;
     if (f.range) out << ", least = " << number_text(f.range.first) << ", most = " << number_text(f.range.last);
@@ -298,8 +294,8 @@ void write_row(std::ostream& out, const Message& row) {
     std::string prefix = "ano." + std::string{row.name};
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
-        << ", length = " << row.variant.length << ", size = " << row.fixed_size
-        << (row.variant.by_look ? ", by_look = true" : "") << ", fields = {\n";
+        << ", length = " << row.variant.length << ", size = " << row.fixed_size << (row.variant.by_look ? ", by_look = true" : "")
+        << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {

@@ -50,8 +50,8 @@ std::string remark(const Field& f) {
 
 void write_fields(std::ostream& out, std::span<const Field> fields, const std::string& base) {
     for (const Field& f : fields)
-        out << "| " << base << f.offset << " | `" << f.name << "` | " << type_text(f) << " | " << scale_text(f) << " | "
-            << f.unit << " | " << remark(f) << " |\n";
+        out << "| " << base << f.offset << " | `" << f.name << "` | " << type_text(f) << " | " << scale_text(f) << " | " << f.unit
+            << " | " << remark(f) << " |\n";
 }
 
 void write_layout(std::ostream& out, const Message& row) {

@@ -21,9 +21,8 @@ using namespace ano;
 
 void write_row(std::ostream& out, const Message& row, bool color) {
     std::array<char, 64> start{};
-    std::snprintf(start.data(), start.size(), "0x%02X %-16.*s %-9.*s", row.id, static_cast<int>(row.name.size()),
-                  row.name.data(), static_cast<int>(name_of(row.traffic.traffic_class).size()),
-                  name_of(row.traffic.traffic_class).data());
+    std::snprintf(start.data(), start.size(), "0x%02X %-16.*s %-9.*s", row.id, static_cast<int>(row.name.size()), row.name.data(),
+                  static_cast<int>(name_of(row.traffic.traffic_class).size()), name_of(row.traffic.traffic_class).data());
     out << start.data() << ' ' << row.title << (color ? "\x1b[2m" : "") << ':';
     for (const Field& f : row.fields()) out << ' ' << f.name;
     if (row.fields().empty()) out << " as configured";
@@ -38,18 +37,13 @@ struct Messages {
     int run(Streams& streams) const {
         FrameOptions options;
         options.config = config;
-        if (markdown)
-            write_markdown(streams.out);
-        else if (lua)
-            write_lua(streams.out, options.layouts());
+        if (markdown) write_markdown(streams.out);
+        else if (lua) write_lua(streams.out, options.layouts());
         else
             for (const Message& row : chosen()) {
-                if (json)
-                    streams.out << describe(row).dump() << '\n';
-                else if (!names.empty())
-                    write_details(streams.out, row, streams.color);
-                else
-                    write_row(streams.out, row, streams.color);
+                if (json) streams.out << describe(row).dump() << '\n';
+                else if (!names.empty()) write_details(streams.out, row, streams.color);
+                else write_row(streams.out, row, streams.color);
             }
         return fine;
     }
@@ -71,7 +65,8 @@ private:
 
 Run add_messages(CLI::App& options) {
     const auto self = std::make_shared<Messages>();
-    options.add_option("names", self->names, "These messages, by name or id: types, units, ranges and values of their fields")->option_text("[NAME...]");
+    options.add_option("names", self->names, "These messages, by name or id: types, units, ranges and values of their fields")
+        ->option_text("[NAME...]");
     auto* markdown = options.add_flag("--markdown", self->markdown, "The protocol reference");
     auto* json = options.add_flag("--json", self->json, "One JSON object a layout, one a line");
     auto* lua = options.add_flag("--lua", self->lua, "A Wireshark dissector: tshark -X lua_script:FILE");

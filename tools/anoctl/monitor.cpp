@@ -31,17 +31,19 @@ using namespace anogate;
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Duration look_every = std::chrono::seconds{3};
-constexpr char only_listens[] = "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
+constexpr char only_listens[] =
+    "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
 
-constexpr char how_to_watch[] = "; to watch one that runs, give it one more link, udp:127.0.0.1:6670,name=watch, and --route 0xFE=watch "
-                               "(and one for every link with a host), and start anoctl monitor udp-listen:127.0.0.1:6670";
+constexpr char how_to_watch[] =
+    "; to watch one that runs, give it one more link, udp:127.0.0.1:6670,name=watch, and --route 0xFE=watch "
+    "(and one for every link with a host), and start anoctl monitor udp-listen:127.0.0.1:6670";
 
 using IdSet = std::bitset<256>;
 
 // Keys of a link that say what is sent, or what a gateway does with what came.
 bool matters_to_a_listener(std::string_view key) {
-    constexpr std::string_view others[]{"id",    "hello", "flood",   "broadcast", "group", "present_as",   "queue",    "rate",
-                                        "pace",  "latency", "pack", "mtu",       "trusted", "max_data_out", "required"};
+    constexpr std::string_view others[]{"id",   "hello",   "flood", "broadcast", "group",   "present_as",   "queue",   "rate",
+                                        "pace", "latency", "pack",  "mtu",       "trusted", "max_data_out", "required"};
     constexpr std::string_view groups[]{"send.", "receive.", "limit.", "age."};
     return std::find(std::begin(others), std::end(others), key) == std::end(others) &&
            std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
@@ -61,16 +63,13 @@ std::string idle_keys(std::string_view link) {
 struct Filter {
     IdSet ids, from, to;
 
-    bool takes(ano::FrameView frame) const {
-        return ids[frame.id()] && from[frame.source()] && to[frame.destination()];
-    }
+    bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
 };
 
 /// The one link's gateway: shows what it receives, sends nothing.
 class Monitor final : public LinkHost {
 public:
-    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams,
-            const FrameOptions& frames)
+    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
         : filter_{filter},
           left_{count},
           streams_{streams},
@@ -245,7 +244,8 @@ struct MonitorOptions {
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
         const LinkSettings settings = link_settings();
         if (const std::string idle = idle_keys(link); !idle.empty())
-            streams.err << "anoctl: of no effect here: " << idle << ". monitor only listens; --id, --from and --to choose what is shown\n";
+            streams.err << "anoctl: of no effect here: " << idle
+                        << ". monitor only listens; --id, --from and --to choose what is shown\n";
         return Monitor{settings, filter, count, streams, as_said_of(settings)}.run();
     }
 
@@ -290,9 +290,7 @@ private:
 
 Run add_monitor(CLI::App& options) {
     const auto self = std::make_shared<MonitorOptions>();
-    options
-        .add_option("link", self->link,
-                    "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
+    options.add_option("link", self->link, "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
         ->required()
         ->option_text("LINK");
     options.add_option("--id", self->ids, "Only these messages, by name or id")->option_text("ID...");
@@ -305,8 +303,7 @@ Run add_monitor(CLI::App& options) {
             throw CLI::ValidationError{"--count", ano::in_quotes(word) + " is not a number of frames, 1 or more"};
         self->count = *count;
     };
-    options.add_option_function<std::string>("--count", read_count, "Ends after so many frames were shown")
-        ->option_text("N");
+    options.add_option_function<std::string>("--count", read_count, "Ends after so many frames were shown")->option_text("N");
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -8,9 +8,7 @@ using support::Bytes;
 
 namespace {
 
-void note(Heard& heard, const Bytes& bytes) {
-    heard.note(ano::FrameView{bytes});
-}
+void note(Heard& heard, const Bytes& bytes) { heard.note(ano::FrameView{bytes}); }
 
 bool credible(const Heard& heard, std::uint8_t source, std::uint8_t id, std::size_t length, std::uint8_t first = 0) {
     const std::uint8_t begin[]{
@@ -20,12 +18,12 @@ bool credible(const Heard& heard, std::uint8_t source, std::uint8_t id, std::siz
 
 TEST(Heard, knows_which_ids_are_of_free_length) {
     const auto listed_as_free = [](unsigned id) {
-        return id == 0xA0 || id == 0xA1 || (id >= 0xB0 && id <= 0xB2) || (id >= 0xF0 && id <= 0xFB) || id == 0xC0 ||
-               id == 0xC2 || (id >= 0xE1 && id <= 0xE3);
+        return id == 0xA0 || id == 0xA1 || (id >= 0xB0 && id <= 0xB2) || (id >= 0xF0 && id <= 0xFB) || id == 0xC0 || id == 0xC2 ||
+               (id >= 0xE1 && id <= 0xE3);
     };
     const auto listed_as_fixed = [](unsigned id) {
-        return id <= 0x0F || id == 0x20 || id == 0x21 || (id >= 0x30 && id <= 0x35) || id == 0x40 || id == 0x41 ||
-               id == 0x51 || id == 0x60 || id == 0x61 || id == 0xC1 || id == 0xE0;
+        return id <= 0x0F || id == 0x20 || id == 0x21 || (id >= 0x30 && id <= 0x35) || id == 0x40 || id == 0x41 || id == 0x51 ||
+               id == 0x60 || id == 0x61 || id == 0xC1 || id == 0xE0;
     };
     for (unsigned id = 0; id < 256; ++id) {
         EXPECT_FALSE(listed_as_free(id) && listed_as_fixed(id));

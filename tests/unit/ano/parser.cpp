@@ -85,12 +85,8 @@ Bytes header(std::size_t length, std::uint8_t source = 0xDC, std::uint8_t id = 0
     return {ano::head, source, 0xFE, id, static_cast<std::uint8_t>(length), static_cast<std::uint8_t>(length >> 8)};
 }
 
-Bytes begin_of(const Bytes& bytes, std::size_t n) {
-    return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)};
-}
-Bytes rest_of(const Bytes& bytes, std::size_t n) {
-    return {bytes.begin() + static_cast<std::ptrdiff_t>(n), bytes.end()};
-}
+Bytes begin_of(const Bytes& bytes, std::size_t n) { return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)}; }
+Bytes rest_of(const Bytes& bytes, std::size_t n) { return {bytes.begin() + static_cast<std::ptrdiff_t>(n), bytes.end()}; }
 
 // What a datagram may hold of a frame that carries two frames: the beginning, both inner frames included.
 struct Tunnel {
@@ -103,13 +99,13 @@ struct Tunnel {
 // --- What a frame is
 
 TEST(FrameParser, passes_the_vendors_bytes_unchanged) {
-    const Frames vendor{{0xAB, 0xFE, 0xFF, 0xE0, 0x03, 0x00, 0x00, 0x00, 0x00, 0x8B, 0x3B},
-                        {0xAB, 0xDB, 0xFE, 0xE3, 0x0F, 0x00, 0xDB, 0x64, 0x00, 0x64, 0x00, 0x00,
-                         0x00, 0x20, 0x03, 0x41, 0x6E, 0x6F, 0x4D, 0x43, 0x55, 0x3F, 0x2E},
-                        {0xAB, 0xFE, 0xDB, 0xE1, 0x03, 0x00, 0x00, 0x00, 0xFA, 0x62, 0x3F},
-                        {0xAB, 0xDB, 0xFE, 0x00, 0x03, 0x00, 0xE1, 0x62, 0x3F, 0x09, 0x82},
-                        {0xAB, 0xFE, 0xBA, 0xC0, 0x0B, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-                         0x00, 0x2F, 0x3B}};
+    const Frames vendor{
+        {0xAB, 0xFE, 0xFF, 0xE0, 0x03, 0x00, 0x00, 0x00, 0x00, 0x8B, 0x3B},
+        {0xAB, 0xDB, 0xFE, 0xE3, 0x0F, 0x00, 0xDB, 0x64, 0x00, 0x64, 0x00, 0x00,
+         0x00, 0x20, 0x03, 0x41, 0x6E, 0x6F, 0x4D, 0x43, 0x55, 0x3F, 0x2E},
+        {0xAB, 0xFE, 0xDB, 0xE1, 0x03, 0x00, 0x00, 0x00, 0xFA, 0x62, 0x3F},
+        {0xAB, 0xDB, 0xFE, 0x00, 0x03, 0x00, 0xE1, 0x62, 0x3F, 0x09, 0x82},
+        {0xAB, 0xFE, 0xBA, 0xC0, 0x0B, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x2F, 0x3B}};
     Line line;
     for (const auto& frame : vendor) line.put(frame);
     EXPECT_EQ(line.frames, vendor);
@@ -661,18 +657,19 @@ TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    sends, KnownSender,
-    testing::Values(Outer{"a_log", 0xDC, 0xA0, {0}}, Outer{"a_log_with_a_value", 0xDC, 0xA1, Bytes(4)},
-                    Outer{"an_image", 0xDC, 0xB0, Bytes(17)}, Outer{"a_command", 0xDC, 0xC0, {1, 2, 3}},
-                    Outer{"a_command_info", 0xDC, 0xC2, Bytes(13)}, Outer{"a_value", 0xDC, 0xE1, {1, 0}},
-                    Outer{"a_parameter_info", 0xDC, 0xE2, Bytes(23)}, Outer{"a_device_info", 0xDC, 0xE3, Bytes(9)},
-                    Outer{"firmware", 0xDC, 0xF0, {0x10, 0, 0}}, Outer{"flexible1", 0xDC, 0xF1, {}},
-                    Outer{"flexible10", 0xDC, 0xFA, {}}, Outer{"special", 0xDC, 0xFB, {}},
-                    Outer{"a_scan", 0xDC, 0x34, {100}}, Outer{"what_is_not_listed", 0xDC, 0x99, {}},
-                    Outer{"a_tunnel_frame", 0xDC, 0xB1, Bytes(10)}, Outer{"a_strangers_tunnel_frame", stranger, 0xB1, Bytes(10)},
-                    Outer{"a_strangers_short_tunnel_frame", stranger, 0xB2, Bytes(4)}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(sends, KnownSender,
+                         testing::Values(Outer{"a_log", 0xDC, 0xA0, {0}}, Outer{"a_log_with_a_value", 0xDC, 0xA1, Bytes(4)},
+                                         Outer{"an_image", 0xDC, 0xB0, Bytes(17)}, Outer{"a_command", 0xDC, 0xC0, {1, 2, 3}},
+                                         Outer{"a_command_info", 0xDC, 0xC2, Bytes(13)}, Outer{"a_value", 0xDC, 0xE1, {1, 0}},
+                                         Outer{"a_parameter_info", 0xDC, 0xE2, Bytes(23)},
+                                         Outer{"a_device_info", 0xDC, 0xE3, Bytes(9)},
+                                         Outer{"firmware", 0xDC, 0xF0, {0x10, 0, 0}}, Outer{"flexible1", 0xDC, 0xF1, {}},
+                                         Outer{"flexible10", 0xDC, 0xFA, {}}, Outer{"special", 0xDC, 0xFB, {}},
+                                         Outer{"a_scan", 0xDC, 0x34, {100}}, Outer{"what_is_not_listed", 0xDC, 0x99, {}},
+                                         Outer{"a_tunnel_frame", 0xDC, 0xB1, Bytes(10)},
+                                         Outer{"a_strangers_tunnel_frame", stranger, 0xB1, Bytes(10)},
+                                         Outer{"a_strangers_short_tunnel_frame", stranger, 0xB2, Bytes(4)}),
+                         [](const auto& test) { return test.param.name; });
 
 // What the rule costs: of a sender that is heard for the first time, nothing tells a long frame from a false header.
 TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_in_pieces) {

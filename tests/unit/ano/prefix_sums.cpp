@@ -75,4 +75,4 @@ TEST(PrefixSums, begin_anew_when_none_of_their_bytes_is_left) {
     expect_the_checks_of(bytes, sums, 0);
 }
 
-}  // namespace
+}    // namespace

@@ -87,10 +87,10 @@ TEST(Reading, tells_an_old_parameter_info_by_its_look) {
     EXPECT_EQ(info(0x9C, minus, "\xBD\xE2", 30), "old");    // GBK
     EXPECT_EQ(info(8, {}, "ROL", 23), "");
     EXPECT_EQ(info(8, {}, "PARAMETER_NAME", 40), "");
-    EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");      // a type that there is not
-    EXPECT_EQ(info(11, {}, "SHORT", 40), "");                  // with a name where the current layout has it
-    EXPECT_EQ(info(8, {}, "", 40), "");                        // without a name
-    EXPECT_EQ(info(0, small, "ROL", 29), "");                  // too short for the old one
+    EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");    // a type that there is not
+    EXPECT_EQ(info(11, {}, "SHORT", 40), "");                // with a name where the current layout has it
+    EXPECT_EQ(info(8, {}, "", 40), "");                      // without a name
+    EXPECT_EQ(info(0, small, "ROL", 29), "");                // too short for the old one
 }
 
 TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {

@@ -10,8 +10,7 @@
 namespace {
 
 using namespace ano;
-constexpr Shape u8{Type::u8}, i16{Type::i16}, u16{Type::u16}, u64{Type::u64}, i64{Type::i64}, f32{Type::f32},
-    f64{Type::f64};
+constexpr Shape u8{Type::u8}, i16{Type::i16}, u16{Type::u16}, u64{Type::u64}, i64{Type::i64}, f32{Type::f32}, f64{Type::f64};
 
 constexpr std::array<std::uint8_t, 8> counting{1, 2, 3, 4, 5, 6, 7, 0x88};
 static_assert(load<std::uint16_t>(counting.data()) == 0x0201);

@@ -55,34 +55,40 @@ TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
 TEST(Decode, tells_the_offset_of_what_is_damaged) {
     std::string broken = raw(log_hex);
     broken[10] = 'X';
-    const auto result =
-        anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
+    const auto result = anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
     EXPECT_EQ(result.exit, 1);
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
     EXPECT_EQ(result.err,
               "anoctl: offset 0: 3 bytes of no frame: no frame begins there\n"
-              "anoctl: offset 23: 20 bytes of no frame: the check bytes do not hold: they are F6 1C, for this frame DA 3C would be right\n"
+              "anoctl: offset 23: 20 bytes of no frame: the check bytes do not hold: they are F6 1C, for this frame DA 3C would "
+              "be right\n"
               "anoctl: offset 63: 9 bytes of no frame: a frame that is cut short\n");
 }
 
 TEST(Decode, says_which_check_bytes_would_be_right) {
     const auto one = anoctl({"decode", "ABFEFFE00300000000 8B3C"});
     EXPECT_EQ(one.exit, 1);
-    EXPECT_EQ(one.err, "anoctl: offset 0: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B would be right\n");
+    EXPECT_EQ(one.err,
+              "anoctl: offset 0: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B would "
+              "be right\n");
     EXPECT_EQ(anoctl({"decode", "ABFEFFE003000000008B3B"}).exit, 0);
 
     const auto several = anoctl({"decode", "00 ABFEFFE00300000000AAAA ABFEFFE00300000000BBBB" + log_hex});
     EXPECT_EQ(several.err,
               "anoctl: offset 0: 1 byte of no frame: no frame begins there\n"
-              "anoctl: offset 1: 11 bytes of no frame: the check bytes do not hold: they are AA AA, for this frame 8B 3B would be right\n"
-              "anoctl: offset 12: 11 bytes of no frame: the check bytes do not hold: they are BB BB, for this frame 8B 3B would be right\n");
+              "anoctl: offset 1: 11 bytes of no frame: the check bytes do not hold: they are AA AA, for this frame 8B 3B would "
+              "be right\n"
+              "anoctl: offset 12: 11 bytes of no frame: the check bytes do not hold: they are BB BB, for this frame 8B 3B would "
+              "be right\n");
     EXPECT_NE(several.out, "");
 }
 
 TEST(Decode, says_in_json_too_which_check_bytes_would_be_right) {
     const auto json = anoctl({"decode", "--json", log_hex + "ABFEFFE003000000008B3C"});
-    EXPECT_NE(json.out.find("\n{\"fault\":\"check\",\"offset\":20,\"hex\":\"abfeffe003000000008b3c\",\"check\":\"8b3c\",\"right_check\":\"8b3b\"}\n"),
-              std::string::npos) << json.out;
+    EXPECT_NE(json.out.find("\n{\"fault\":\"check\",\"offset\":20,\"hex\":\"abfeffe003000000008b3c\",\"check\":\"8b3c\",\"right_"
+                            "check\":\"8b3b\"}\n"),
+              std::string::npos)
+        << json.out;
     EXPECT_EQ(anoctl({"encode", "-"}, json.out).out, log_hex + "\n") << "it is no frame";
 }
 
@@ -91,7 +97,8 @@ TEST(Decode, keeps_no_more_of_a_long_gap_than_it_needs) {
     std::string junk(3 << 20, 'x');
     EXPECT_EQ(anoctl({"decode", "-"}, junk + wrong + raw(log_hex) + wrong).err,
               "anoctl: offset 0: 3145739 bytes of no frame: the check bytes do not hold\n"
-              "anoctl: offset 3145759: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B would be right\n");
+              "anoctl: offset 3145759: 11 bytes of no frame: the check bytes do not hold: they are 8B 3C, for this frame 8B 3B "
+              "would be right\n");
 }
 
 TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {
@@ -144,15 +151,15 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
     const auto no_file = anoctl({"decode", "--config", folder.path().string(), log_hex});
     EXPECT_EQ(no_file.exit, 2);
     EXPECT_EQ(no_file.err, "anoctl: --config " + folder.path().string() + ": it can't be read: Is a directory\n");
-    EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err, "anoctl: --config /dev/zero: it can't be read: File too large\n");
+    EXPECT_EQ(anoctl({"decode", "--config", "/dev/zero", log_hex}).err,
+              "anoctl: --config /dev/zero: it can't be read: File too large\n");
 }
 
 TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
     const auto mode = anoctl({"encode", "--raw", "mode", "sflag=2", "--from", "0xDC", "--to", "254"});
-    EXPECT_EQ(
-        anoctl({"decode"}, mode.out, true).out,
-        "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
-        "cid 0         cmd0 0         cmd1 0        \n");
+    EXPECT_EQ(anoctl({"decode"}, mode.out, true).out,
+              "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
+              "cid 0         cmd0 0         cmd1 0        \n");
     const auto colored = anoctl({"decode"}, mode.out, true, true).out;
     EXPECT_NE(colored.find("\x1b["), std::string::npos);
     const auto euler = anoctl({"encode", "--raw", "euler", "rol=1.5"});
@@ -170,8 +177,7 @@ TEST(Decode, takes_0x_before_bytes) {
     EXPECT_EQ(anoctl({"decode", "0x" + ano::hex(ano::from_hex(log_hex).value())}).out, line);
     EXPECT_EQ(anoctl({"decode", "0xAB", "0xAB"}).exit, 1);
     EXPECT_EQ(anoctl({"decode", "0xABC"}).err, "anoctl: odd number of hex digits (3): a byte is two\n");
-    EXPECT_EQ(anoctl({"decode", "0xAB", "zz"}).err,
-              "anoctl: 'zz' is neither hex digits nor a file (a byte is two digits)\n");
+    EXPECT_EQ(anoctl({"decode", "0xAB", "zz"}).err, "anoctl: 'zz' is neither hex digits nor a file (a byte is two digits)\n");
 }
 
 TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
@@ -204,9 +210,11 @@ TEST(Decode, says_when_text_was_read_as_raw_bytes) {
     const auto words = anoctl({"decode", "-"}, "AB FE\nsome words\n");
     EXPECT_EQ(words.exit, 1);
     EXPECT_NE(words.err.find("anoctl: standard input: line 2 is no hex text"), std::string::npos) << words.err;
-    EXPECT_EQ(anoctl({"decode", "-"}, "some words\n" + raw(log_hex)).err.find("no hex text"), std::string::npos) << "frames were in it";
+    EXPECT_EQ(anoctl({"decode", "-"}, "some words\n" + raw(log_hex)).err.find("no hex text"), std::string::npos)
+        << "frames were in it";
     EXPECT_EQ(anoctl({"decode", "-"}, std::string("\1\2\3", 3)).err.find("no hex text"), std::string::npos) << "no text";
-    EXPECT_EQ(anoctl({"decode", "-"}, std::string(100, '\xAB')).err.find("no hex text"), std::string::npos) << "headers of frames";
+    EXPECT_EQ(anoctl({"decode", "-"}, std::string(100, '\xAB')).err.find("no hex text"), std::string::npos)
+        << "headers of frames";
 }
 
 TEST(Decode, takes_text_for_gbk_where_it_is_not_utf8) {
@@ -226,8 +234,10 @@ TEST(Decode, shows_ids_and_addresses_in_hex) {
     EXPECT_NE(anoctl({"decode", device}).out.find("device_info dev_id=0xDC hw_ver=100"), std::string::npos);
     const auto tunnel = anoctl({"encode", "--raw", "ip_tunnel", "frames=[{\"name\": \"check\", \"fields\": {\"id_get\": 225}}]"});
     const std::string shown = anoctl({"decode"}, tunnel.out).out;
-    EXPECT_NE(shown.find("frames=[{\"from\":\"0xFE\",\"to\":\"0xFF\",\"id\":\"0x00\",\"name\":\"check\",\"fields\":{\"id_get\":\"0xE1\""),
-              std::string::npos)
+    EXPECT_NE(
+        shown.find(
+            "frames=[{\"from\":\"0xFE\",\"to\":\"0xFF\",\"id\":\"0x00\",\"name\":\"check\",\"fields\":{\"id_get\":\"0xE1\""),
+        std::string::npos)
         << shown;
     // What is shown is what encode takes.
     const std::string frames = shown.substr(shown.find("frames="), shown.size() - shown.find("frames=") - 1);
@@ -238,8 +248,9 @@ TEST(Decode, shows_ids_and_addresses_in_hex) {
 }
 
 TEST(Decode, knows_the_parameter_info_of_old_devices) {
-    EXPECT_EQ(anoctl({"decode", "AB DC FE E2 22 00 05 00 00 00 00 00 E8 03 00 00 50 49 44 5F 50 00 00 00 00 00 00 00 00 "
-                                "00 00 00 00 00 00 00 67 61 69 6E A4 AE"})
+    EXPECT_EQ(anoctl({"decode",
+                      "AB DC FE E2 22 00 05 00 00 00 00 00 E8 03 00 00 50 49 44 5F 50 00 00 00 00 00 00 00 00 "
+                      "00 00 00 00 00 00 00 67 61 69 6E A4 AE"})
                   .out,
               "0xDC 0xFE 0xE2 parameter_info par_id=5 min=0 max=1000 name=\"PID_P\" info=\"gain\"\n");
 }

@@ -25,8 +25,7 @@ TEST(Encode, negative_numbers_text_addresses_arrays_and_points) {
     EXPECT_EQ(anoctl({"encode", "command_info", "val_type=1"}).exit, 0);
     EXPECT_EQ(anoctl({"encode", "general_velocity", "speed_x=null"}).out.substr(18, 6), "00 80 ");
     EXPECT_EQ(anoctl({"encode", "log_value", "val=nan"}).exit, 0);
-    EXPECT_EQ(anoctl({"encode", "ranging", "points=[{\"angle\": 1, \"dist\": 2}]"}).out.substr(18, 15),
-              "64 64 00 02 00 ");
+    EXPECT_EQ(anoctl({"encode", "ranging", "points=[{\"angle\": 1, \"dist\": 2}]"}).out.substr(18, 15), "64 64 00 02 00 ");
 }
 
 void expect_refused(const std::vector<std::string>& words, const std::string& said) {
@@ -52,19 +51,18 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     EXPECT_EQ(anoctl({"encode", "check", "--to", "12"}).out, anoctl({"encode", "check", "--to", "0x0C"}).out) << "decimal";
     expect_refused({"encode", "0x77", "a=1"}, "id 0x77 is not listed: only its data can be given");
     expect_refused({"encode", "0x77", "--data", "1"}, "data: '1' is not hex digits in pairs");
-    expect_refused({"encode", "euler", "rol=1", "--data", "01"},
-                   "--data is the whole of DATA: no FIELD=VALUE beside it");
-    expect_refused({"encode", "flexible1", "a=1"},
-                   "flexible1 has no layout in the configuration: only its data can be given");
+    expect_refused({"encode", "euler", "rol=1", "--data", "01"}, "--data is the whole of DATA: no FIELD=VALUE beside it");
+    expect_refused({"encode", "flexible1", "a=1"}, "flexible1 has no layout in the configuration: only its data can be given");
     expect_refused({"encode", "heartbeat"}, "there is no message 'heartbeat'; anoctl messages lists them all");
     EXPECT_EQ(anoctl({"encode"}).exit, 2);
-    const auto first_line = [](const std::vector<std::string>& words) { return support::anoctl(words).err.substr(0, support::anoctl(words).err.find('\n')); };
+    const auto first_line = [](const std::vector<std::string>& words) {
+        return support::anoctl(words).err.substr(0, support::anoctl(words).err.find('\n'));
+    };
     EXPECT_EQ(first_line({"encode"}), "anoctl: NAME is missing");
     EXPECT_EQ(first_line({"encode", "check", "--rwa"}), "anoctl: there is no option '--rwa' (did you mean '--raw'?)");
     EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: its value is missing");
     EXPECT_EQ(anoctl({"encode", "ranging", "points=[{"}).exit, 2);
-    EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"check\"}\n\n{\"name\": 5}\n").err,
-              "anoctl: line 3: name: 5 is not text\n");
+    EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"check\"}\n\n{\"name\": 5}\n").err, "anoctl: line 3: name: 5 is not text\n");
     EXPECT_EQ(anoctl({"encode", "-"}, "\xFF\x01").exit, 2);
 }
 

@@ -35,9 +35,7 @@ Bytes read(std::string_view input, std::size_t size, std::size_t* bad_line = nul
     if (bad_line != nullptr) *bad_line = reader.bad_line();
     return all;
 }
-Bytes raw(std::string_view text) {
-    return {text.begin(), text.end()};
-}
+Bytes raw(std::string_view text) { return {text.begin(), text.end()}; }
 
 TEST(BytesOrText, is_known_however_it_is_cut) {
     const std::string frame = "AB DB FE A0 0C 00 02 74 65 73 74 46 75 6E 20 4F 4B 21 F6 1C\n";

@@ -16,8 +16,7 @@ using support::anoctl;
 TEST(Messages, the_reference_in_the_repository_is_what_anoctl_prints) {
     std::ifstream file{ANOGATE_SOURCE_DIR "/include/ano/messages.md"};
     const std::string kept{std::istreambuf_iterator<char>{file}, {}};
-    EXPECT_EQ(kept, anoctl({"messages", "--markdown"}).out)
-        << "build/tools/anoctl messages --markdown > include/ano/messages.md";
+    EXPECT_EQ(kept, anoctl({"messages", "--markdown"}).out) << "build/tools/anoctl messages --markdown > include/ano/messages.md";
 }
 
 TEST(Messages, as_json_are_one_object_a_layout) {
@@ -79,11 +78,14 @@ TEST(Messages, bad_input_gets_words) {
 TEST(Anoctl, a_command_that_is_none_is_named) {
     const auto ran = anoctl({"mesages"});
     EXPECT_EQ(ran.exit, 2);
-    EXPECT_EQ(ran.err, "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor\n");
+    EXPECT_EQ(
+        ran.err,
+        "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
-    EXPECT_EQ(anoctl({}).err, "anoctl: no command; the commands are decode, encode, messages, monitor, and anoctl COMMAND --help says more\n");
+    EXPECT_EQ(anoctl({}).err,
+              "anoctl: no command; the commands are decode, encode, messages, monitor, and anoctl COMMAND --help says more\n");
 }
 
 }    // namespace

@@ -24,9 +24,7 @@ CommandLine line_of(std::vector<const char*> arguments, const std::string& defau
     return std::get<CommandLine>(parsed);
 }
 
-Settings settings_of(std::vector<const char*> arguments) {
-    return line_of(std::move(arguments)).settings;
-}
+Settings settings_of(std::vector<const char*> arguments) { return line_of(std::move(arguments)).settings; }
 
 Exit exit_of(std::vector<const char*> arguments) {
     const Parsed parsed = parse(std::move(arguments));
@@ -43,9 +41,9 @@ std::string error_of(std::vector<const char*> arguments) {
 }
 
 TEST(CommandLine, links_and_options) {
-    const Settings s =
-        settings_of({"--id", "199", "serial:/dev/ttyUSB0,name=fc", "--route", "0xDC=fc", "udp-listen:0.0.0.0:12333",
-                     "--route=30-40=fc", "--unknown", "fc", "--control", "/tmp/c.sock", "--log-level", "debug"});
+    const Settings s = settings_of({"--id", "199", "serial:/dev/ttyUSB0,name=fc", "--route", "0xDC=fc",
+                                    "udp-listen:0.0.0.0:12333", "--route=30-40=fc", "--unknown", "fc", "--control", "/tmp/c.sock",
+                                    "--log-level", "debug"});
     ASSERT_EQ(s.links.size(), 2u);
     EXPECT_EQ(s.links[0].name, "fc");
     EXPECT_EQ(s.links[1].kind, "udp-listen");
@@ -59,8 +57,8 @@ TEST(CommandLine, links_and_options) {
 
 TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
     const support::TemporaryFolder folder;
-    const std::string file =
-        folder.write("a.json", R"({"gateway": {"id": 5, "name": "boat", "unknown": "nobody"}, "links": ["sim:fc"],
+    const std::string file = folder.write("a.json",
+                                          R"({"gateway": {"id": 5, "name": "boat", "unknown": "nobody"}, "links": ["sim:fc"],
         "routes": [{"address": 220, "link": "app"}], "log": {"level": "warn"}})");
     const Settings s = settings_of(
         {"-c", file.c_str(), "pty:/tmp/app", "--id=0x06", "--unknown=drop", "--log-level=error", "--control=none"});
@@ -72,9 +70,7 @@ TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
     EXPECT_EQ(s.control.socket, "none");
 }
 
-TEST(CommandLine, the_last_of_an_option_counts) {
-    EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6);
-}
+TEST(CommandLine, the_last_of_an_option_counts) { EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6); }
 
 TEST(CommandLine, two_files_are_a_fault) {
     EXPECT_EQ(error_of({"--config", "/proc/nonexistent", "-c", "/proc/neither"}),
@@ -83,13 +79,17 @@ TEST(CommandLine, two_files_are_a_fault) {
 }
 
 TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
-    EXPECT_EQ(error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
-              "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (give another path by --control, or "
-              "--control none)\n");
+    EXPECT_EQ(
+        error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
+        "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (give another path by --control, or "
+        "--control none)\n");
     const support::TemporaryFolder folder;
     const std::string file = folder.write("a.json", R"({"control": {"socket": "/proc/nonexistent/c.sock"}})");
-    EXPECT_EQ(error_of({"--check", "--config", file.c_str()}).rfind("anogated: " + file + ": /control/socket: /proc/nonexistent/c.sock: there", 0), 0u);
-    EXPECT_EQ(settings_of({"--config", file.c_str(), "--print-config"}).control.socket, "/proc/nonexistent/c.sock") << "maybe for another machine";
+    EXPECT_EQ(error_of({"--check", "--config", file.c_str()})
+                  .rfind("anogated: " + file + ": /control/socket: /proc/nonexistent/c.sock: there", 0),
+              0u);
+    EXPECT_EQ(settings_of({"--config", file.c_str(), "--print-config"}).control.socket, "/proc/nonexistent/c.sock")
+        << "maybe for another machine";
 }
 
 TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) {
@@ -99,7 +99,8 @@ TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) 
     ASSERT_TRUE(std::holds_alternative<Exit>(checked));
     EXPECT_NE(std::get<Exit>(checked).text.find("'path' '/tmp/app': the service may not write there"), std::string::npos);
     EXPECT_EQ(line_of({}, file).settings.links.size(), 1u) << "the other links are not to suffer";
-    EXPECT_TRUE(line_of({"--check", "--config", file.c_str()}).check) << "not the service's: that has its own in /proc/nonexistent";
+    EXPECT_TRUE(line_of({"--check", "--config", file.c_str()}).check)
+        << "not the service's: that has its own in /proc/nonexistent";
 }
 
 TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
@@ -107,7 +108,8 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     const std::string there = folder.path(), file = folder.write("file", "words");
     const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
     EXPECT_EQ(warnings("pty:" + there + "/none/app"), "anogated: LINK 'pty:" + there + "/none/app': warning: 'path' '" + there +
-                                                          "/none/app': there is no folder " + there + "/none: it is waited for, not made\n");
+                                                          "/none/app': there is no folder " + there +
+                                                          "/none: it is waited for, not made\n");
     EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is no folder"), std::string::npos);
     EXPECT_NE(warnings("pty:" + file).find("something else is there"), std::string::npos);
     EXPECT_EQ(warnings("pty:" + there + "/app"), "");
@@ -120,7 +122,8 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
         const std::string config = folder.write("log.json", R"({"links": ["sim:fc"], "log": {"file": ")" + path + "\"}}");
         return line_of({"--check", "--config", config.c_str()}).warnings;
     };
-    EXPECT_NE(of_log(there + "/none/a.log").find("/log/file: warning: 'file' '" + there + "/none/a.log': there is no folder"), std::string::npos);
+    EXPECT_NE(of_log(there + "/none/a.log").find("/log/file: warning: 'file' '" + there + "/none/a.log': there is no folder"),
+              std::string::npos);
     EXPECT_NE(of_log(there).find("is a folder: the log goes to standard error"), std::string::npos);
     EXPECT_EQ(of_log(there + "/a.log"), "");
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
@@ -134,10 +137,13 @@ TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
         return line.warnings;
     };
     EXPECT_EQ(said({"sim:fc", "udp-listen:0.0.0.0:5,name=ground", "udp-listen:[::]:6,name=tablet,allow=any"}),
-              "anogated: LINK 'udp-listen:0.0.0.0:5,name=ground': note: 'ground', 'tablet': who is in a network of this computer may send "
-              "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
+              "anogated: LINK 'udp-listen:0.0.0.0:5,name=ground': note: 'ground', 'tablet': who is in a network of this computer "
+              "may send "
+              "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in "
+              "'allow', "
               "and take WireGuard (README: On a shared Wi-Fi)\n");
-    for (const char* link : {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24", "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5"})
+    for (const char* link : {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24",
+                             "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5"})
         EXPECT_EQ(said({link}), "") << link;
     EXPECT_EQ(line_of({"udp-listen:0.0.0.0:5"}).warnings, "") << "only a check says it";
 }
@@ -186,16 +192,14 @@ TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
     EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: more than 1 MiB, no configuration\n");
     const std::string file = folder.write("a.json", "{\n,");
-    EXPECT_EQ(
-        error_of({"-c", file.c_str(), "--route", "5=x"}),
-        "anogated: " + file +
-            ": line 2, column 1: syntax error while parsing object key - unexpected ','; expected string literal\n");
+    EXPECT_EQ(error_of({"-c", file.c_str(), "--route", "5=x"}),
+              "anogated: " + file +
+                  ": line 2, column 1: syntax error while parsing object key - unexpected ','; expected string literal\n");
 }
 
 TEST(CommandLine, every_fault_is_a_line) {
     const support::TemporaryFolder folder;
-    const std::string file =
-        folder.write("a.json", R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}]})");
+    const std::string file = folder.write("a.json", R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}]})");
     EXPECT_EQ(error_of({"-c", file.c_str(), "serial:/dev/y,bauds=9", "--chek", "--id", "300", "--route", "nowhere"}),
               "anogated: unknown option '--chek' (did you mean '--check'?)\n"
               "anogated: " +
@@ -213,16 +217,18 @@ TEST(CommandLine, routes_and_unknown_name_links) {
 }
 
 TEST(CommandLine, an_address_without_0x_is_known) {
-    EXPECT_EQ(error_of({"sim:fc", "--id", "C7", "--route", "DC=fc", "--route", "0xDC-DE=fc"}),
-              "anogated: --route 'DC=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, not "
-              "'DC' (did you mean '0xDC'?)\n"
-              "anogated: --route '0xDC-DE=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, "
-              "not '0xDC-DE' (did you mean '0xDC-0xDE'?)\n"
-              "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not 'C7' (did you mean '0xC7'?)\n");
+    EXPECT_EQ(
+        error_of({"sim:fc", "--id", "C7", "--route", "DC=fc", "--route", "0xDC-DE=fc"}),
+        "anogated: --route 'DC=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, not "
+        "'DC' (did you mean '0xDC'?)\n"
+        "anogated: --route '0xDC-DE=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, "
+        "not '0xDC-DE' (did you mean '0xDC-0xDE'?)\n"
+        "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not 'C7' (did you mean '0xC7'?)\n");
 }
 
 TEST(CommandLine, several_routes_in_one_are_told) {
-    EXPECT_EQ(error_of({"sim:fc", "--route", "0xDC=fc,0xDD=fc"}), "anogated: --route '0xDC=fc,0xDD=fc': is one ADDR=LINK; for the next, give --route again\n");
+    EXPECT_EQ(error_of({"sim:fc", "--route", "0xDC=fc,0xDD=fc"}),
+              "anogated: --route '0xDC=fc,0xDD=fc': is one ADDR=LINK; for the next, give --route again\n");
 }
 
 TEST(CommandLine, an_option_without_its_value_is_a_fault) {
@@ -233,7 +239,8 @@ TEST(CommandLine, an_option_without_its_value_is_a_fault) {
 
 TEST(CommandLine, an_option_does_not_take_the_next_one_for_its_value) {
     for (const char* option : {"--config", "--log-level", "--route", "--id", "--unknown", "--control"})
-        EXPECT_EQ(error_of({"sim:fc", option, "--check"}), "anogated: " + std::string{option} + ": its value is missing before '--check'\n");
+        EXPECT_EQ(error_of({"sim:fc", option, "--check"}),
+                  "anogated: " + std::string{option} + ": its value is missing before '--check'\n");
 }
 
 TEST(CommandLine, a_key_of_a_link_is_no_option) {
@@ -251,8 +258,8 @@ TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
 }
 
 TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
-    const Settings said = settings_of({"--id", "199", "serial:/dev/ttyUSB0,baud=9600,rts",
-                                       "udp-listen:[::]:12333,allow=any", "--route", "30-40=ttyUSB0"});
+    const Settings said = settings_of(
+        {"--id", "199", "serial:/dev/ttyUSB0,baud=9600,rts", "udp-listen:[::]:12333,allow=any", "--route", "30-40=ttyUSB0"});
     const support::TemporaryFolder folder;
     const std::string file = folder.write("a.json", print_config(said));
     EXPECT_EQ(settings_of({"--config", file.c_str()}), said);
@@ -270,5 +277,5 @@ TEST(CommandLine, help_and_version) {
     EXPECT_EQ(version.text.back(), '\n');
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

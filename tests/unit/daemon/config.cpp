@@ -71,17 +71,14 @@ TEST(Config, a_value_has_the_right_type) {
     EXPECT_EQ(fault(R"("baud": -9)"), "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not '-9'\n");
     EXPECT_EQ(fault(R"("baud": 99999999999999999999)"),
               "/links/0/baud: 'baud' must be a whole number from 1 to 4294967295, not 1e+20\n");
-    EXPECT_EQ(fault(R"("required": "yes")"),
-              "/links/0/required: 'required' must be true or false, not the text \"yes\"\n");
+    EXPECT_EQ(fault(R"("required": "yes")"), "/links/0/required: 'required' must be true or false, not the text \"yes\"\n");
     EXPECT_EQ(fault(R"("name": null)"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not null\n");
     EXPECT_EQ(fault(R"("name": ["x"])"), "/links/0/name: 'name' must be text of 1 to 64 bytes, not a list\n");
     EXPECT_EQ(fault(R"("name": "a\u0000b")"), "/links/0/name: 'name' must be printable text in UTF-8, not 'a\\x00b'\n");
     EXPECT_EQ(fault(R"("parity": {})"), "/links/0/parity: 'parity' must be one of none, even, odd, not an object\n");
-    EXPECT_EQ(fault(R"("id": true)"),
-              "/links/0/id: 'id' must be an address from 1 to 20 (or in hex such as 0x05), not true\n");
-    EXPECT_EQ(
-        faults_in(R"({"gateway": {"forget_after": 30}})"),
-        "/gateway/forget_after: 'forget_after' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not 30\n");
+    EXPECT_EQ(fault(R"("id": true)"), "/links/0/id: 'id' must be an address from 1 to 20 (or in hex such as 0x05), not true\n");
+    EXPECT_EQ(faults_in(R"({"gateway": {"forget_after": 30}})"),
+              "/gateway/forget_after: 'forget_after' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not 30\n");
     EXPECT_EQ(faults_in(R"({"links": {}})"), "/links: must be a list [...], not an object\n");
     EXPECT_EQ(faults_in(R"({"log": []})"), "/log: must be an object {...} of level, file, rotate, not a list\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "routes": ["0xDC=fc"]})"),
@@ -91,13 +88,11 @@ TEST(Config, a_value_has_the_right_type) {
 
 TEST(Config, networks_are_a_list_of_texts_or_any) {
     const auto ok = [](const std::string& allow) {
-        return faults_in(R"({"links": [{"kind": "udp-listen", "address": "0.0.0.0:1", "allow": )" + allow + "}]}")
-            .empty();
+        return faults_in(R"({"links": [{"kind": "udp-listen", "address": "0.0.0.0:1", "allow": )" + allow + "}]}").empty();
     };
     EXPECT_TRUE(ok(R"("any")"));
     EXPECT_TRUE(ok(R"(["10.0.0.0/8"])"));
-    for (const char* allow :
-         {"[]", R"("10.0.0.0/8")", R"(["any"])", R"(["10.0.0.0/8+1.2.3.4"])", "[5]", R"([""])", "true"})
+    for (const char* allow : {"[]", R"("10.0.0.0/8")", R"(["any"])", R"(["10.0.0.0/8+1.2.3.4"])", "[5]", R"([""])", "true"})
         EXPECT_FALSE(ok(allow)) << allow;
 }
 
@@ -107,9 +102,9 @@ TEST(Config, what_is_needed_and_missing_is_told) {
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
               "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, "
               "pty, sim\n");
-    EXPECT_EQ(
-        faults_in(R"({"links": [{"kind": 5}, 6]})"),
-        "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be a LINK text or an object {...}, not 6\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": 5}, 6]})"),
+              "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be a LINK text or an object {...}, "
+              "not 6\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "routes": [{"link": "fc"}]})"),
               "/routes/0: 'address' is missing: the address or range to pin\n");
 }
@@ -124,21 +119,19 @@ TEST(Config, a_key_given_twice_is_a_fault) {
 
 TEST(Config, routes_lead_somewhere) {
     const auto fault = [](const std::string& routes) {
-        return faults_in(R"({"gateway": {"id": 99}, "links": ["sim:fc,id=3", "pty:/run/app"], "routes": [)" + routes +
-                         "]}");
+        return faults_in(R"({"gateway": {"id": 99}, "links": ["sim:fc,id=3", "pty:/run/app"], "routes": [)" + routes + "]}");
     };
     EXPECT_EQ(fault(R"({"address": "0xDC", "link": "fc"}, {"address": "0xDC", "link": "app"})"), "");
     EXPECT_EQ(fault(R"({"address": 5, "link": "ap"})"),
               "/routes/0/link: there is no link 'ap' (did you mean 'app'?); give one of fc, app\n");
-    EXPECT_EQ(fault(R"({"address": 99, "link": "fc"})"),
-              "/routes/0/address: 'address' 0x63: 0x63 is the gateway's own id\n");
+    EXPECT_EQ(fault(R"({"address": 99, "link": "fc"})"), "/routes/0/address: 'address' 0x63: 0x63 is the gateway's own id\n");
     EXPECT_EQ(fault(R"({"address": "1-9", "link": "fc"})"),
               "/routes/0/address: 'address' 1-9: 3 is the port id of 'fc' (/links/0: LINK 'sim:fc,id=3'), frames to it "
               "go there\n");
     for (const char* address : {"0", "255", "\"0x00\"", "\"0xFF\"", "\"200-255\"", "\"40-30\"", "\"host\"", "2.5"})
-        EXPECT_NE(fault(R"({"link": "fc", "address": )" + std::string{address} + "}")
-                      .find("/routes/0/address: 'address' must be"),
-                  std::string::npos)
+        EXPECT_NE(
+            fault(R"({"link": "fc", "address": )" + std::string{address} + "}").find("/routes/0/address: 'address' must be"),
+            std::string::npos)
             << address;
 }
 
@@ -161,8 +154,7 @@ TEST(Config, ids_are_of_one_thing_each) {
 
 TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
     EXPECT_EQ(
-        faults_in(
-            R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
+        faults_in(R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
         "/links/0: LINK 'sim:plane,name=x': 'device' must be fc, not 'plane'\n");
 }
 
@@ -193,8 +185,8 @@ TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
         faults_in("{\"a\":\n  [1,}"),
         ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there a "
         "comma too many before it?)\n");
-    for (const std::string& text : {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3},
-                                    std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
+    for (const std::string& text :
+         {std::string{}, std::string{"{"}, std::string{"\0\xFF\xAB", 3}, std::string{"{\"a\":\"\xFF\"}"}, std::string{"{} {}"}})
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
 }
 
@@ -226,7 +218,8 @@ TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {
 TEST(Config, a_tunnel_is_read_as_it_is_written) {
     const TunnelSettings t = *settings_of(R"({"links": ["serial:/dev/fc"], "tunnel": {"links": ["fc"], "address": "0xE7",
         "bind": "192.168.0.5", "port": 5, "ip": "203.0.113.9", "deliver": "tunnel", "allow": ["192.168.0.0/24", "127.0.0.0/8"],
-        "wrap": [{"from": "192.168.0.0/24", "link": "fc", "as": "ip_tunnel_short", "source": 7, "to": "0xDC"}]}})").tunnel;
+        "wrap": [{"from": "192.168.0.0/24", "link": "fc", "as": "ip_tunnel_short", "source": 7, "to": "0xDC"}]}})")
+                                  .tunnel;
     TunnelSettings expected;
     expected.links = {"fc"};
     expected.address = 0xE7;
@@ -242,13 +235,15 @@ TEST(Config, a_tunnel_is_read_as_it_is_written) {
 // Of links whose peers are in the network, and of others.
 TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
     const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
-        return faults_in("{\"links\": [\"" + link + ",name=g\", \"sim:fc\"], \"tunnel\": {\"links\": [\"fc\", \"g\"], \"port\": 1, \"allow\": [" +
-                         allow + "]" + more + "}}");
+        return faults_in("{\"links\": [\"" + link +
+                         ",name=g\", \"sim:fc\"], \"tunnel\": {\"links\": [\"fc\", \"g\"], \"port\": 1, \"allow\": [" + allow +
+                         "]" + more + "}}");
     };
     const std::string open = "udp-listen:0.0.0.0:12333";
-    EXPECT_EQ(faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
-              "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' names 'g': its peers in the network would "
-              "reach local programs by tunnel frames; take one of them away, or say \"relay\": true if they shall\n");
+    EXPECT_EQ(
+        faults(open, R"("10.0.0.0/8", "127.0.0.0/8")"),
+        "/tunnel/allow: 'allow' lists 127.0.0.0/8, which is this computer, and 'links' names 'g': its peers in the network would "
+        "reach local programs by tunnel frames; take one of them away, or say \"relay\": true if they shall\n");
     for (const char* link : {"udp-listen:192.168.1.5:12333", "udp-listen:[::]:12333", "udp:192.168.1.20:6670"})
         EXPECT_NE(faults(link, R"("127.0.0.1/32")"), "") << link;
     EXPECT_EQ(faults(open, R"("127.0.0.0/8")", R"(, "relay": true)"), "");
@@ -256,14 +251,17 @@ TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_sa
     EXPECT_EQ(faults(open, R"("10.0.0.0/8")"), "");
     for (const char* link : {"serial:/dev/ttyUSB0", "pty:/run/x", "can:can0", "udp-listen:127.0.0.1:12333", "udp:127.0.0.1:6670"})
         EXPECT_EQ(faults(link, R"("127.0.0.0/8")"), "") << link << " has no peers in the network";
-    EXPECT_EQ(faults_in(R"({"links": ["udp-listen:0.0.0.0:1,name=g", "sim:fc"], "tunnel": {"links": ["fc"], "allow": ["127.0.0.0/8"]}})"), "")
+    EXPECT_EQ(
+        faults_in(
+            R"({"links": ["udp-listen:0.0.0.0:1,name=g", "sim:fc"], "tunnel": {"links": ["fc"], "allow": ["127.0.0.0/8"]}})"),
+        "")
         << "its tunnel frames are not carried";
 }
 
 TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
     const auto faults = [](const std::string& allow, const std::string& relay = "false") {
-        Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" + allow +
-                                   R"("], "relay": )" + relay + "}}");
+        Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" +
+                                   allow + R"("], "relay": )" + relay + "}}");
         EXPECT_TRUE(draft.errors.empty());
         judge_relay(draft, {*Network::parse("127.0.0.1/8"), *Network::parse("192.168.1.5/24")});
         return draft.errors.size();
@@ -275,20 +273,22 @@ TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
 }
 
 TEST(Config, faults_of_a_tunnel_name_their_place) {
-    EXPECT_EQ(faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
+    EXPECT_EQ(
+        faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
         "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "fc", "as": "ip", "link": "tunnel"}, 5]}})"),
-              "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24, not '::1/128'\n"
-              "/tunnel/bind: 'bind' must be an IPv4 address such as 192.168.0.5, not '::'\n"
-              "/tunnel/delivers: unknown key 'delivers' (did you mean 'deliver'?)\n"
-              "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
-              "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
-              "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
-              "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
-              "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
-              "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
-              "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
+        "/tunnel/allow: 'allow' must be any, or networks such as 192.168.0.0/24, not '::1/128'\n"
+        "/tunnel/bind: 'bind' must be an IPv4 address such as 192.168.0.5, not '::'\n"
+        "/tunnel/delivers: unknown key 'delivers' (did you mean 'deliver'?)\n"
+        "/tunnel/ip: 'ip' must be an IPv4 address such as 192.168.0.5 or auto, not '0.0.0.0'\n"
+        "/tunnel/wrap/0/as: 'as' must be one of ip_tunnel, ip_tunnel_short, not 'ip'\n"
+        "/tunnel/wrap/0/from: 'from' must be an IPv4 network such as 192.168.0.0/24, not 'fc'\n"
+        "/tunnel/wrap/1: must be an object {...} of from, link, as, source, to, not 5\n"
+        "/tunnel/links/0: there is no link 'fd' (did you mean 'fc'?); give one of fc, g\n"
+        "/tunnel/wrap/0/link: there is no link 'tunnel'; give one of fc, g\n"
+        "/tunnel/port: local port 12333 is used by 'g' (/links/1: LINK 'udp-listen:0.0.0.0:12333,name=g') already\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc,name=tunnel"], "tunnel": 5})"),
-              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word is taken\n");
+              "/tunnel: must be an object {...}, not 5\n/links/0: LINK 'sim:fc,name=tunnel': 'name' can't be 'tunnel', the word "
+              "is taken\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {}, "routes": [{"address": 5, "link": "tunnel"}]})"), "");
 }
 
@@ -313,12 +313,15 @@ TEST(Config, faults_of_rules_name_their_place) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
     EXPECT_EQ(fault(R"("send": {"denny": []})"), "/links/0/send/denny: unknown key 'send.denny' (did you mean 'send.deny'?)\n");
-    EXPECT_EQ(fault(R"("send": ["0xB0"])"), "/links/0/send: must be an object {...} of allow, deny, allow_sources, deny_sources, allow_destinations, deny_destinations, not a list\n");
+    EXPECT_EQ(fault(R"("send": ["0xB0"])"),
+              "/links/0/send: must be an object {...} of allow, deny, allow_sources, deny_sources, allow_destinations, "
+              "deny_destinations, not a list\n");
     EXPECT_NE(fault(R"("send": {"deny": ["firmwear"]})").find("(did you mean 'firmware'?)"), std::string::npos);
     EXPECT_EQ(fault(R"("receive": {"allow": "0x01"})"),
               "/links/0/receive/allow: 'receive.allow' must be a list such as [\"0x01\"], not the text \"0x01\"\n");
     EXPECT_EQ(faults_in(R"({"links": [5]})"), "/links/0: must be a LINK text or an object {...}, not 5\n");
-    EXPECT_NE(fault(R"("limit": {"0x01": 0})").find("/links/0/limit/0x01: '0x01' must be a number of frames a second"), std::string::npos);
+    EXPECT_NE(fault(R"("limit": {"0x01": 0})").find("/links/0/limit/0x01: '0x01' must be a number of frames a second"),
+              std::string::npos);
     EXPECT_NE(fault(R"("limit": {"0x01": "many"})").find("/links/0/limit/0x01: "), std::string::npos);
     EXPECT_NE(fault(R"("limit": {"eulr": 5})").find("(did you mean 'euler'?)"), std::string::npos);
     EXPECT_NE(fault(R"("limit": {"0x03": 5, "euler": 6})").find("0x03 has a limit already"), std::string::npos);
@@ -331,8 +334,10 @@ TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
     const auto fault = [](const std::string& keys) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
-    EXPECT_EQ(fault(R"("send.deny": ["0xB0"])"), "/links/0/send.deny: unknown key 'send.deny': in a file it is \"send\": {\"deny\": ...}\n");
-    EXPECT_EQ(fault(R"("limit.0x01": 5)"), "/links/0/limit.0x01: unknown key 'limit.0x01': in a file it is \"limit\": {\"0x01\": ...}\n");
+    EXPECT_EQ(fault(R"("send.deny": ["0xB0"])"),
+              "/links/0/send.deny: unknown key 'send.deny': in a file it is \"send\": {\"deny\": ...}\n");
+    EXPECT_EQ(fault(R"("limit.0x01": 5)"),
+              "/links/0/limit.0x01: unknown key 'limit.0x01': in a file it is \"limit\": {\"0x01\": ...}\n");
     EXPECT_EQ(fault(R"("a.b": 5)"), "/links/0/a.b: unknown key 'a.b'\n");
 }
 
@@ -353,13 +358,15 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
         return faults_in(R"({"gateway": {"id": 199}, "links": ["sim:fc,id=5", "pty:/tmp/x"], "alias": [)" + aliases + "]}");
     };
     EXPECT_EQ(fault(R"({"link": "fc", "device": "0xDE", "as": 31}, {"link": "x", "device": "0xDE", "as": 32})"), "");
-    EXPECT_NE(fault(R"({"link": "fcc", "device": "0xDE", "as": 31})").find("/alias/0/link: there is no link 'fcc'"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fcc", "device": "0xDE", "as": 31})").find("/alias/0/link: there is no link 'fcc'"),
+              std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": "0xDE"})").find("/alias/0: 'as' is missing"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 31})").find("the id that the device has already"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 199})").find("the gateway's own id"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": 31, "as": 5})").find("is the port id of 'fc'"), std::string::npos);
     EXPECT_NE(fault(R"({"link": "fc", "device": "0xFE", "as": 31})").find("a host"), std::string::npos);
-    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is given at"), std::string::npos);
+    EXPECT_NE(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "x", "device": 42, "as": 31})").find("is given at"),
+              std::string::npos);
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 41, "as": 32})"),
               "/alias/1/device: 'device' 0x29 has the alias 0x1F already (/alias/0)\n");
     EXPECT_EQ(fault(R"({"link": "fc", "device": 41, "as": 31}, {"link": "fc", "device": 31, "as": 32})"),
@@ -369,24 +376,30 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
 }
 
 TEST(Config, present_as_is_an_address_and_no_port_id) {
-    const auto fault = [](const std::string& links) { return faults_in(R"({"gateway": {"id": 199}, "links": [)" + links + "]}"); };
+    const auto fault = [](const std::string& links) {
+        return faults_in(R"({"gateway": {"id": 199}, "links": [)" + links + "]}");
+    };
     EXPECT_EQ(fault(R"("sim:fc,present_as=0xFE", "pty:/tmp/x,present_as=31")"), "");
     EXPECT_NE(fault(R"("sim:fc,present_as=0xFF")").find("present_as"), std::string::npos);
     EXPECT_NE(fault(R"("sim:fc,present_as=0")").find("present_as"), std::string::npos);
-    EXPECT_NE(fault(R"("sim:fc,present_as=5", "pty:/tmp/x,id=5")").find("'present_as' 0x05 is the port id of 'x'"), std::string::npos);
+    EXPECT_NE(fault(R"("sim:fc,present_as=5", "pty:/tmp/x,id=5")").find("'present_as' 0x05 is the port id of 'x'"),
+              std::string::npos);
     EXPECT_EQ(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a,present_as=0xFE", "pty:/tmp/y,group=b")"), "");
-    EXPECT_NE(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a")").find("must be the same on all links of a group"), std::string::npos);
+    EXPECT_NE(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a")").find("must be the same on all links of a group"),
+              std::string::npos);
 }
 
 TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {
     const auto warnings = [](const std::string& from, const std::string& more = "") {
-        return lines(parse_config(R"({"links": [{"kind": "sim", "device": "fc", "receive": {"allow_sources": [)" + from + "]}" + more +
-                                  R"(}, "pty:/tmp/x,id=5"]})").warnings);
+        return lines(parse_config(R"({"links": [{"kind": "sim", "device": "fc", "receive": {"allow_sources": [)" + from + "]}" +
+                                  more + R"(}, "pty:/tmp/x,id=5"]})")
+                         .warnings);
     };
     EXPECT_EQ(warnings("\"0xDC\", 4"), "");
     EXPECT_EQ(warnings("\"1-254\""), "") << "everybody";
-    EXPECT_EQ(warnings("5"), "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is "
-                             "the port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), frames to it go there; give one of them another\n");
+    EXPECT_EQ(warnings("5"),
+              "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is "
+              "the port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), frames to it go there; give one of them another\n");
     EXPECT_NE(warnings("\"1-20\""), "");
 }
 
@@ -403,22 +416,27 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data_out 0 keeps it under 100 ms"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,profile=vendor"), "") << "what leaves is meant, not what comes in";
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=1140"), "");
-    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("a frame of max_data_out 198 takes 214 ms"), std::string::npos);
-    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("max_data_out 88 keeps it under 100 ms"), std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("a frame of max_data_out 198 takes 214 ms"),
+              std::string::npos);
+    EXPECT_NE(warnings("serial:/dev/ttyS0,baud=9600,profile=vendor").find("max_data_out 88 keeps it under 100 ms"),
+              std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even one without DATA takes more than 100 ms"), std::string::npos);
 }
 
 TEST(Config, speaks_first_only_where_that_can_be_done) {
-    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:12333,hello=on"}).find("'hello' is not possible on udp-listen: it knows nobody to speak to"),
+    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:12333,hello=on"})
+                  .find("'hello' is not possible on udp-listen: it knows nobody to speak to"),
               std::string::npos);
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,hello=off"}), "");
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:12333,profile=vendor"}), "");
-    const Draft draft = parse_config(R"({"links": ["serial:/dev/x,broadcast=no,hello=on", "serial:/dev/y,broadcast=no,profile=vendor"]})");
+    const Draft draft = parse_config(
+        R"({"links": ["serial:/dev/x,broadcast=no,hello=on", "serial:/dev/y,broadcast=no,profile=vendor"]})");
     EXPECT_EQ(draft.errors.size(), 0u);
     ASSERT_EQ(draft.warnings.size(), 1u);
     EXPECT_NE(draft.warnings[0].what.find("broadcast=no keeps off this link"), std::string::npos);
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": true}]})"), "");
-    EXPECT_NE(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": 2}]})").find("'hello' must be off, on, or a duration"),
+    EXPECT_NE(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": 2}]})")
+                  .find("'hello' must be off, on, or a duration"),
               std::string::npos);
 }
 
@@ -478,7 +496,8 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
         link.udp_listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
         if (random.one_in(2)) link.udp_listen.max_per_address = static_cast<std::uint16_t>(1 + random.below(64));
         link.udp_listen.trusted_any = random.one_in(3);
-        if (!link.udp_listen.trusted_any && random.one_in(2)) link.udp_listen.trusted.push_back({random_endpoint(random, false).address, 24});
+        if (!link.udp_listen.trusted_any && random.one_in(2))
+            link.udp_listen.trusted.push_back({random_endpoint(random, false).address, 24});
         link.udp_listen.allow_any = random.one_in(3);
         for (unsigned i = link.udp_listen.allow_any ? 0 : random.below(4u); i > 0; --i)
             link.udp_listen.allow.push_back(
@@ -592,11 +611,11 @@ Settings random_settings(support::Random& random) {
     }
     for (unsigned i = links == 0 ? 0 : random.below(4u); i > 0; --i) {
         const auto first = static_cast<std::uint8_t>(22 + random.below(100));
-        s.routes.push_back(
-            {first, static_cast<std::uint8_t>(first + random.below(20)), s.links[random.below(links)].name});
+        s.routes.push_back({first, static_cast<std::uint8_t>(first + random.below(20)), s.links[random.below(links)].name});
     }
     for (unsigned i = links == 0 ? 0 : random.below(4u); i > 0; --i)
-        s.aliases.push_back({s.links[random.below(links)].name, static_cast<std::uint8_t>(150 + i), static_cast<std::uint8_t>(160 + i)});
+        s.aliases.push_back(
+            {s.links[random.below(links)].name, static_cast<std::uint8_t>(150 + i), static_cast<std::uint8_t>(160 + i)});
     if (links != 0 && random.one_in(3)) {
         s.gateway.unknown = Unknown::link;
         s.gateway.unknown_link = s.links[0].name;
@@ -610,8 +629,7 @@ Settings random_settings(support::Random& random) {
 }
 
 TEST(Config, flexible_layouts_are_read_and_kept_for_the_tools) {
-    const std::string layout =
-        R"({"fields":[{"name":"t","scale":0.1,"type":"i16","unit":"°C"}],"id":"0xF1","source":30})";
+    const std::string layout = R"({"fields":[{"name":"t","scale":0.1,"type":"i16","unit":"°C"}],"id":"0xF1","source":30})";
     const Draft draft = parse_config(R"({"flexible": [)" + layout + "]}");
     EXPECT_TRUE(draft.errors.empty());
     EXPECT_EQ(draft.settings.flexible, "[" + layout + "]");
@@ -621,7 +639,8 @@ TEST(Config, flexible_layouts_are_read_and_kept_for_the_tools) {
 TEST(Config, faults_of_flexible_layouts_name_their_place) {
     const Draft draft = parse_config(
         R"({"flexible": [{"id": 240, "fields": [{"name": "a", "type": "u8"}]},
-                         {"id": "0xF1", "fields": [{"name": "a", "type": "u9"}]}]})", "f");
+                         {"id": "0xF1", "fields": [{"name": "a", "type": "u9"}]}]})",
+        "f");
     ASSERT_EQ(draft.errors.size(), 2u);
     EXPECT_EQ(draft.errors[0].where, "f: /flexible/0/id");
     EXPECT_EQ(draft.errors[1].where, "f: /flexible/1/fields/0/type");
@@ -641,7 +660,8 @@ TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
 
 TEST(PrintConfig, leaves_out_what_is_not_set) {
     const std::string printed = print_config(settings_of(R"({"links": ["serial:/dev/x", "udp:1.2.3.4:5"]})"));
-    for (const char* key : {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\"", "\"interface\"", "\"socket\"", "\"file\"", "\"\""})
+    for (const char* key :
+         {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\"", "\"interface\"", "\"socket\"", "\"file\"", "\"\""})
         EXPECT_EQ(printed.find(key), std::string::npos) << key;
     for (const char* key : {"\"baud\": 500000", "\"name\": \"x\"", "\"unknown\": \"flood\""})
         EXPECT_NE(printed.find(key), std::string::npos) << key;
@@ -687,7 +707,8 @@ TEST(ConfigGpio, faults_name_their_place) {
               "/gpio/0/links/1: there is no link 'groud' (did you mean 'ground'?); give one of fc, ground, bus\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "pulse": "1s"})"),
               "/gpio/0/pulse: 'pulse' is not a key of link_up, but of power, reset\n");
-    EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "kind": "serial"})"), "/gpio/0/kind: unknown key 'kind' (did you mean 'line'?)\n");
+    EXPECT_EQ(fault(R"({"line": "x", "use": "link_up", "link": "fc", "kind": "serial"})"),
+              "/gpio/0/kind: unknown key 'kind' (did you mean 'line'?)\n");
     EXPECT_EQ(fault(R"({"use": "power"})").substr(0, 27), "/gpio/0: 'line' is missing:");
     EXPECT_EQ(fault(R"({"line": "x"})").substr(0, 26), "/gpio/0: 'use' is missing,");
     EXPECT_EQ(fault(R"({"line": 17, "use": "power"})"), "/gpio/0/line: 'line' 17 is a number: 'chip' must say of which chip\n");
@@ -717,7 +738,8 @@ TEST(ConfigGpio, when_is_a_silence) {
         return faults_in(with_gpio(R"({"line": "x", "use": "reset", "link": "fc", "when": ")" + std::string{when} + "\"}"));
     };
     EXPECT_EQ(fault("silent 10s"), "");
-    const std::string must = "/gpio/0/when: 'when' must be \"silent\" and a duration such as \"silent 10s\", from 1s to 24h, not ";
+    const std::string must =
+        "/gpio/0/when: 'when' must be \"silent\" and a duration such as \"silent 10s\", from 1s to 24h, not ";
     for (const std::string bad : {"10s", "silent", "silent 10", "silent  10s", "silent 1ms", "loud 10s"})
         EXPECT_EQ(fault(bad), must + "'" + bad + "'\n");
 }
@@ -725,11 +747,14 @@ TEST(ConfigGpio, when_is_a_silence) {
 TEST(ConfigGpio, a_line_is_used_once) {
     EXPECT_EQ(faults_in(with_gpio(R"({"line": "x", "use": "power"}, {"line": "x", "use": "reset"})")),
               "/gpio/1/line: 'line' 'x' is used by /gpio/0 already\n");
-    EXPECT_EQ(faults_in(with_gpio(R"({"line": "x", "use": "rs485", "link": "bus"}, {"line": "y", "use": "rs485", "link": "bus"})")),
-              "/gpio/1/link: 'link' 'bus' has a line for rs485 by /gpio/0 already\n");
-    EXPECT_EQ(faults_in(R"({"links": ["serial:/dev/x,name=bus,flow=hardware"], "gpio": [{"line": "x", "use": "rs485", "link": "bus"}]})"),
-              "/gpio/0/link: 'link' 'bus' uses the RTS line by 'flow' or 'rts', which rs485 needs\n");
+    EXPECT_EQ(
+        faults_in(with_gpio(R"({"line": "x", "use": "rs485", "link": "bus"}, {"line": "y", "use": "rs485", "link": "bus"})")),
+        "/gpio/1/link: 'link' 'bus' has a line for rs485 by /gpio/0 already\n");
+    EXPECT_EQ(
+        faults_in(
+            R"({"links": ["serial:/dev/x,name=bus,flow=hardware"], "gpio": [{"line": "x", "use": "rs485", "link": "bus"}]})"),
+        "/gpio/0/link: 'link' 'bus' uses the RTS line by 'flow' or 'rts', which rs485 needs\n");
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

@@ -7,9 +7,7 @@
 
 namespace {
 
-void replay(const std::string& text) {
-    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-}
+void replay(const std::string& text) { LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()); }
 
 /// A byte changed, left out or put in, or a piece moved.
 std::string changed(std::string text, support::Random& random) {
@@ -17,10 +15,10 @@ std::string changed(std::string text, support::Random& random) {
     for (unsigned n = 1 + random.below(4u); n > 0 && !text.empty(); --n) {
         const std::size_t at = random.below(text.size());
         switch (random.below(4)) {
-            case 0: text[at] = bytes[random.below(bytes.size())]; break;
-            case 1: text.erase(at, 1 + random.below(8u)); break;
-            case 2: text.insert(at, 1, bytes[random.below(bytes.size())]); break;
-            default: text.insert(random.below(text.size()), text.substr(at, random.below(40u))); break;
+        case 0: text[at] = bytes[random.below(bytes.size())]; break;
+        case 1: text.erase(at, 1 + random.below(8u)); break;
+        case 2: text.insert(at, 1, bytes[random.below(bytes.size())]); break;
+        default: text.insert(random.below(text.size()), text.substr(at, random.below(40u))); break;
         }
     }
     return text;
@@ -37,4 +35,4 @@ TEST(ConfigCorpus, holds_the_laws) {
     EXPECT_GE(seeds, 8u);
 }
 
-}  // namespace
+}    // namespace

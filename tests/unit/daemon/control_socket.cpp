@@ -45,9 +45,11 @@ TEST(ControlSocket, a_path_where_none_can_be_is_told) {
     const Runner runner{true, here + "/xdg"};
     const std::string instead = " (give another path by --control, or --control none)";
     EXPECT_EQ(fault_of_socket(here + "/c.sock", runner), "");
-    EXPECT_EQ(fault_of_socket(here + "/absent/c.sock", runner), here + "/absent/c.sock: there is no folder " + here + "/absent" + instead);
+    EXPECT_EQ(fault_of_socket(here + "/absent/c.sock", runner),
+              here + "/absent/c.sock: there is no folder " + here + "/absent" + instead);
     EXPECT_EQ(fault_of_socket(here + "/xdg/c.sock", runner), "") << "made when it is needed";
-    EXPECT_EQ(fault_of_socket(here + "/xdg/anogaet/c.sock", runner), here + "/xdg/anogaet/c.sock: there is no folder " + here + "/xdg/anogaet" + instead);
+    EXPECT_EQ(fault_of_socket(here + "/xdg/anogaet/c.sock", runner),
+              here + "/xdg/anogaet/c.sock: there is no folder " + here + "/xdg/anogaet" + instead);
     const std::string file = folder.write("file", "precious");
     EXPECT_EQ(fault_of_socket(file, runner), file + ": exists and is no socket" + instead);
     EXPECT_EQ(fault_of_socket(here, runner), here + ": exists and is no socket" + instead);
@@ -56,5 +58,5 @@ TEST(ControlSocket, a_path_where_none_can_be_is_told) {
     EXPECT_EQ(fault_of_socket("/etc/c.sock", runner), "/etc/c.sock: Permission denied" + instead);
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

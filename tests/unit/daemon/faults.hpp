@@ -23,4 +23,4 @@ inline std::string faults_of(std::initializer_list<std::string_view> links) {
     return text;
 }
 
-}  // namespace anogate
+}    // namespace anogate

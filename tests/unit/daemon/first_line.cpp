@@ -37,7 +37,8 @@ TEST(FirstLine, says_what_to_type_into_a_ground_station) {
     EXPECT_EQ(said({"udp-listen:[::]:9,name=ground"}, own),
               "my.json, 1 link; ground, for ground stations: UDP 192.168.1.20:9 or 10.0.0.2:9 or [2001:db8::5]:9");
     EXPECT_EQ(said({"udp-listen:10.0.0.2:7,name=a", "udp-listen:127.0.0.1:8,name=b"}, own),
-              "my.json, 2 links; a, for ground stations: UDP 10.0.0.2:7; b, for ground stations: UDP 127.0.0.1:8 (from this machine only)");
+              "my.json, 2 links; a, for ground stations: UDP 10.0.0.2:7; b, for ground stations: UDP 127.0.0.1:8 (from this "
+              "machine only)");
 }
 
 TEST(FirstLine, says_so_when_there_is_no_address_yet) {
@@ -48,7 +49,8 @@ TEST(FirstLine, says_so_when_there_is_no_address_yet) {
 }
 
 TEST(FirstLine, is_no_page_where_there_are_many_networks) {
-    EXPECT_EQ(said({"udp-listen:0.0.0.0:1,name=g"}, networks({"10.0.0.1/24", "10.0.1.1/24", "10.0.2.1/24", "10.0.3.1/24", "10.0.4.1/24"})),
+    EXPECT_EQ(said({"udp-listen:0.0.0.0:1,name=g"},
+                   networks({"10.0.0.1/24", "10.0.1.1/24", "10.0.2.1/24", "10.0.3.1/24", "10.0.4.1/24"})),
               "my.json, 1 link; g, for ground stations: UDP 10.0.0.1:1 or 10.0.1.1:1 or 10.0.2.1:1 or 10.0.3.1:1 ...");
 }
 
@@ -58,5 +60,5 @@ TEST(LastLine, has_the_cause_the_time_and_the_frames) {
     EXPECT_EQ(last_line("x", 26h + 3min, 0, 3), "ends: x, after 26 h 3 min, 0 frames in, 3 out");
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

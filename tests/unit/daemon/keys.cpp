@@ -31,9 +31,7 @@ void for_every_key(auto visit) {
     section("log", log_keys());
 }
 
-std::string sample() {
-    return support::text_of(support::source_file("config/anogate.json"));
-}
+std::string sample() { return support::text_of(support::source_file("config/anogate.json")); }
 
 /// Lines of `text`, those that are commented out but no prose without the comment signs.
 std::string with_examples(const std::string& text) {
@@ -97,8 +95,7 @@ TEST(Keys, are_all_in_the_help) {
         EXPECT_NE(help.find(std::string{key.help}), std::string::npos) << key.name;
         EXPECT_NE(help.find(std::string{key.name}), std::string::npos) << key.name;
     });
-    for (const LinkKind& kind : link_kinds())
-        EXPECT_NE(help.find(std::string{kind.help}), std::string::npos) << kind.name;
+    for (const LinkKind& kind : link_kinds()) EXPECT_NE(help.find(std::string{kind.help}), std::string::npos) << kind.name;
 }
 
 TEST(Keys, are_all_in_the_schema) {
@@ -159,9 +156,9 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     for_every_key([&](const std::string& section, const KeyFacts& key) {
         std::vector<std::string_view> places{section};
         if (section == "links") places = key.kinds.empty() ? std::vector<std::string_view>{"serial"} : split(key.kinds, ' ');
-        EXPECT_TRUE(std::any_of(places.begin(), places.end(), [&](std::string_view place) {
-            return seen[std::string{place}].contains(std::string{key.name});
-        })) << section << " " << key.name;
+        EXPECT_TRUE(std::any_of(places.begin(), places.end(),
+                                [&](std::string_view place) { return seen[std::string{place}].contains(std::string{key.name}); }))
+            << section << " " << key.name;
     });
 }
 
@@ -177,5 +174,5 @@ TEST(Sample, shows_the_default_of_every_key_that_has_one) {
     }
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

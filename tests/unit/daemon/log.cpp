@@ -56,5 +56,5 @@ TEST(Log, has_colours_on_a_terminal_unless_no_color_says_otherwise) {
     EXPECT_EQ(plain.find('\x1b'), std::string::npos) << plain;
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

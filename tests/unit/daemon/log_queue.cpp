@@ -63,5 +63,5 @@ TEST(LogQueue, counts_lines_not_messages) {
     EXPECT_EQ(queue.take().lost, 1u + 3 + 2);
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

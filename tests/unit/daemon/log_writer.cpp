@@ -34,8 +34,8 @@ private:
 
 struct Log {
     std::shared_ptr<Gate> gate = std::make_shared<Gate>();
-    std::shared_ptr<LogWriter> writer =
-        std::make_shared<LogWriter>([gate = gate] { return std::make_shared<spdlog::logger>("behind", gate); });
+    std::shared_ptr<LogWriter> writer = std::make_shared<LogWriter>(
+        [gate = gate] { return std::make_shared<spdlog::logger>("behind", gate); });
     spdlog::logger front{"front", writer};
 };
 
@@ -94,5 +94,5 @@ TEST(LogWriter, a_log_that_opens_late_has_what_was_said_before) {
     EXPECT_EQ(gate->lines(), std::vector<std::string>{"early"});
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

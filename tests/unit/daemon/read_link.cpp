@@ -40,16 +40,19 @@ TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
     EXPECT_EQ(fault_of("serial:usb-FTDI_x-if00-port0"),
               "'device' 'usb-FTDI_x-if00-port0' is no path of a port (did you mean '/dev/serial/by-id/usb-FTDI_x-if00-port0'?)");
     EXPECT_EQ(fault_of("serial:COM3"), "'device' 'COM3' is no path of a port, such as /dev/ttyUSB0");
-    EXPECT_EQ(fault_of("serial:/dev/x:500000"), "'device' '/dev/x:500000' ends with a number (did you mean '/dev/x' with baud=500000?)");
-    EXPECT_EQ(fault_of("serial:ttyUSB0:500000"), "'device' 'ttyUSB0:500000' is no path of a port (did you mean '/dev/ttyUSB0:500000'?)");
+    EXPECT_EQ(fault_of("serial:/dev/x:500000"),
+              "'device' '/dev/x:500000' ends with a number (did you mean '/dev/x' with baud=500000?)");
+    EXPECT_EQ(fault_of("serial:ttyUSB0:500000"),
+              "'device' 'ttyUSB0:500000' is no path of a port (did you mean '/dev/ttyUSB0:500000'?)");
     for (const std::string device : {"/dev/ttyUSB*", "/dev/ttyUSB?", "/dev/ttyUSB[01]"})
-        EXPECT_EQ(fault_of("serial:" + device), "'device' '" + device +
-                                                    "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
+        EXPECT_EQ(fault_of("serial:" + device),
+                  "'device' '" + device +
+                      "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
     EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, and a link is one interface, such as can0");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "ttyAMA0"}]})"),
               "/links/0/device: 'device' 'ttyAMA0' is no path of a port (did you mean '/dev/ttyAMA0'?)\n");
-    for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", "/dev/serial/by-path/platform-x-usb-0:1:1.0",
-                                     "./here", "a/b", "/dev/ttyUSB0"})
+    for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
+                                     "/dev/serial/by-path/platform-x-usb-0:1:1.0", "./here", "a/b", "/dev/ttyUSB0"})
         EXPECT_EQ(link_of("serial:" + device).serial.device, device);
 }
 
@@ -60,17 +63,19 @@ TEST(LinkText, a_full_width_separator_is_named) {
 }
 
 TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
-    const std::string told = " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+    const std::string told =
+        " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
     EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
     EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
-    EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"), "/links/0/dbitrate: 'dbitrate'" + told + "\n");
+    EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"),
+              "/links/0/dbitrate: 'dbitrate'" + told + "\n");
     EXPECT_EQ(fault_of("can0,bitrate=500000"), "no kind (did you mean 'can:can0,bitrate=500000'?)");
     EXPECT_EQ(fault_of("ttyUSB0"), "no kind (did you mean 'serial:/dev/ttyUSB0'?)");
 }
 
 TEST(LinkText, serial) {
-    const LinkSettings link =
-        link_of("serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
+    const LinkSettings link = link_of(
+        "serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
     LinkSettings expected;
     expected.kind = "serial";
     expected.name = "ttyUSB0";
@@ -79,8 +84,9 @@ TEST(LinkText, serial) {
 }
 
 TEST(LinkText, traffic) {
-    const LinkSettings link = link_of("udp:10.0.0.1:5,group=air,rate=5000,latency=50ms,pack=no,mtu=500,age.telemetry=300ms,"
-                                      "receive.deny=firmware+0xB0,send.allow_destinations=30-40,limit.0x01=50,limit.euler=0.5");
+    const LinkSettings link = link_of(
+        "udp:10.0.0.1:5,group=air,rate=5000,latency=50ms,pack=no,mtu=500,age.telemetry=300ms,"
+        "receive.deny=firmware+0xB0,send.allow_destinations=30-40,limit.0x01=50,limit.euler=0.5");
     EXPECT_EQ(link.group, "air");
     EXPECT_EQ(link.rate, 5000u);
     EXPECT_EQ(link.latency, std::chrono::milliseconds{50});
@@ -110,8 +116,8 @@ TEST(LinkText, serial_has_defaults) {
 }
 
 TEST(LinkText, keys_of_every_link) {
-    const LinkSettings link =
-        link_of("sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
+    const LinkSettings link = link_of(
+        "sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
     LinkSettings expected;
     expected.kind = "sim";
     expected.name = "飞控";
@@ -132,7 +138,8 @@ TEST(LinkText, hello_is_a_switch_or_an_interval) {
     EXPECT_EQ(link_of("serial:/dev/x,hello=on").hello_interval(), 2s);
     EXPECT_EQ(link_of("udp:127.0.0.1:5,hello=10s").hello_interval(), 10s);
     EXPECT_EQ(link_of("serial:/dev/x,profile=vendor,hello=off").hello_interval(), 0s);
-    EXPECT_EQ(fault_of("serial:/dev/x,hello=900ms"), "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
+    EXPECT_EQ(fault_of("serial:/dev/x,hello=900ms"),
+              "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
 }
 
 TEST(LinkText, a_profile_gives_defaults_and_no_more) {
@@ -203,28 +210,26 @@ TEST(LinkText, can) {
     EXPECT_EQ(isotp.rx, 0x7E8u);
     EXPECT_FALSE(isotp.base);
     EXPECT_EQ(fault_of("can:can0,base=0x601"), "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 0x601");
-    EXPECT_EQ(fault_of("can:can0,base=600"), "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 600 (did you mean 0x600?)");
+    EXPECT_EQ(fault_of("can:can0,base=600"),
+              "base is a multiple of 0x100 up to 0x700 (11-bit ids), not 600 (did you mean 0x600?)");
     EXPECT_EQ(fault_of("can:can0,base=0x20000000"),
               "'base' must be a CAN id such as 0x600, at most 0x1FFFFFFF, not '0x20000000'");
     EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
 }
 
-TEST(LinkText, pty) {
-    EXPECT_EQ(link_of("pty:/run/anogate/app").pty.path, "/run/anogate/app");
-}
+TEST(LinkText, pty) { EXPECT_EQ(link_of("pty:/run/anogate/app").pty.path, "/run/anogate/app"); }
 
 TEST(LinkText, links_without_a_name_get_one_of_their_own) {
     Draft draft;
-    for (const char* text :
-         {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
-          "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
+    for (const char* text : {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
+                             "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
         read_link(text, "", draft);
     finish(draft);
     EXPECT_EQ(lines(draft.errors), "");
     std::vector<std::string> names;
     for (const LinkSettings& link : draft.settings.links) names.push_back(link.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"ttyUSB0", "ttyUSB0-2", "app", "udp-listen-12333", "udp-6670", "fc",
-                                               "fc-3", "fc-2", "control-2", "pty"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"ttyUSB0", "ttyUSB0-2", "app", "udp-listen-12333", "udp-6670", "fc", "fc-3",
+                                               "fc-2", "control-2", "pty"}));
 }
 
 TEST(LinkText, the_queue_holds_two_of_the_largest_frames_unless_told) {
@@ -247,12 +252,10 @@ TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
 TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("serial:/dev/x,baud=fast"), "'baud' must be a whole number from 1 to 4294967295, not 'fast'");
     EXPECT_EQ(fault_of("sim:fc,max_data=65536"), "'max_data' must be a whole number from 0 to 65535, not '65536'");
-    EXPECT_EQ(fault_of("sim:fc,queue=4103"),
-              "'queue' must be at least max_data_out + 8, here 4104, to hold one frame, not 4103");
+    EXPECT_EQ(fault_of("sim:fc,queue=4103"), "'queue' must be at least max_data_out + 8, here 4104, to hold one frame, not 4103");
     EXPECT_EQ(fault_of("sim:fc,id=21"), "'id' must be an address from 1 to 20 (or in hex such as 0x05), not '21'");
     EXPECT_EQ(fault_of("sim:fc,flood=maybe"), "'flood' must be true or false, not 'maybe'");
-    EXPECT_EQ(fault_of("serial:/dev/x,parity=evn"),
-              "'parity' must be one of none, even, odd, not 'evn' (did you mean 'even'?)");
+    EXPECT_EQ(fault_of("serial:/dev/x,parity=evn"), "'parity' must be one of none, even, odd, not 'evn' (did you mean 'even'?)");
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,peer_timeout=30"),
               "'peer_timeout' must be a duration such as 500ms, 30s or 2m, from 1s to 24h, not '30'");
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/33"),
@@ -279,7 +282,8 @@ TEST(LinkText, an_address_or_id_without_0x_is_known) {
 TEST(LinkText, a_number_with_a_unit_is_known) {
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=500k").ends_with("not '500k' (did you mean '500000'?)"));
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bps").ends_with("not '115200bps' (did you mean '115200'?)"));
-    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115,200").find("not '115") == std::string::npos) << "two keys: that is another fault";
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115,200").find("not '115") == std::string::npos)
+        << "two keys: that is another fault";
     EXPECT_TRUE(fault_of("sim:fc,queue=64KiB").ends_with("not '64KiB' (did you mean '65536'?)"));
     EXPECT_TRUE(fault_of("sim:fc,hz=50Hz").ends_with("not '50Hz' (did you mean '50'?)"));
     EXPECT_TRUE(fault_of("serial:/dev/x,rate=5kB").ends_with("not '5kB' (did you mean '5000'?)"));
@@ -288,7 +292,8 @@ TEST(LinkText, a_number_with_a_unit_is_known) {
 }
 
 TEST(LinkText, a_key_that_stands_apart_is_known) {
-    EXPECT_EQ(fault_of("baud=500000"), "'baud' is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS,baud=500000");
+    EXPECT_EQ(fault_of("baud=500000"),
+              "'baud' is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS,baud=500000");
     EXPECT_EQ(fault_of("bind=0.0.0.0:6669").substr(0, 15), "'bind' is a key");
     EXPECT_EQ(fault_of("limit.0x01=5").substr(0, 21), "'limit.0x01' is a key");
 }
@@ -296,13 +301,15 @@ TEST(LinkText, a_key_that_stands_apart_is_known) {
 TEST(LinkText, several_values_behind_commas_are_known) {
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
               "unknown key '192.168.0.0/16': several values of 'allow' are joined by +: allow=10.0.0.0/8+192.168.0.0/16");
-    EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"), "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
+    EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"),
+              "unknown key '0xB1': several values of 'send.deny' are joined by +: send.deny=0xB0+0xB1");
     EXPECT_NE(faults_of({"sim:fc,send.deny=0xB0,0xB1,0xB2"}).find("send.deny=0xB0+0xB1+0xB2"), std::string::npos);
     EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
 }
 
 TEST(LinkText, a_limit_of_nothing_is_a_filter) {
-    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to let none pass: send.deny=euler")) << fault_of("sim:fc,limit.euler=0");
+    EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to let none pass: send.deny=euler"))
+        << fault_of("sim:fc,limit.euler=0");
 }
 
 TEST(LinkText, every_fault_is_told_not_only_the_first) {
@@ -325,19 +332,17 @@ TEST(LinkText, a_port_alone_lacks_its_address) {
 }
 
 TEST(LinkText, addresses_are_not_host_names) {
-    EXPECT_EQ(fault_of("udp:localhost:1"),
-              "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
+    EXPECT_EQ(fault_of("udp:localhost:1"), "'localhost:1': host names are not looked up, give an IP address such as 127.0.0.1:1");
     EXPECT_EQ(fault_of("udp:gw.example.org"),
               "'gw.example.org': host names are not looked up, give an IP address such as 127.0.0.1:PORT");
     EXPECT_EQ(fault_of("udp:1.2.3.4"), "'1.2.3.4' has no port: write 1.2.3.4:PORT");
     EXPECT_EQ(fault_of("udp:::1"), "'::1' has no port: write [::1]:PORT");
     EXPECT_EQ(fault_of("udp:1.2.3.4:70000"),
-              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000': a port is at most 65535");
+              "'address' must be an IP address and a port such as 127.0.0.1:12333 or [::1]:12333, not '1.2.3.4:70000': a port is "
+              "at most 65535");
     EXPECT_EQ(fault_of("udp:1.2.3.4:0"), "'1.2.3.4:0' has port 0: a fixed peer needs its port, 1 to 65535");
-    EXPECT_EQ(fault_of("udp:0.0.0.0:5"),
-              "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
-    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"),
-              "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
+    EXPECT_EQ(fault_of("udp:0.0.0.0:5"), "'0.0.0.0:5' is nobody's address; to wait for peers there, use udp-listen:0.0.0.0:5");
+    EXPECT_EQ(fault_of("udp:1.2.3.4:5,bind=[::]:5"), "'bind' [::]:5 and the peer 1.2.3.4:5 are not both IPv4 or both IPv6");
 }
 
 TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
@@ -347,8 +352,7 @@ TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
     EXPECT_EQ(faults_of({"udp-listen:[fe80::1%wlan8]:5", "udp-listen:[fe80::1%wlan9]:5"}), "");
     EXPECT_EQ(fault_of("udp:[2001:db8::7%lo]:5"),
               "'[2001:db8::7%lo]:5': only a link-local address (fe80::...) takes an interface");
-    EXPECT_EQ(fault_of("udp:[fe80::1]:5"),
-              "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
+    EXPECT_EQ(fault_of("udp:[fe80::1]:5"), "'[fe80::1]:5' is the same on every interface; say which: [fe80::1%eth0]:5");
     EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
 }
 
@@ -356,7 +360,8 @@ TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
     EXPECT_EQ(faults_of({"udp:1.2.3.4:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
     EXPECT_EQ(fault_of("udp:1.2.3.4:5,interface="), "'interface' must be text of 1 to 15 bytes, not ''");
     EXPECT_EQ(fault_of("serial:/dev/x,interface=wg0"), "'interface' is not a key of serial, but of udp-listen, udp, can");
-    EXPECT_EQ(faults_of({"udp:[fe80::1]:5,interface=wg0", "udp:[fe80::1%wg0]:5,interface=wg0", "udp:[fe80::1%3]:5,interface=wg0"}), "");
+    EXPECT_EQ(
+        faults_of({"udp:[fe80::1]:5,interface=wg0", "udp:[fe80::1%wg0]:5,interface=wg0", "udp:[fe80::1%3]:5,interface=wg0"}), "");
     for (const char* link : {"udp:[fe80::1%wg1]:5,interface=wg0", "udp:[fe80::2]:5,bind=[fe80::1%wg1]:5,interface=wg0",
                              "udp-listen:[fe80::1%wg1]:5,interface=wg0"})
         EXPECT_EQ(fault_of(link), "'interface' 'wg0' is not that of [fe80::1%wg1]:5: take one of them away");
@@ -434,5 +439,5 @@ TEST(LinkText, hostile_bytes_make_one_line) {
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1);
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

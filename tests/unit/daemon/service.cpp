@@ -19,9 +19,10 @@ std::string faults(std::string_view json) {
 constexpr char elsewhere[] = " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n";
 
 TEST(Service, writes_to_its_own_folders) {
-    EXPECT_EQ(faults(R"({"links": ["pty:/run/anogate/app", "pty:/run/anogate/more/app", "pty:/dev/shm/x", "pty:/var/log/anogate/y"],
+    EXPECT_EQ(
+        faults(R"({"links": ["pty:/run/anogate/app", "pty:/run/anogate/more/app", "pty:/dev/shm/x", "pty:/var/log/anogate/y"],
         "log": {"file": "/var/log/anogate/log"}, "control": {"socket": "/run/anogate/c.sock"}})"),
-              "");
+        "");
     EXPECT_EQ(faults(R"({"links": ["sim:fc"], "control": {"socket": "none"}})"), "");
 }
 
@@ -30,7 +31,8 @@ TEST(Service, writes_nowhere_else) {
               std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there, "
                           "and nobody else would see its /tmp; /run/anogate/app works\n"});
     EXPECT_EQ(faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
-              std::string{"a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"} + elsewhere);
+              std::string{"a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"} +
+                  elsewhere);
     EXPECT_EQ(faults(R"({"log": {"file": "/var/log/anogate.log"}})"),
               std::string{"a.json: /log/file: 'file' '/var/log/anogate.log': the service may not write there; "
                           "/var/log/anogate/anogate.log works"} +
@@ -42,8 +44,10 @@ TEST(Service, writes_nowhere_else) {
 
 TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {
     const std::string fault = faults(R"({"links": [{"kind": "serial", "device": "/tmp/sitl"}, "serial:/run/sitl,baud=9600"]})");
-    EXPECT_EQ(fault, "a.json: /links/0/device: 'device' '/tmp/sitl': the service sees nothing in /tmp, it has one of its own; make the port "
-                     "in another folder, such as /run (or: systemctl edit anogated, PrivateTmp=no)\n");
+    EXPECT_EQ(
+        fault,
+        "a.json: /links/0/device: 'device' '/tmp/sitl': the service sees nothing in /tmp, it has one of its own; make the port "
+        "in another folder, such as /run (or: systemctl edit anogated, PrivateTmp=no)\n");
     EXPECT_NE(faults(R"({"links": ["serial:/var/tmp/sitl"]})"), "");
 }
 
@@ -63,5 +67,5 @@ TEST(Service, has_the_configuration_beside_the_default_one) {
     EXPECT_FALSE(is_for_service("", theirs)) << "links of a command line";
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

@@ -38,8 +38,7 @@ TEST(Values, address_ranges) {
     EXPECT_EQ(range->last, 40);
     EXPECT_EQ(addresses_text(*range), "30-40");
     EXPECT_EQ(addresses_text({220, 220}), "0xDC");
-    for (const char* text : {"", "-", "30-", "-40", "40-30", "30-40-50", "30 - 40"})
-        EXPECT_FALSE(parse_addresses(text)) << text;
+    for (const char* text : {"", "-", "30-", "-40", "40-30", "30-40-50", "30 - 40"}) EXPECT_FALSE(parse_addresses(text)) << text;
 }
 
 TEST(Values, durations) {
@@ -48,8 +47,7 @@ TEST(Values, durations) {
     EXPECT_EQ(parse_duration("2m"), minutes{2});
     EXPECT_EQ(parse_duration("24h"), hours{24});
     EXPECT_EQ(parse_duration("0s"), seconds{0});
-    for (const char* text :
-         {"", "s", "30", "-1s", "1.5s", "30 s", "30S", "1d", "18446744073709551615h", "9999999999999ms"})
+    for (const char* text : {"", "s", "30", "-1s", "1.5s", "30 s", "30S", "1d", "18446744073709551615h", "9999999999999ms"})
         EXPECT_FALSE(parse_duration(text)) << text;
 }
 
@@ -75,10 +73,9 @@ TEST(Values, sizes) {
 
 TEST(Values, utf8) {
     EXPECT_TRUE(is_utf8("飞控 fc \xF0\x9F\x9A\x81"));
-    for (const char* text :
-         {"\xFF", "\x80", "\xC3", "\xE9\xA3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80"})
+    for (const char* text : {"\xFF", "\x80", "\xC3", "\xE9\xA3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80"})
         EXPECT_FALSE(is_utf8(text)) << testing::PrintToString(text);
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

@@ -26,7 +26,7 @@ int blinks_in_a_second(ano::Duration pause, ano::Duration late = 0ms) {
     return count;
 }
 
-}  // namespace
+}    // namespace
 
 TEST(Blink, is_seen_for_one_frame) {
     Blink blink;

@@ -62,7 +62,8 @@ std::vector<OnBus> sent(CanCutter& cutter, const Bytes& frame) {
 struct Receiver {
     explicit Receiver(const CanSettings& can, std::size_t max_data = 4096) : streams{can, max_data} {}
     void operator()(const OnBus& frame) {
-        streams.receive(frame.id, frame.data, now, [this](ano::FrameView f) { frames.emplace_back(f.bytes().begin(), f.bytes().end()); });
+        streams.receive(frame.id, frame.data, now,
+                        [this](ano::FrameView f) { frames.emplace_back(f.bytes().begin(), f.bytes().end()); });
     }
     void operator()(const std::vector<OnBus>& bus) {
         for (const OnBus& frame : bus) (*this)(frame);
@@ -92,7 +93,8 @@ TEST(CanSettings, base_is_a_multiple_of_the_range_it_spans) {
     }
     for (const std::uint32_t bad : {0x600u, 0x20000u, 0x20000000u}) {
         can.base = bad;
-        EXPECT_TRUE(fault_of(can).starts_with("base is a multiple of 0x40000 up to 0x1FFC0000 (29-bit ids), not 0x")) << fault_of(can);
+        EXPECT_TRUE(fault_of(can).starts_with("base is a multiple of 0x40000 up to 0x1FFC0000 (29-bit ids), not 0x"))
+            << fault_of(can);
     }
     can.base = 0x1FFF'FFFF;    // whose decimal digits in hex are beyond 32 bits
     EXPECT_TRUE(fault_of(can).ends_with("not 0x1FFFFFFF")) << fault_of(can);
@@ -142,9 +144,12 @@ TEST(CanIds, of_29_bits_are_base_class_source_and_destination) {
 TEST(CanIds, class_follows_the_protocol_text) {
     const CanIds ids{with_extended()};
     const auto class_of = [&](std::uint8_t id) { return (ids.of(support::frame(1, 2, id)) >> 16) - 0x0AB0; };
-    for (const std::uint8_t id : Bytes{0x00, 0x40, 0x41, 0x60, 0x61, 0xC0, 0xC1, 0xC2, 0xE0, 0xE1, 0xE2, 0xE3, 0xF0}) EXPECT_EQ(class_of(id), 0u) << int{id};
-    for (const std::uint8_t id : Bytes{0x01, 0x0F, 0x20, 0x21, 0x30, 0x35, 0x51, 0xA0, 0xA1}) EXPECT_EQ(class_of(id), 1u) << int{id};
-    for (const std::uint8_t id : Bytes{0x10, 0x36, 0x42, 0xB0, 0xB1, 0xB2, 0xF1, 0xFA, 0xFB, 0xFF}) EXPECT_EQ(class_of(id), 2u) << int{id};
+    for (const std::uint8_t id : Bytes{0x00, 0x40, 0x41, 0x60, 0x61, 0xC0, 0xC1, 0xC2, 0xE0, 0xE1, 0xE2, 0xE3, 0xF0})
+        EXPECT_EQ(class_of(id), 0u) << int{id};
+    for (const std::uint8_t id : Bytes{0x01, 0x0F, 0x20, 0x21, 0x30, 0x35, 0x51, 0xA0, 0xA1})
+        EXPECT_EQ(class_of(id), 1u) << int{id};
+    for (const std::uint8_t id : Bytes{0x10, 0x36, 0x42, 0xB0, 0xB1, 0xB2, 0xF1, 0xFA, 0xFB, 0xFF})
+        EXPECT_EQ(class_of(id), 2u) << int{id};
 }
 
 TEST(CanIds, filters_let_exactly_our_ids_through) {
@@ -155,7 +160,8 @@ TEST(CanIds, filters_let_exactly_our_ids_through) {
         const std::uint32_t first = extended ? 0x0AAFFF00 : 0, last = extended ? 0x0AB40100 : 0x7FF;
         for (std::uint32_t id = first; id <= last; ++id) {
             const auto filters = ids.filters();
-            const bool through = std::any_of(filters.begin(), filters.end(), [id](auto f) { return (id & f.mask) == (f.id & f.mask); });
+            const bool through = std::any_of(filters.begin(), filters.end(),
+                                             [id](auto f) { return (id & f.mask) == (f.id & f.mask); });
             ASSERT_EQ(through, ids.source(id).has_value()) << id;
         }
     }
@@ -296,7 +302,8 @@ TEST(CanStreams, what_never_ends_is_given_up_and_holds_nobody_back) {
     receiver({0x6DC, support::frame(0xDC, 0xFE, 4)});
     EXPECT_TRUE(receiver.frames.empty());
     ASSERT_TRUE(receiver.streams.deadline());
-    receiver.streams.expire(*receiver.streams.deadline(), [&](ano::FrameView f) { receiver.frames.emplace_back(f.bytes().begin(), f.bytes().end()); });
+    receiver.streams.expire(*receiver.streams.deadline(),
+                            [&](ano::FrameView f) { receiver.frames.emplace_back(f.bytes().begin(), f.bytes().end()); });
     EXPECT_EQ(receiver.frames.size(), 1u);
     EXPECT_FALSE(receiver.streams.deadline());
 }

@@ -17,8 +17,7 @@ TEST(Channel, received_is_what_the_parser_and_the_gateway_counted) {
     room[0] = 0x55;
     std::copy(bytes.begin(), bytes.end(), room.begin() + 1);
     channel.parser.commit(bytes.size() + 1, {});
-    while (channel.parser.next()) {
-    }
+    while (channel.parser.next()) {}
     const ReceiveCounters all = channel.received();
     EXPECT_EQ(all.frames_in, 1u);
     EXPECT_EQ(all.bytes_in, bytes.size() + 1);

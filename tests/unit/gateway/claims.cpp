@@ -10,9 +10,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr ChannelId channel(unsigned n) {
-    return static_cast<ChannelId>(n);
-}
+constexpr ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
 struct ClaimsTest : testing::Test {
     /// A letter for each that is due: asked, or Silent.

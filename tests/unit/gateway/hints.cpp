@@ -127,14 +127,16 @@ TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
     link.bytes_ago = 20ms;
     link.skipped_since = 64;
     EXPECT_EQ(hint(link), "bytes but no frames for 12 s: was the baud rate changed, or the firmware?");
-    EXPECT_EQ(hint_of_trouble(link), "bytes but no frames any more: was the baud rate changed, or the firmware?") << "told once, so without the time";
+    EXPECT_EQ(hint_of_trouble(link), "bytes but no frames any more: was the baud rate changed, or the firmware?")
+        << "told once, so without the time";
     link.kind = "udp";
     EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?");
     link.silent_for = 2s;
     EXPECT_EQ(hint(link), "") << "a noisy moment";
     link.silent_for.reset();
     link.up_for = 12s;
-    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?") << "there were some before it was plugged again";
+    EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?")
+        << "there were some before it was plugged again";
 }
 
 TEST(Hint, a_few_bytes_or_bytes_of_long_ago_do_not_break_a_silence) {
@@ -164,5 +166,5 @@ TEST(Hint, strangers_and_their_tricks_are_named) {
     EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

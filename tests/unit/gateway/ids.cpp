@@ -8,9 +8,7 @@ using namespace anogate;
 
 namespace {
 
-ChannelId channel(unsigned n) {
-    return static_cast<ChannelId>(n);
-}
+ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
 }    // namespace
 

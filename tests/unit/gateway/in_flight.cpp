@@ -46,8 +46,9 @@ TEST(Question, is_known_with_its_answer) {
 }
 
 TEST(Question, is_not_what_writes_commands_or_streams) {
-    for (const Bytes& frame : {ask(0xC0, {1, 1, 1}), ask(0x40, Bytes(20)), ask(0x41, Bytes(14)), ask(0xE0, {0x10, 0xAB, 0}),
-                               ask(0xE1, {7, 0, 42}), ask(0x61, Bytes(22)), ask(0xF0, {1}), ask(0x03, Bytes(7)), ask(0x00, {0xC0, 1, 2})})
+    for (const Bytes& frame :
+         {ask(0xC0, {1, 1, 1}), ask(0x40, Bytes(20)), ask(0x41, Bytes(14)), ask(0xE0, {0x10, 0xAB, 0}), ask(0xE1, {7, 0, 42}),
+          ask(0x61, Bytes(22)), ask(0xF0, {1}), ask(0x03, Bytes(7)), ask(0x00, {0xC0, 1, 2})})
         EXPECT_FALSE(question_in(view(frame))) << testing::PrintToString(frame);
 }
 

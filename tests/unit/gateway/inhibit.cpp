@@ -24,7 +24,7 @@ bool brings(const Bytes& bytes) { return may_bring_control(ano::FrameView{bytes}
 const Bytes command = support::frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 const Bytes attitude = support::frame(0xDC, 0xFE, 0x03, Bytes(7));
 
-}  // namespace
+}    // namespace
 
 TEST(Inhibit, control_frames_are_these_and_no_others) {
     std::set<int> ids;

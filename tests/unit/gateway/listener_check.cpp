@@ -108,7 +108,8 @@ TEST(ListenerCheck, gives_so_many_answers_a_second_and_no_more) {
     Check check{7};
     int answers = 0;
     for (std::uint64_t n = 0; n < 1000; ++n)
-        if (check.asked({IpAddress::v4(10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)), 5}, n, start)) ++answers;
+        if (check.asked({IpAddress::v4(10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)), 5}, n, start))
+            ++answers;
     EXPECT_EQ(answers, 20);
     EXPECT_TRUE(check.asked(one, 1, start + 1s));
 }
@@ -167,5 +168,5 @@ TEST(ListenerCheck, of_two_gateways_each_refuses_the_other_whoever_begins) {
     EXPECT_TRUE(a.is_refused(two) && b.is_refused(one));
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

@@ -12,30 +12,22 @@ using Fate = LoopGuard::Fate;
 namespace {
 
 constexpr TimePoint start{1h};
-constexpr LinkId link(unsigned n) {
-    return static_cast<LinkId>(n);
-}
-constexpr ChannelId channel(unsigned n) {
-    return static_cast<ChannelId>(n);
-}
+constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
+constexpr ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 ChannelSet channels(std::initializer_list<unsigned> all) {
     ChannelSet set;
     for (const unsigned n : all) set.insert(channel(n));
     return set;
 }
 
-constexpr Said device(std::uint64_t key) {
-    return {key, false};
-}
-constexpr Said host(std::uint64_t key) {
-    return {key, true};
-}
+constexpr Said device(std::uint64_t key) { return {key, false}; }
+constexpr Said host(std::uint64_t key) { return {key, true}; }
 
 class Guarded : public testing::Test {
 protected:
     Guarded() {
-        for (unsigned n = 0; n < 8; ++n) guard.open(channel(n), link(n), 0, true, TimePoint::min());    // may be probed
-        for (unsigned n = 8; n < 16; ++n) guard.open(channel(n), link(n), 0, false, TimePoint::min());  // may not
+        for (unsigned n = 0; n < 8; ++n) guard.open(channel(n), link(n), 0, true, TimePoint::min());      // may be probed
+        for (unsigned n = 8; n < 16; ++n) guard.open(channel(n), link(n), 0, false, TimePoint::min());    // may not
     }
     Fate fate(const Said& said, unsigned from, TimePoint now) { return guard.judge(said, channel(from), now).fate; }
     /// As the gateway does: what passes goes to `to`.
@@ -121,7 +113,8 @@ TEST_F(Guarded, links_of_one_group_are_no_ways_round) {
 
 TEST_F(Guarded, another_host_says_the_same_as_often_as_it_likes) {
     EXPECT_EQ(pass(host(1), 0, channels({1, 2}), start), Fate::passes);
-    for (auto now = start + 700ms; now < start + 15s; now += 700ms) EXPECT_EQ(pass(host(1), 1, channels({0, 2}), now), Fate::passes);
+    for (auto now = start + 700ms; now < start + 15s; now += 700ms)
+        EXPECT_EQ(pass(host(1), 1, channels({0, 2}), now), Fate::passes);
 }
 
 TEST_F(Guarded, two_pass_until_the_verdict) {
@@ -304,7 +297,8 @@ TEST_F(Guarded, a_thousand_in_a_second_are_a_ring_whatever_the_probe_said) {
     pass(host(1), 0, channels({1}), start);
     pass(host(1), 1, channels({0}), start);
     std::uint32_t passed = 0;
-    for (auto now = start + 500ms; now < start + 1500ms; now += 100us) passed += pass(host(1), 1, channels({0}), now) == Fate::passes;
+    for (auto now = start + 500ms; now < start + 1500ms; now += 100us)
+        passed += pass(host(1), 1, channels({0}), now) == Fate::passes;
     EXPECT_LE(passed, RingWatch::storm);
     EXPECT_TRUE(guard.rings().is_ring(channel(1), start + 2s));
 }

@@ -24,9 +24,7 @@ constexpr ano::TimePoint start{1h};
 
 using Piece = std::span<const std::uint8_t>;
 
-Bytes numbered(std::uint8_t n, std::size_t data = 4) {
-    return support::frame(0xDC, 0xFE, 0xF1, Bytes(data, n));
-}
+Bytes numbered(std::uint8_t n, std::size_t data = 4) { return support::frame(0xDC, 0xFE, 0xF1, Bytes(data, n)); }
 
 Outbox open_outbox(std::size_t bytes, std::size_t max_data) {
     Outbox outbox{{.bytes = bytes, .max_data = max_data}};
@@ -34,17 +32,13 @@ Outbox open_outbox(std::size_t bytes, std::size_t max_data) {
     return outbox;
 }
 
-void push(Outbox& outbox, const Bytes& frame, Treatment treatment = {}) {
-    outbox.push(ano::FrameView{frame}, treatment, start);
-}
+void push(Outbox& outbox, const Bytes& frame, Treatment treatment = {}) { outbox.push(ano::FrameView{frame}, treatment, start); }
 
 void push(Outbox& outbox, const Bytes& frame, Treatment treatment, std::uint8_t channel) {
     outbox.push(ano::FrameView{frame}, treatment, start, ChannelId{channel});
 }
 
-Bytes from(std::uint8_t source, std::uint8_t n) {
-    return support::frame(source, 0xFE, 0xF1, Bytes(4, n));
-}
+Bytes from(std::uint8_t source, std::uint8_t n) { return support::frame(source, 0xFE, 0xF1, Bytes(4, n)); }
 
 Bytes gathered(Outbox& outbox, ano::TimePoint now = start, std::size_t budget = SIZE_MAX) {
     std::array<Piece, 64> pieces;
@@ -60,9 +54,7 @@ Bytes joined(std::initializer_list<Bytes> frames) {
     return all;
 }
 
-void expect_balanced(const Outbox& outbox) {
-    EXPECT_EQ(unaccounted(outbox.counters()), outbox.waiting());
-}
+void expect_balanced(const Outbox& outbox) { EXPECT_EQ(unaccounted(outbox.counters()), outbox.waiting()); }
 
 }    // namespace
 

@@ -11,9 +11,7 @@ namespace {
 constexpr TimePoint start{1h};
 
 // 10 bytes a millisecond: 200 bytes are 20 ms.
-Pacer ten_a_ms() {
-    return Pacer{{.rate = 10000, .latency = 20ms}};
-}
+Pacer ten_a_ms() { return Pacer{{.rate = 10000, .latency = 20ms}}; }
 
 }    // namespace
 

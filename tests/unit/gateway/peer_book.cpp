@@ -245,5 +245,5 @@ TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer)
         EXPECT_FALSE(can_be_peer(at(bad), own)) << bad;
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

@@ -31,7 +31,9 @@ struct Presented : testing::Test {
         return frame(from, to, 0x00, {request[3], request[n - 2], request[n - 1]});
     }
     /// The address that gets `answer`, which a device sends to the host.
-    std::uint8_t asker(std::uint8_t id, const Bytes& data, std::uint8_t device = fc) { return in(frame(device, host, id, data))[2]; }
+    std::uint8_t asker(std::uint8_t id, const Bytes& data, std::uint8_t device = fc) {
+        return in(frame(device, host, id, data))[2];
+    }
 };
 
 }    // namespace
@@ -45,10 +47,12 @@ TEST_F(Presented, what_any_host_sends_arrives_as_from_the_one) {
 
 TEST_F(Presented, what_devices_say_stays_theirs) {
     EXPECT_EQ(out(frame(0xDE, 0xFF, 0x51, {1})), frame(0xDE, 0xFF, 0x51, {1})) << "a measurement";
-    EXPECT_EQ(out(frame(0xDD, host, 0xE1, {1, 0, 5})), frame(0xDD, host, 0xE1, {1, 0, 5})) << "another device's answer to the host";
+    EXPECT_EQ(out(frame(0xDD, host, 0xE1, {1, 0, 5})), frame(0xDD, host, 0xE1, {1, 0, 5}))
+        << "another device's answer to the host";
     EXPECT_EQ(out(frame(0xDD, ros, 0xE1, {1, 0, 5})), frame(0xDD, ros, 0xE1, {1, 0, 5}));
     in(frame(fc, host, 0x03));
-    EXPECT_EQ(out(frame(fc, user, 0xE1, {1, 0, 5})), frame(fc, user, 0xE1, {1, 0, 5})) << "a device of the link to a host of the link";
+    EXPECT_EQ(out(frame(fc, user, 0xE1, {1, 0, 5})), frame(fc, user, 0xE1, {1, 0, 5}))
+        << "a device of the link to a host of the link";
 }
 
 TEST_F(Presented, an_answer_goes_to_who_asked) {
@@ -59,10 +63,14 @@ TEST_F(Presented, an_answer_goes_to_who_asked) {
         Bytes answer;
     };
     const Row rows[] = {
-        {0xE0, {0, 0, 0}, 0xE3, {fc, 100, 0}},      {0xE0, {1, 0, 0}, 0xE0, {1, 40, 0}},
-        {0xE0, {2, 5, 1}, 0xE1, {5, 1, 7, 7}},      {0xE0, {3, 5, 1}, 0xE2, {5, 1, 8, 'a'}},
-        {0xC1, {0, 0, 0}, 0xC1, {0, 9, 0}},         {0xC1, {1, 7, 1}, 0xC2, {7, 1, 0x10, 0, 1}},
-        {0x60, {0xFF}, 0x60, {12}},                 {0x60, {3}, 0x61, {3, 1, 2, 3}},
+        {0xE0, {0, 0, 0}, 0xE3, {fc, 100, 0}},
+        {0xE0, {1, 0, 0}, 0xE0, {1, 40, 0}},
+        {0xE0, {2, 5, 1}, 0xE1, {5, 1, 7, 7}},
+        {0xE0, {3, 5, 1}, 0xE2, {5, 1, 8, 'a'}},
+        {0xC1, {0, 0, 0}, 0xC1, {0, 9, 0}},
+        {0xC1, {1, 7, 1}, 0xC2, {7, 1, 0x10, 0, 1}},
+        {0x60, {0xFF}, 0x60, {12}},
+        {0x60, {3}, 0x61, {3, 1, 2, 3}},
         {0xF0, {0x01, 9, 9}, 0xF0, {0x00, 2, 1}},
     };
     for (const Row& row : rows) {
@@ -77,8 +85,9 @@ TEST_F(Presented, an_answer_goes_to_who_asked) {
 }
 
 TEST_F(Presented, an_acknowledgement_names_the_bytes_that_the_asker_sent) {
-    const Bytes requests[] = {frame(user, fc, 0xC0, {1, 2, 3}), frame(user, fc, 0xE1, {3, 0, 42}), frame(user, fc, 0xE0, {0x10, 0xAB, 0}),
-                              frame(user, 0xFF, 0xC0, {1, 2, 3}), frame(user, fc, 0x61, Bytes(22))};
+    const Bytes requests[] = {frame(user, fc, 0xC0, {1, 2, 3}), frame(user, fc, 0xE1, {3, 0, 42}),
+                              frame(user, fc, 0xE0, {0x10, 0xAB, 0}), frame(user, 0xFF, 0xC0, {1, 2, 3}),
+                              frame(user, fc, 0x61, Bytes(22))};
     for (const Bytes& sent : requests) {
         const Bytes reached = out(sent);
         EXPECT_EQ(in(acknowledgement(reached, fc, host)), acknowledgement(sent, fc, user));
@@ -176,7 +185,8 @@ TEST_F(Presented, memory_is_bounded_and_the_oldest_goes) {
 
 TEST_F(Presented, streams_leave_the_memory_alone) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
-    for (int n = 0; n < 2000; ++n) out(frame(ros, fc, n % 2 ? 0x41 : 0xF1, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}));
+    for (int n = 0; n < 2000; ++n)
+        out(frame(ros, fc, n % 2 ? 0x41 : 0xF1, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
 }
 

@@ -81,5 +81,5 @@ TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
     EXPECT_EQ(outbox.counters().stale, 1u);
 }
 
-}  // namespace
-}  // namespace anogate
+}    // namespace
+}    // namespace anogate

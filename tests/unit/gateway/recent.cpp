@@ -11,21 +11,16 @@ using ano::TimePoint;
 namespace {
 
 constexpr TimePoint start{1h};
-constexpr LinkId link(unsigned n) {
-    return static_cast<LinkId>(n);
-}
-std::uint64_t key(const support::Bytes& frame) {
-    return key_of(ano::FrameView{frame});
-}
+constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
+std::uint64_t key(const support::Bytes& frame) { return key_of(ano::FrameView{frame}); }
 
 }    // namespace
 
 TEST(KeyOf, tells_frames_apart) {
     const auto one = support::frame(1, 2, 3, {4});
     EXPECT_EQ(key(one), key(support::frame(1, 2, 3, {4})));
-    for (const auto& other :
-         {support::frame(9, 2, 3, {4}), support::frame(1, 9, 3, {4}), support::frame(1, 2, 9, {4}),
-          support::frame(1, 2, 3, {9}), support::frame(1, 2, 3, {4, 0}), support::frame(1, 2, 3, {})})
+    for (const auto& other : {support::frame(9, 2, 3, {4}), support::frame(1, 9, 3, {4}), support::frame(1, 2, 9, {4}),
+                              support::frame(1, 2, 3, {9}), support::frame(1, 2, 3, {4, 0}), support::frame(1, 2, 3, {})})
         EXPECT_NE(key(one), key(other));
 }
 

@@ -117,7 +117,8 @@ TEST(RingWatch, a_cable_that_brings_back_nothing_of_what_devices_say_is_clear) {
     RingWatch rings = watch(1);
     for (int i = 0; i < 20; ++i) {
         rings.told(ChannelSet{a} | cable, start + i * 200ms);
-        EXPECT_EQ(rings.is_clear(cable, start + i * 200ms), i * 200ms >= 3s) << i << ": eight of which none can still be on its way";
+        EXPECT_EQ(rings.is_clear(cable, start + i * 200ms), i * 200ms >= 3s)
+            << i << ": eight of which none can still be on its way";
     }
     EXPECT_FALSE(rings.is_clear(a, start + 4s)) << "it is to be asked";
     EXPECT_TRUE(rings.is_clear(cable, start + 60s));

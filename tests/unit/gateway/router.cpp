@@ -54,12 +54,8 @@ LinkSet links(std::initializer_list<unsigned> numbers) {
     for (const unsigned n : numbers) set.insert(static_cast<LinkId>(n));
     return set;
 }
-constexpr LinkId link(unsigned n) {
-    return static_cast<LinkId>(n);
-}
-constexpr ChannelId channel(unsigned n) {
-    return static_cast<ChannelId>(n);
-}
+constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
+constexpr ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
 void expect(const Route& route, ChannelSet to, Via via, LinkSet absent = {}) {
     EXPECT_EQ(route.channels, to);

@@ -29,7 +29,8 @@ struct Site {
     std::uint8_t own_id = 199;
     std::optional<IpAddress> ours = ip("192.168.0.5");
     Tunnel tunnel() {
-        Tunnel t{settings, own_id,
+        Tunnel t{settings,
+                 own_id,
                  {[this](const IpAddress& there) {
                       asked = there;
                       return settings.ip ? settings.ip : ours;
@@ -55,7 +56,8 @@ Bytes b1(const char* destination, std::uint16_t p, const Bytes& inner, std::uint
     return frame(fc, to, 0xB1, head_b1(source, destination, p) + inner);
 }
 Bytes b2(std::uint8_t destination, std::uint16_t p, const Bytes& inner, std::uint8_t source = 0) {
-    return frame(fc, radio, 0xB2, Bytes{source, destination, static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(p >> 8)} + inner);
+    return frame(fc, radio, 0xB2,
+                 Bytes{source, destination, static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(p >> 8)} + inner);
 }
 
 const Tunnel::Passes all = [](ano::FrameView) { return true; };
@@ -105,9 +107,13 @@ TEST(unwrap, refuses_data_shorter_than_its_head_at_every_length) {
 
 TEST(InnerFrames, ends_at_the_first_byte_that_begins_no_whole_good_frame) {
     const Bytes cut{command.begin(), command.end() - 1};
-    for (const auto& [inner, whole, good] :
-         {std::tuple{euler, 1, true}, {euler + command, 2, true}, {Bytes{}, 0, false}, {Bytes{0xAB}, 0, false},
-          {euler + cut, 1, false}, {cut + euler, 0, false}, {euler + Bytes{0} + command, 1, false}}) {
+    for (const auto& [inner, whole, good] : {std::tuple{euler, 1, true},
+                                             {euler + command, 2, true},
+                                             {Bytes{}, 0, false},
+                                             {Bytes{0xAB}, 0, false},
+                                             {euler + cut, 1, false},
+                                             {cut + euler, 0, false},
+                                             {euler + Bytes{0} + command, 1, false}}) {
         anogate::InnerFrames frames{inner};
         int n = 0;
         while (frames.next()) ++n;
@@ -291,7 +297,8 @@ TEST(Tunnel, a_tunnel_frame_for_another_is_not_relayed) {
     Site site;
     Tunnel tunnel = site.tunnel();
     std::uint64_t n = 0;
-    for (const char* to : {"192.168.0.20", "192.168.0.21", "8.8.8.8", "255.255.255.255", "224.0.0.1", "0.0.0.0", "192.168.0.255"}) {
+    for (const char* to :
+         {"192.168.0.20", "192.168.0.21", "8.8.8.8", "255.255.255.255", "224.0.0.1", "0.0.0.0", "192.168.0.255"}) {
         const In got = in(tunnel, b1(to, 0, euler), "192.168.0.20");
         EXPECT_FALSE(got.taken);
         EXPECT_TRUE(got.frames.empty());

@@ -35,10 +35,10 @@ TEST(TunnelPolicy, what_is_listed_takes_the_place_of_our_networks) {
 }
 
 // Whatever leads back to this machine, to many, or nowhere.
-const char* const not_ordinary[] = {"127.0.0.1",     "127.255.0.1",     "224.0.0.1",  "239.255.255.250", "255.255.255.255",
-                                    "192.168.0.255", "192.168.0.0",     "10.1.255.255", "10.1.0.0",      "0.0.0.0",
-                                    "0.1.2.3",       "192.168.0.5",     "10.1.2.3",   "10.9.0.1",        "240.0.0.1",
-                                    "::1",           "fe80::6",         "ff02::1",    "2001:db8::1"};
+const char* const not_ordinary[] = {"127.0.0.1",     "127.255.0.1", "224.0.0.1",    "239.255.255.250", "255.255.255.255",
+                                    "192.168.0.255", "192.168.0.0", "10.1.255.255", "10.1.0.0",        "0.0.0.0",
+                                    "0.1.2.3",       "192.168.0.5", "10.1.2.3",     "10.9.0.1",        "240.0.0.1",
+                                    "::1",           "fe80::6",     "ff02::1",      "2001:db8::1"};
 
 TEST(TunnelPolicy, no_ordinary_host_is_refused) {
     for (const char* address : not_ordinary) EXPECT_FALSE(policy().allows(ip(address))) << address;
@@ -69,8 +69,8 @@ TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
 
 TEST(TunnelPolicy, what_is_said_to_list_this_computer_does) {
     const std::vector<Network> own{*Network::parse("192.168.0.5/24"), *Network::parse("127.0.0.1/8")};
-    for (const char* network : {"0.0.0.0/0", "127.0.0.1/7", "127.0.0.0/8", "127.0.0.1", "127.0.0.1/31", "192.168.0.5", "192.168.0.5/31",
-                                "192.168.0.0/24", "192.168.0.6", "10.0.0.0/8"}) {
+    for (const char* network : {"0.0.0.0/0", "127.0.0.1/7", "127.0.0.0/8", "127.0.0.1", "127.0.0.1/31", "192.168.0.5",
+                                "192.168.0.5/31", "192.168.0.0/24", "192.168.0.6", "10.0.0.0/8"}) {
         const std::vector<Network> allow{*Network::parse(network)};
         EXPECT_EQ(anogate::listed_loopback(allow) != nullptr, policy({network}).allows(ip("127.0.0.1"))) << network;
         EXPECT_EQ(anogate::listed_own(allow, own) != nullptr, policy({network}).allows(ip("192.168.0.5"))) << network;

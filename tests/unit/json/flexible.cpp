@@ -47,10 +47,8 @@ TEST(FlexibleJson, layouts_decode_and_encode) {
 TEST(FlexibleJson, faults_name_their_place) {
     EXPECT_EQ(faults_of("5"), Lines{"/flexible: this is to be an array of layouts"});
     EXPECT_EQ(faults_of("[5]"), Lines{"/flexible/0: this is to be an object"});
-    EXPECT_EQ(faults_of(R"([{}])"),
-              (Lines{"/flexible/0: key 'id' is missing", "/flexible/0: key 'fields' is missing"}));
-    EXPECT_EQ(faults_of(R"([{"id": 3, "fields": []}])"),
-              Lines{"/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"});
+    EXPECT_EQ(faults_of(R"([{}])"), (Lines{"/flexible/0: key 'id' is missing", "/flexible/0: key 'fields' is missing"}));
+    EXPECT_EQ(faults_of(R"([{"id": 3, "fields": []}])"), Lines{"/flexible/0/id: a flexible message has an id from 0xF1 to 0xFA"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "fields": []}])"), Lines{"/flexible/0: a layout has at least one field"});
     EXPECT_EQ(faults_of(R"([{"id": 241, "feilds": [], "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/feilds: unknown key 'feilds' (did you mean 'fields'?)"});

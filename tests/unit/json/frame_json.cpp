@@ -18,9 +18,7 @@ namespace {
 
 using namespace ano;
 
-Json json_of(const support::Bytes& bytes, const JsonOptions& options = {}) {
-    return frame_to_json(FrameView{bytes}, options);
-}
+Json json_of(const support::Bytes& bytes, const JsonOptions& options = {}) { return frame_to_json(FrameView{bytes}, options); }
 support::Bytes bytes_of(const Json& json, const JsonOptions& options = {}) {
     auto encoded = frame_from_json(json, options);
     if (const auto* fault = std::get_if<JsonFault>(&encoded)) ADD_FAILURE() << fault->pointer << ": " << fault->what;
@@ -71,15 +69,13 @@ TEST(FrameJson, stands_in_the_order_of_the_table) {
 }
 
 TEST(FrameJson, data_wins) {
-    EXPECT_EQ(data_of(R"({"name": "euler", "fields": {"rol": "nonsense"}, "extra": 5, "data": "0102"})"),
-              (support::Bytes{1, 2}));
+    EXPECT_EQ(data_of(R"({"name": "euler", "fields": {"rol": "nonsense"}, "extra": 5, "data": "0102"})"), (support::Bytes{1, 2}));
 }
 
 TEST(FrameJson, what_is_left_out_is_zero_and_the_addresses_are_host_to_all) {
     EXPECT_EQ(hex(bytes_of(Json::parse(R"({"name": "wind", "fields": {"wind_y": -1}})"))),
               hex(support::frame(254, 255, 9, {0, 0, 0xFF, 0xFF})));
-    EXPECT_EQ(bytes_of(Json::parse(R"({"id": "0x77", "from": "0xDC", "to": 1, "data": ""})")),
-              support::frame(0xDC, 1, 0x77));
+    EXPECT_EQ(bytes_of(Json::parse(R"({"id": "0x77", "from": "0xDC", "to": 1, "data": ""})")), support::frame(0xDC, 1, 0x77));
 }
 
 TEST(FrameJson, takes_the_first_layout_that_has_all_fields_base_first) {
@@ -94,13 +90,10 @@ TEST(FrameJson, takes_the_first_layout_that_has_all_fields_base_first) {
     EXPECT_EQ(data_of(R"({"name": "ranging", "fields": {"type": 100}})"), support::Bytes{100});
     EXPECT_EQ(data_of(R"({"name": "optical_flow", "fields": {"dx_1": 1}})")[0], 1);
     EXPECT_EQ(data_of(R"({"name": "optical_flow", "fields": {"mode": 2}})").size(), 15u);
-    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"iap_cmd": 0, "code": 4098}})"),
-              (support::Bytes{0, 2, 0x10, 0, 0}));
+    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"iap_cmd": 0, "code": 4098}})"), (support::Bytes{0, 2, 0x10, 0, 0}));
     EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"code": 272}})").size(), 3u);
-    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"code": 4098, "frame_num": 1}})"),
-              (support::Bytes{0, 2, 0x10, 1, 0}));
-    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"frame_num": 1, "data": "ff"}})"),
-              (support::Bytes{16, 1, 0, 0xFF}));
+    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"code": 4098, "frame_num": 1}})"), (support::Bytes{0, 2, 0x10, 1, 0}));
+    EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"frame_num": 1, "data": "ff"}})"), (support::Bytes{16, 1, 0, 0xFF}));
 }
 
 TEST(FrameJson, numbers_may_be_texts_as_in_c) {
@@ -109,8 +102,7 @@ TEST(FrameJson, numbers_may_be_texts_as_in_c) {
 }
 
 TEST(FrameJson, null_is_no_data_where_there_is_such_a_value) {
-    EXPECT_EQ(data_of(R"({"name": "general_velocity", "fields": {"speed_x": null}})"),
-              (support::Bytes{0, 0x80, 0, 0, 0, 0}));
+    EXPECT_EQ(data_of(R"({"name": "general_velocity", "fields": {"speed_x": null}})"), (support::Bytes{0, 0x80, 0, 0, 0, 0}));
     EXPECT_EQ(data_of(R"({"name": "log_value", "fields": {"val": null}})"), (support::Bytes{0, 0, 0xC0, 0x7F}));
     EXPECT_EQ(fault_of(R"({"name": "velocity", "fields": {"speed_x": null}})"),
               "/fields/speed_x: velocity speed_x: it has no value that says \"no data\"");
@@ -123,8 +115,7 @@ TEST(FrameJson, faults_name_the_field_and_its_range) {
               "/fields/sflag: mode sflag: 256 is out of range (u8, 0 to 255)");
     EXPECT_EQ(fault_of(R"({"name": "mode", "fields": {"sflag": 1.5}})"),
               "/fields/sflag: mode sflag: 1.5 is not a whole number (u8, 0 to 255)");
-    EXPECT_EQ(fault_of(R"({"name": "mode", "fields": {"sflag": true}})"),
-              "/fields/sflag: mode sflag: true is not a number");
+    EXPECT_EQ(fault_of(R"({"name": "mode", "fields": {"sflag": true}})"), "/fields/sflag: mode sflag: true is not a number");
     EXPECT_EQ(fault_of(R"({"name": "log_value", "fields": {"val": 1e39}})"),
               "/fields/val: log_value val: 1e+39 is out of range (f32)");
     EXPECT_EQ(fault_of(R"({"name": "parameter_info", "fields": {"name": "123456789012345678901"}})"),
@@ -140,13 +131,11 @@ TEST(FrameJson, faults_name_the_field_and_its_range) {
 }
 
 TEST(FrameJson, faults_name_the_word_that_was_meant) {
-    EXPECT_EQ(fault_of(R"({"name": "eular", "fields": {}})"),
-              "/name: there is no message 'eular' (did you mean 'euler'?)");
+    EXPECT_EQ(fault_of(R"({"name": "eular", "fields": {}})"), "/name: there is no message 'eular' (did you mean 'euler'?)");
     EXPECT_EQ(fault_of(R"({"name": "euler", "fields": {"roll": 1}})"),
               "/fields/roll: euler has no field 'roll' (did you mean 'rol'?)");
     EXPECT_EQ(fault_of(R"({"name": "euler", "feilds": {}})"), "/feilds: unknown key 'feilds' (did you mean 'fields'?)");
-    EXPECT_EQ(fault_of(R"({"name": "optical_flow", "fields": {"mode": 7}})"),
-              "/fields: optical_flow mode: 7 is none of 0, 1, 2");
+    EXPECT_EQ(fault_of(R"({"name": "optical_flow", "fields": {"mode": 7}})"), "/fields: optical_flow mode: 7 is none of 0, 1, 2");
     EXPECT_EQ(fault_of(R"({"name": "optical_flow", "fields": {"dx_0": 1, "dx_1": 1}})"),
               "/fields: optical_flow has no layout with all of these fields");
     EXPECT_EQ(fault_of(R"({"name": "ranging", "fields": {"points": [{"angel": 1}]}})"),
@@ -166,18 +155,15 @@ TEST(FrameJson, faults_of_the_frame_itself) {
     const std::string large(2 * 65536, '0');
     EXPECT_EQ(fault_of(R"({"id": 119, "data": ")" + large + "\"}"),
               ": 65536 bytes of DATA are more than the 65535 a frame can carry");
-    EXPECT_EQ(fault_of(R"({"name": "log", "fields": {"str": "a\u0000b"}})"),
-              "/fields/str: log str: text can't hold a NUL");
+    EXPECT_EQ(fault_of(R"({"name": "log", "fields": {"str": "a\u0000b"}})"), "/fields/str: log str: text can't hold a NUL");
 }
 
 TEST(FrameJson, a_fault_inside_a_tunnel_names_the_way_to_it) {
     EXPECT_EQ(
-        fault_of(
-            R"({"name": "ip_tunnel", "fields": {"frames": [{"name": "wind"}, {"name": "mode", "fields": {"mode": -1}}]}})"),
+        fault_of(R"({"name": "ip_tunnel", "fields": {"frames": [{"name": "wind"}, {"name": "mode", "fields": {"mode": -1}}]}})"),
         "/fields/frames/1/fields/mode: mode mode: -1 is out of range (u8, 0 to 255)");
-    EXPECT_EQ(
-        fault_of(R"({"name": "ip_tunnel", "fields": {"frames": [{"name": "ip_tunnel", "fields": {"frames": []}}]}})"),
-        "/fields/frames/0/fields/frames: ip_tunnel frames: a tunnel frame inside a tunnel frame is given as its data");
+    EXPECT_EQ(fault_of(R"({"name": "ip_tunnel", "fields": {"frames": [{"name": "ip_tunnel", "fields": {"frames": []}}]}})"),
+              "/fields/frames/0/fields/frames: ip_tunnel frames: a tunnel frame inside a tunnel frame is given as its data");
 }
 
 TEST(FrameJson, gbk_text_is_read_and_written_when_asked) {

@@ -17,9 +17,7 @@ TEST(Nearest, finds_slips_of_the_finger) {
     EXPECT_EQ(nearest("fload", keys), "flood");
 }
 
-TEST(Nearest, finds_a_part_of_a_word) {
-    EXPECT_EQ(nearest("timeout", keys), "peer_timeout");
-}
+TEST(Nearest, finds_a_part_of_a_word) { EXPECT_EQ(nearest("timeout", keys), "peer_timeout"); }
 
 TEST(Nearest, finds_the_word_that_a_longer_one_begins_with) {
     EXPECT_EQ(nearest("baudrate", keys), "baud");
@@ -58,5 +56,5 @@ TEST(Nearest, asks_whether_it_was_meant) {
     EXPECT_EQ(did_you_mean("encryption", keys), "");
 }
 
-}  // namespace
-}  // namespace ano
+}    // namespace
+}    // namespace ano

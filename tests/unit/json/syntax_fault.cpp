@@ -25,7 +25,8 @@ TEST(SyntaxFault, begins_with_the_line) {
 }
 
 TEST(SyntaxFault, knows_a_comma_that_is_missing) {
-    for (const char* text : {R"({"a": 1 "b": 2})", R"({"a": {} "b": 2})", R"([{"a": 1} {"a": 2}])", "[1 2]", "[[] []]", "[1 true]"})
+    for (const char* text :
+         {R"({"a": 1 "b": 2})", R"({"a": {} "b": 2})", R"([{"a": 1} {"a": 2}])", "[1 2]", "[[] []]", "[1 true]"})
         EXPECT_EQ(slip_in(text), "is a comma missing before it?)") << fault_of(text);
 }
 
@@ -53,7 +54,8 @@ TEST(SyntaxFault, knows_true_and_false_of_other_languages_and_an_empty_file) {
 }
 
 TEST(SyntaxFault, takes_any_text) {
-    for (const std::string& text : {std::string{}, std::string{"]"}, std::string{"\0\xFF", 2}, std::string{",]"}, std::string{"\"\xFF"}})
+    for (const std::string& text :
+         {std::string{}, std::string{"]"}, std::string{"\0\xFF", 2}, std::string{",]"}, std::string{"\"\xFF"}})
         EXPECT_EQ(fault_of(text).rfind("line 1", 0), 0u) << fault_of(text);
 }
 

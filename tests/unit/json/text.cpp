@@ -60,8 +60,8 @@ TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
     EXPECT_EQ(text("plain"), "plain");
     EXPECT_EQ(text("说明"), "说明");
     EXPECT_EQ(text("\xBD\xE2\xCB\xF8 ok"), "解锁 ok");
-    EXPECT_EQ(text("a\xC0"), "a" + r);              // neither
-    EXPECT_EQ(text("说\xE6\x98"), "说" + r);         // cut within a character
+    EXPECT_EQ(text("a\xC0"), "a" + r);          // neither
+    EXPECT_EQ(text("说\xE6\x98"), "说" + r);    // cut within a character
     EXPECT_EQ(text("\xFF\xFE"), r + r);
     EXPECT_EQ(from_utf8("解锁", Encoding::automatic), "解锁");
 }
@@ -75,8 +75,7 @@ TEST(Number, is_read_as_c_writes_it) {
     EXPECT_EQ(parse_number("18446744073709551615"), Number{std::numeric_limits<std::uint64_t>::max()});
     EXPECT_EQ(parse_number("-9223372036854775808"), Number{std::numeric_limits<std::int64_t>::min()});
     EXPECT_EQ(parse_number("010"), Number{std::uint64_t{10}});
-    for (const char* wrong :
-         {"", "-", "+", "0x", "1x", "--1", "-+1", "1 ", " 1", "0x1g", "1e", "e5", "0x1FFFFFFFFFFFFFFFF"})
+    for (const char* wrong : {"", "-", "+", "0x", "1x", "--1", "-+1", "1 ", " 1", "0x1g", "1e", "e5", "0x1FFFFFFFFFFFFFFFF"})
         EXPECT_EQ(parse_number(wrong), std::nullopt) << wrong;
 }
 

@@ -74,8 +74,7 @@ TEST(Words, for_value_type_7_are_the_devices_own) {
     constexpr JsonOptions text{};
     constexpr JsonOptions current{nullptr, Encoding::utf8, ValueType7::u64};
     const auto type = [](const char* word, const JsonOptions& options) {
-        return data_of(R"({"name": "command_info", "fields": {"val_type": [")" + std::string{word} + R"("]}})",
-                       options)[5];
+        return data_of(R"({"name": "command_info", "fields": {"val_type": [")" + std::string{word} + R"("]}})", options)[5];
     };
     EXPECT_EQ(type("f32", text), 7);
     EXPECT_EQ(type("f32", current), 9);
@@ -100,8 +99,9 @@ TEST(Words, of_addresses_are_taken) {
 TEST(TypedValues, are_the_bytes_of_a_command) {
     EXPECT_EQ(data_of(R"({"name": "command", "fields": {"cid0": 1, "values": "u16:100,i32:-5"}})"),
               (support::Bytes{1, 0, 0, 100, 0, 0xFB, 0xFF, 0xFF, 0xFF}));
-    EXPECT_EQ(data_of(R"({"name": "command", "fields": {"values": "u8:1,i8:-1,i16:-2,u32:0x10,u64:1,i64:-1,f32:1.5,f64:2"}})").size(),
-              3u + 1 + 1 + 2 + 4 + 8 + 8 + 4 + 8);
+    EXPECT_EQ(
+        data_of(R"({"name": "command", "fields": {"values": "u8:1,i8:-1,i16:-2,u32:0x10,u64:1,i64:-1,f32:1.5,f64:2"}})").size(),
+        3u + 1 + 1 + 2 + 4 + 8 + 8 + 4 + 8);
     EXPECT_EQ(data_of(R"({"name": "command", "fields": {"values": "0102"}})"), (support::Bytes{0, 0, 0, 1, 2}));
     EXPECT_EQ(data_of(R"({"name": "command", "fields": {"values": ""}})"), (support::Bytes{0, 0, 0}));
 }
@@ -145,21 +145,18 @@ TEST(ParameterValue, that_is_shorter_than_its_type_is_refused) {
         "; a device would store check bytes of the frame with it: write it with its type, such as f32:1.5 or string:abc";
     EXPECT_EQ(value_fault(""), "parameter_value value: it is empty" + behind);
     EXPECT_EQ(value_fault("string:"), "parameter_value value: it is empty" + behind);
-    EXPECT_EQ(fault_of(R"({"name": "parameter_value", "fields": {"par_id": 1}})"),
-              "parameter_value value: it is empty" + behind);
+    EXPECT_EQ(fault_of(R"({"name": "parameter_value", "fields": {"par_id": 1}})"), "parameter_value value: it is empty" + behind);
     for (const std::size_t size : {3u, 5u, 6u, 7u}) {
         const std::string digits(2 * size, '0');
-        EXPECT_EQ(value_fault(digits), "parameter_value value: '" + digits + "' is " + std::to_string(size) +
-                                           " bytes, as no number is" + behind);
+        EXPECT_EQ(value_fault(digits),
+                  "parameter_value value: '" + digits + "' is " + std::to_string(size) + " bytes, as no number is" + behind);
     }
     for (const std::size_t size : {1u, 2u, 4u, 8u, 9u}) EXPECT_EQ(value_fault(std::string(2 * size, '0')), "no fault");
-    EXPECT_EQ(value_fault("0000", R"(, "par_type": "f32")"),
-              "parameter_value value: '0000' is 2 bytes, f32 has 4" + behind);
+    EXPECT_EQ(value_fault("0000", R"(, "par_type": "f32")"), "parameter_value value: '0000' is 2 bytes, f32 has 4" + behind);
     EXPECT_EQ(value_fault("00", R"(, "par_type": 2)"), "parameter_value value: '00' is 1 byte, u16 has 2" + behind);
     EXPECT_EQ(value_fault("000000", R"(, "par_type": "string")"), "no fault");
     EXPECT_EQ(value_fault("0000c03f", R"(, "par_type": 8)"), "no fault");
-    EXPECT_EQ(value_fault("u8:1", R"(, "par_type": "f32")"),
-              "parameter_value value: 'u8:1' is not what par_type says: 'f32'");
+    EXPECT_EQ(value_fault("u8:1", R"(, "par_type": "f32")"), "parameter_value value: 'u8:1' is not what par_type says: 'f32'");
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"value": "ff", "par_type": "u8"}})"),
               (support::Bytes{0, 0, 0xFF}));
     // As it was received it goes back to its bytes all the same.
