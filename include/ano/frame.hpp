@@ -12,8 +12,8 @@ namespace ano {
 inline constexpr std::uint8_t head = 0xAB;
 inline constexpr std::size_t header_size = 6;               // HEAD to LEN
 inline constexpr std::size_t overhead = header_size + 2;    // and SC AC: the smallest frame
-inline constexpr std::size_t largest_data = 65535;          // what LEN can say
-inline constexpr std::size_t largest_frame = overhead + largest_data;
+inline constexpr std::size_t max_len = 65535;               // what LEN can say
+inline constexpr std::size_t max_frame_size = overhead + max_len;
 
 /// Both check bytes of a frame.
 struct Checks {
@@ -64,7 +64,7 @@ constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
 }
 
 /// The frame that `bytes` begin with, when it is whole, its LEN is at most `max_data` and both checks hold.
-constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes, std::size_t max_data = largest_data) noexcept {
+constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes, std::size_t max_data = max_len) noexcept {
     if (bytes.size() < overhead || bytes[0] != head) return std::nullopt;
     const std::size_t length = data_length(bytes.data());
     if (length > max_data || bytes.size() < overhead + length) return std::nullopt;
@@ -85,7 +85,7 @@ constexpr void seal(std::span<std::uint8_t> frame) noexcept {
 /// overhead + data.size() bytes or the data exceed what LEN can say. `data` may not overlap `out`.
 constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
                              std::span<const std::uint8_t> data) noexcept {
-    if (data.size() > largest_data || out.size() < overhead + data.size()) return 0;
+    if (data.size() > max_len || out.size() < overhead + data.size()) return 0;
     const auto frame = out.first(overhead + data.size());
     frame[0] = head;
     frame[1] = source;

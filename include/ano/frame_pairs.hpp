@@ -27,7 +27,7 @@ public:
     /// for the answer is no; what was not looked at is looked at later, if a candidate before it still waits then.
     bool stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums, const Heard& heard) noexcept;
     /// A good frame of `size` bytes came.
-    void earn(std::size_t size) noexcept { credit_ = std::min(credit_ + size, most_credit); }
+    void earn(std::size_t size) noexcept { credit_ = std::min(credit_ + size, max_credit); }
     /// Whether a look can be paid for; while not, stand_behind() need not be asked.
     bool can_look() const noexcept { return credit_ >= a_look; }
     /// The buffer's content moved to its front by `distance` bytes.
@@ -35,7 +35,7 @@ public:
 
 private:
     static constexpr std::size_t a_look = 32;    // bytes of good frames, like all credit
-    static constexpr std::size_t most_credit = 65536;
+    static constexpr std::size_t max_credit = 65536;
 
     // A place in the stream, not in the buffer.
     using Place = std::uint64_t;
@@ -43,8 +43,8 @@ private:
     void forget_until(Place place) noexcept;
     bool note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                       const Heard& heard) noexcept;
-    void judge_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
-    void judge_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
+    void check_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
+    void check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
     std::uint16_t& size_at(Place end) noexcept { return ends_[end & mask_]; }
 
     // Both are rings over the stream. Of what ends, or would end, at a place, the latest to begin comes first; it is told
@@ -53,7 +53,7 @@ private:
     Room<std::uint16_t> ends_;     // by end: the first candidate; once it was judged, the first good frame
     Room<std::uint16_t> nexts_;    // by begin: the next candidate of the same end
 
-    std::size_t credit_ = most_credit;
+    std::size_t credit_ = max_credit;
     Place origin_ = 0;           // of the buffer's first byte
     Place forgotten_;            // nothing is known of what ends here or before
     Place headers_until_ = 0;    // the headers that begin before were looked at

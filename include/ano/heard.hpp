@@ -17,7 +17,7 @@ public:
     void note(FrameView frame) noexcept {
         sources_[frame.source()] = true;
         const auto length = static_cast<std::uint16_t>(frame.data().size());
-        std::uint16_t& largest = largest_[frame.id()];
+        std::uint16_t& largest = max_size_[frame.id()];
         if (length > largest) largest = length;
     }
     bool source(std::uint8_t address) const noexcept { return sources_[address]; }
@@ -29,7 +29,7 @@ public:
 
 private:
     std::array<bool, 256> sources_{};
-    std::array<std::uint16_t, 256> largest_{};    // 0: not heard, or without DATA
+    std::array<std::uint16_t, 256> max_size_{};    // 0: not heard, or without DATA
 };
 
 }    // namespace ano

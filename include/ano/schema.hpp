@@ -220,7 +220,7 @@ struct Variant {
     bool by_look = false;    // taken where the base layout reads as nonsense and this one does not: is_plausible()
 };
 
-inline constexpr std::size_t most_fields = 12;
+inline constexpr std::size_t max_fields = 12;
 
 /// One row of the table: a message in one of its layouts.
 struct Message {
@@ -235,7 +235,7 @@ struct Message {
     Variant variant{};    // no label: the base layout
     std::string_view name{};
     std::string_view title{};
-    std::array<Field, most_fields> storage{};
+    std::array<Field, max_fields> storage{};
 
     consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
                       std::initializer_list<Field> list, Variant variant_ = {})
@@ -264,7 +264,7 @@ private:
     // What stands behind a list is one of its elements.
     consteval void add(const Field& field) {
         const std::size_t n = std::size_t{size} + elements;
-        if (n == most_fields) table_error::a_row_has_too_many_fields();
+        if (n == max_fields) table_error::a_row_has_too_many_fields();
         for (std::size_t i = 0; i < n; ++i)
             if (storage[i].name == field.name) table_error::a_field_is_named_twice();
         storage[n] = field;

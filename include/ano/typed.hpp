@@ -157,7 +157,7 @@ public:
         constexpr const Field& f = detail::field<M, Label, F>();
         static_assert(!is_number(f.type) || f.count > 1, "this field is a number");
         if constexpr (f.is_open()) {
-            if (value.size() > largest_data - message().fixed_size) return false;
+            if (value.size() > max_len - message().fixed_size) return false;
             rest_ = value;
         } else {
             if (value.size() > f.size()) return false;

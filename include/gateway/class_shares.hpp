@@ -1,6 +1,6 @@
 // Whose turn it is among the classes: urgent before telemetry before bulk, but a tenth of the bytes for each that waits.
 #pragma once
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <algorithm>
 #include <array>

@@ -18,16 +18,16 @@
 namespace anogate {
 
 /// The gateway itself, where a channel is named as the one that a frame came by.
-inline constexpr ChannelId ourselves{most_channels};
+inline constexpr ChannelId ourselves{max_channels};
 
 /// Of one sender first in, first out, but that a frame which `overtakes` leaves before the others, one for one with them.
 /// A channel that has not waited lately leaves first. Neither throws nor allocates after construction; constant time a
 /// frame, amortised over its bytes.
 class FairQueue {
 public:
-    /// `frames`, of which at most `most_frames` wait here, outlives it. Who waits with others sends `quantum` bytes in
+    /// `frames`, of which at most `max_frames` wait here, outlives it. Who waits with others sends `quantum` bytes in
     /// turn, above 0, and the rest of the frame that has begun within.
-    FairQueue(WaitingFrame* frames, std::size_t most_frames, std::int32_t quantum);
+    FairQueue(WaitingFrame* frames, std::size_t max_frames, std::int32_t quantum);
 
     /// The frame has its size, and whether it overtakes.
     void push(FrameIndex i, ChannelId from, std::uint8_t source) noexcept {
@@ -105,7 +105,7 @@ private:
     static constexpr Number root = 0;
     static constexpr Number sole = 1;
     static constexpr Number first_channel = 2;
-    static constexpr std::size_t channels = most_channels + 1;    // and ourselves
+    static constexpr std::size_t channels = max_channels + 1;    // and ourselves
     static constexpr Number first_flow = first_channel + channels;
     static constexpr std::size_t bucket_count = 256;
 

@@ -24,7 +24,7 @@ public:
     static constexpr Duration answer_within = std::chrono::seconds{3};
     static constexpr Duration acknowledged_within = std::chrono::seconds{10};
     static constexpr int answers_needed = 2;
-    static constexpr int most_wrong_acknowledgements = 4;    // in a window; those behind them count for nothing
+    static constexpr int max_wrong_acknowledgements = 4;    // in a window; those behind them count for nothing
 
     using Question = std::array<std::uint8_t, ano::overhead + 3>;
 

@@ -17,11 +17,11 @@ namespace anogate {
 class Hello {
 public:
     static constexpr ano::Duration first_silence = std::chrono::seconds{1};
-    static constexpr ano::Duration least_interval = std::chrono::seconds{1};
+    static constexpr ano::Duration min_interval = std::chrono::seconds{1};
     static constexpr ano::Duration update_pause = std::chrono::seconds{60};
 
-    /// `interval` between two of them, at least least_interval.
-    explicit Hello(ano::Duration interval) : interval_{std::max(interval, least_interval)} {}
+    /// `interval` between two of them, at least min_interval.
+    explicit Hello(ano::Duration interval) : interval_{std::max(interval, min_interval)} {}
 
     void came_up(ano::TimePoint now) noexcept {
         up_at_ = now;

@@ -11,8 +11,8 @@ enum class LinkId : std::uint8_t {};
 /// What is alive on a link; 0 to 63. The number of a closed channel is used again.
 enum class ChannelId : std::uint8_t {};
 
-inline constexpr std::size_t most_links = 64;
-inline constexpr std::size_t most_channels = 64;
+inline constexpr std::size_t max_links = 64;
+inline constexpr std::size_t max_channels = 64;
 
 constexpr std::size_t index(LinkId id) noexcept { return static_cast<std::size_t>(id); }
 constexpr std::size_t index(ChannelId id) noexcept { return static_cast<std::size_t>(id); }

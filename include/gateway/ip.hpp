@@ -42,13 +42,13 @@ struct Endpoint {
 
 /// An endpoint as a person writes it. The interface of a link-local address is kept by its name: whether there is such an
 /// interface, and what number it has, changes with every plug. `address.scope` is 0.
-struct WrittenEndpoint : Endpoint {
+struct EndpointSpec : Endpoint {
     std::string interface {};    // 1 to 15 bytes, or its number; empty for none
 
     /// As Endpoint::parse(), whether or not there is such an interface now.
-    static std::optional<WrittenEndpoint> parse(std::string_view text);
+    static std::optional<EndpointSpec> parse(std::string_view text);
     std::string text() const;
-    friend bool operator==(const WrittenEndpoint&, const WrittenEndpoint&) = default;
+    friend bool operator==(const EndpointSpec&, const EndpointSpec&) = default;
 };
 
 /// An address and how many of its leading bits count.

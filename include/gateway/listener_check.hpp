@@ -28,7 +28,7 @@ public:
     static constexpr Duration between_suspensions = std::chrono::minutes{1};
     /// A refused endpoint that does not answer so many questions in a row, one a second, is no listening gateway any more.
     static constexpr int unanswered_enough = 5;
-    static constexpr std::uint32_t most_answers_a_second = 20;
+    static constexpr std::uint32_t max_answers_a_second = 20;
 
     /// `random` gives numbers that nobody can foretell.
     explicit ListenerCheck(std::function<std::uint64_t()> random) : random_{std::move(random)} {}
@@ -59,7 +59,7 @@ private:
         bool refused = false;
         int unanswered = 0;    // while refused
     };
-    static constexpr std::size_t most_suspects = 128;    // the peers of a link, and as many again
+    static constexpr std::size_t max_suspects = 128;    // the peers of a link, and as many again
 
     const Suspect* find(const Endpoint& endpoint) const noexcept;
     Suspect* find(const Endpoint& endpoint) noexcept;
@@ -67,7 +67,7 @@ private:
     ListeningNotice ask(Suspect& suspect, TimePoint now);
 
     std::function<std::uint64_t()> random_;
-    std::array<Suspect, most_suspects> suspects_;
+    std::array<Suspect, max_suspects> suspects_;
     TimePoint answers_since_{};
     std::uint32_t answers_ = 0;
 };

@@ -18,7 +18,7 @@
 //   again only when it arrived, by a sender that waits longer for that.
 // - What that can't tell: of the thousandth repeat on, the frame is withheld, and sent together with the next: a sender loses
 //   nothing by that, while in a ring there is no next. After twice as many, twice as many are withheld, for as many may go
-//   round; but never for longer than `longest_withheld`.
+//   round; but never for longer than `max_withheld`.
 // - More than RingWatch::storm in a second come from a ring whatever the probe said.
 #pragma once
 #include <gateway/recent.hpp>
@@ -47,21 +47,20 @@ public:
     static constexpr std::uint32_t repeats = 1000;
     /// From the first that is withheld to the next that leaves, at the most: whoever listens to sticks must not take their
     /// sender for lost.
-    static constexpr Duration longest_withheld = std::chrono::milliseconds{500},
-                              longest_state_withheld = std::chrono::milliseconds{100};
+    static constexpr Duration max_withheld = std::chrono::milliseconds{500}, max_state_withheld = std::chrono::milliseconds{100};
     /// Nobody says the same again so soon, so many times in a row; in a known ring one that does so once is a copy.
     static constexpr Duration faster_than_senders = std::chrono::milliseconds{5};
     static constexpr std::uint32_t fast_repeats = 32;
     /// After so many repeats a command is tested first, and after twice as many each time then; how long it is withheld, in
     /// turn; and how often it comes round as it would in a ring until it is taken for that.
-    static constexpr std::uint32_t first_test = 64, most_tests = 4;
-    static constexpr std::array<Duration, 3> tested_for{longest_withheld, std::chrono::milliseconds{300},
+    static constexpr std::uint32_t first_test = 64, max_tests = 4;
+    static constexpr std::array<Duration, 3> tested_for{max_withheld, std::chrono::milliseconds{300},
                                                         std::chrono::milliseconds{400}};
     static constexpr std::uint8_t enough = 3;
     /// What goes round together, sent late at once, comes within this time.
     static constexpr Duration come_together = std::chrono::milliseconds{100};
     /// Of states that a ring may have multiplied: shorter than sticks may be old. Commands wait for RingWatch::patience.
-    static constexpr Duration longest_state_wait = std::chrono::milliseconds{150};
+    static constexpr Duration max_state_wait = std::chrono::milliseconds{150};
 
     enum class Fate : std::uint8_t {
         passes,
@@ -122,8 +121,8 @@ public:
         }
         if (!said.by_host && said.to_all) rings_.told(channels, now);
         if (const ChannelSet back = (channels - from) & rings_.rings(); !back.empty())
-            sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), most_channels));
-        if (sent.claimed && claimed && sent.anticipated < most_anticipated) ++sent.anticipated;
+            sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), max_channels));
+        if (sent.claimed && claimed && sent.anticipated < max_anticipated) ++sent.anticipated;
         sent_.put(said.key, sent, now);
         quiet_at_ = now + window_;
     }
@@ -165,7 +164,7 @@ private:
         TimePoint since{};    // the first of a row
         TimePoint at{};       // the last
     };
-    static constexpr std::uint8_t most_withheld = 255, most_anticipated = 31;
+    static constexpr std::uint8_t max_withheld_frames = 255, max_anticipated = 31;
 
     Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept {
         const TimePoint sent_at = sent_.put_at(said.key);
@@ -235,10 +234,10 @@ private:
         if (const Judgement judgement = tested(known, said, from, sent_at, now); judgement.fate != Fate::passes) return judgement;
         Withheld& withheld = withheld_[index(known.from)];
         const std::uint32_t turns = known.times / repeats;
-        if (turns > 0 && !said.waited && known.withheld < most_withheld) {
+        if (turns > 0 && !said.waited && known.withheld < max_withheld_frames) {
             const std::uint32_t most = std::bit_floor(turns);
             if (known.withheld == 0) withheld.since = now;
-            const bool in_time = now - withheld.since < (said.state ? longest_state_withheld : longest_withheld);
+            const bool in_time = now - withheld.since < (said.state ? max_state_withheld : max_withheld);
             if (in_time && known.times - most * repeats < most) {
                 ++known.withheld;
                 ++withheld.frames;
@@ -265,7 +264,7 @@ private:
             if (test.sent_late == 0) {
                 const std::uint32_t turns = (known.times / first_test) >>
                                             test.number;    // of several that go round none is steady
-                if (!said.command || test.number == most_tests || turns < (steady ? 1u : 2u)) return {};
+                if (!said.command || test.number == max_tests || turns < (steady ? 1u : 2u)) return {};
             } else if (steady) {
                 if (++test.steady >= enough) return came_round(known, from, now);
             } else {
@@ -292,7 +291,7 @@ private:
         const bool waits = !said.state || now - sent_at < faster_than_senders;
         return {.fate = waits ? Fate::waits : Fate::passes,
                 .probe = probe,
-                .wait = said.state ? longest_state_wait : RingWatch::patience};
+                .wait = said.state ? max_state_wait : RingWatch::patience};
     }
     // Of a ring by bridges that keep what devices say: there a probe tells, by its other end.
     bool may_be_its_other_end(const Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
@@ -316,7 +315,7 @@ private:
 
     // Links of one group lead to one place.
     static constexpr std::uint8_t place(LinkId link, std::uint8_t group) noexcept {
-        return static_cast<std::uint8_t>(group == 0 ? index(link) : most_links + group);
+        return static_cast<std::uint8_t>(group == 0 ? index(link) : max_links + group);
     }
     bool same_place(ChannelId a, ChannelId b) const noexcept { return place_of_[index(a)] == place_of_[index(b)]; }
 
@@ -324,14 +323,14 @@ private:
     Recent<Sent> sent_;
     RingWatch rings_;
     TimePoint quiet_at_ = TimePoint::min();
-    std::array<TimePoint, most_channels> opened_at_ = [] {
-        std::array<TimePoint, most_channels> all;
+    std::array<TimePoint, max_channels> opened_at_ = [] {
+        std::array<TimePoint, max_channels> all;
         all.fill(TimePoint::min());
         return all;
     }();
-    std::array<Withheld, most_channels> withheld_{};
-    std::array<std::uint8_t, most_channels> place_of_ = [] {    // each alone until it is opened
-        std::array<std::uint8_t, most_channels> all;
+    std::array<Withheld, max_channels> withheld_{};
+    std::array<std::uint8_t, max_channels> place_of_ = [] {    // each alone until it is opened
+        std::array<std::uint8_t, max_channels> all;
         for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
         return all;
     }();

@@ -1,6 +1,6 @@
 // What waits to leave by one channel: bounded, whole frames only, every drop counted by cause.
 //
-// Flow:    outbox.push(frame, treatment, arrived_at)       // from the router
+// Flow:    outbox.push(frame, policy, arrived_at)       // from the router
 //          outbox.gather(pieces, now, budget)              // when the wire can take something
 //          outbox.sent(bytes), or outbox.sent_frame() / outbox.drop_frame(cause) for datagrams
 //          outbox.set_congested()                          // when the wire took no more and frames still wait
@@ -11,7 +11,7 @@
 #include <gateway/class_shares.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/fair_queue.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 #include <gateway/waiting_frame.hpp>
 
 #include <array>
@@ -40,11 +40,11 @@ public:
     /// A frame to leave, that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
     /// full, the oldest of who has most waiting gives way, in the lowest class that has more than is kept for each: a tenth
     /// of the room, or one frame of up to a quarter. That may be the frame itself.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
+    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that never grows stale.
     void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
     /// Whether a frame of this age is to leave no more.
-    bool is_stale(Treatment treatment, ano::Duration age) const noexcept;
+    bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
     /// The clock by which ages are told has stood still for `time`, though it passed: all that waits is that much older.
     void grow_older(ano::Duration time) noexcept;
     /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
@@ -101,7 +101,7 @@ private:
         ClassShares shares;
     };
 
-    void store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at, ChannelId from) noexcept;
+    void store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
     std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
     std::size_t gives_way(std::size_t own, bool entitled) const noexcept;

@@ -27,14 +27,14 @@ class PeerBook {
 public:
     struct Options {
         Duration timeout = std::chrono::seconds{60};    // a peer silent for so long is forgotten, unless it listens
-        std::size_t most = most_channels;
-        std::size_t most_of_address = most_channels;    // loopback excepted
+        std::size_t most = max_channels;
+        std::size_t max_of_address = max_channels;    // loopback excepted
     };
 
     /// A host of our own networks may listen for so long without a word.
     static constexpr Duration listener_stays = std::chrono::hours{1};
     /// So many silent ones of an address: a program that starts anew has another port, and what goes to the old one is lost.
-    static constexpr std::size_t most_silent_of_address = 2;
+    static constexpr std::size_t max_silent_of_address = 2;
     /// So many refusals with no frame of the peer between them, the first and the last so far apart, and nothing listens there.
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
@@ -88,8 +88,8 @@ private:
         TimePoint first{};
         TimePoint last{};
     };
-    static constexpr std::size_t most_knocks = 64;
-    static constexpr std::size_t most_knocks_of_address = 2;
+    static constexpr std::size_t max_knocks = 64;
+    static constexpr std::size_t max_knocks_of_address = 2;
 
     std::size_t places_of(const IpAddress& address) const noexcept;
     bool knocks_again(const Endpoint& stranger, TimePoint now);
@@ -98,12 +98,12 @@ private:
     bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
     bool is_silent(const Peer& p, TimePoint now) const noexcept { return now - p.heard_at >= options_.timeout; }
     bool is_overdue(ChannelId id, TimePoint now) const noexcept;
-    TimePoint longest_stay(const Peer& p) const noexcept;
+    TimePoint max_stay(const Peer& p) const noexcept;
 
     Options options_;
-    std::array<Peer, most_channels> peers_;
+    std::array<Peer, max_channels> peers_;
     ChannelSet used_;
-    std::array<Knock, most_knocks> knocks_;
+    std::array<Knock, max_knocks> knocks_;
 };
 
 /// No datagram with such a source makes a peer: broadcast and multicast addresses, none, and port 0. `own`: our networks.

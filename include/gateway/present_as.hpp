@@ -67,7 +67,7 @@ private:
     static constexpr std::size_t capacity = 256;    // a power of two
 
     std::uint8_t address_;
-    std::size_t largest_;
+    std::size_t max_size_;
     Addresses everybody_;                         // destinations that are nobody's own: 0xFF, and the port ids of the links
     Addresses devices_;                           // of the link: they have written to `address`
     std::unique_ptr<std::uint8_t[]> in_, out_;    // apart: an answer may go on to another host of the link

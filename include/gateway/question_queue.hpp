@@ -1,7 +1,7 @@
 // Stands before the outbox of a device that takes few questions at a time: the one too many waits here, and all other
 // traffic passes it.
 //
-// Flow:    questions.push(frame, treatment, now)    // every frame for the channel; then flush it
+// Flow:    questions.push(frame, policy, now)    // every frame for the channel; then flush it
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
 //          if (questions.release(now)) ...          // at next_look(); true: flush it
 #pragma once
@@ -32,11 +32,11 @@ public:
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
     /// Into the outbox, but a question that finds InFlight::most before it waits.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from = ourselves) noexcept {
-        push(frame, treatment, now, from, now);
+    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
+        push(frame, policy, now, from, now);
     }
     /// The same for one that had arrived before.
-    void push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
+    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
     /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.

@@ -3,7 +3,7 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <algorithm>
 #include <array>
@@ -108,7 +108,7 @@ private:
         bool repeats = false;
     };
     Recent<Brought> brought_;
-    std::array<ano::TimePoint, most_links> heard_at_{};
+    std::array<ano::TimePoint, max_links> heard_at_{};
 };
 
 }    // namespace anogate

@@ -142,7 +142,7 @@ public:
         for (unsigned i = 0; i < 8; ++i) station |= std::uint64_t{data[4 + i]} << 8 * i;
         for (unsigned i = 0; i < 4; ++i) question |= std::uint32_t{data[12 + i]} << 8 * i;
         if (station == station_) {
-            answered(static_cast<ChannelId>(data[16] % most_channels), question, from, now);
+            answered(static_cast<ChannelId>(data[16] % max_channels), question, from, now);
             return Probe::ours;
         }
         const std::uint64_t key = (station ^ std::uint64_t{data[16]} << 56) + std::uint64_t{question} * 0x9E3779B97F4A7C15u;
@@ -258,7 +258,7 @@ private:
     std::uint32_t questions_ = 0;
     TimePoint last_asked_at_ = never;
     ChannelSet probed_, rings_;
-    std::array<Facts, most_channels> facts_{};
+    std::array<Facts, max_channels> facts_{};
     struct Nothing {};
     Recent<Nothing> seen_{calm, 1024};
     std::array<std::uint8_t, ano::overhead + probe_data> probe_{};

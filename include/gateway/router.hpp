@@ -71,7 +71,7 @@ public:
     /// The wire behind it is there again.
     void came_up(ChannelId channel) { down_.erase(channel); }
     /// What was sent by this link did not arrive (a refusal): its group looks for another until it is heard again.
-    void doubt(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
+    void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
     /// Learns `source` as behind `from`, or begins to test its claim, and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
@@ -157,17 +157,17 @@ private:
     std::array<LinkSet, ano::address::last_port_id + 1> ports_{};
     std::array<LinkSet, 256> pinned_{};
 
-    std::array<LinkSet, most_links + 1> groups_{};    // by number; [0] is unused
-    unsigned open_ = 0;                               // channels
-    bool grouped_ = false;                            // any link has a group
-    std::array<TimePoint, most_links> heard_link_ = [] {
-        std::array<TimePoint, most_links> all;
+    std::array<LinkSet, max_links + 1> groups_{};    // by number; [0] is unused
+    unsigned open_ = 0;                              // channels
+    bool grouped_ = false;                           // any link has a group
+    std::array<TimePoint, max_links> heard_link_ = [] {
+        std::array<TimePoint, max_links> all;
         all.fill(TimePoint::min());
         return all;
     }();
 
-    std::array<LinkId, most_channels> link_of_{};
-    std::array<ChannelSet, most_links> channels_of_link_{};
+    std::array<LinkId, max_channels> link_of_{};
+    std::array<ChannelSet, max_links> channels_of_link_{};
     ChannelSet flooded_;      // channels whose link takes floods
     ChannelSet broadcast_;    // channels whose link takes broadcasts
     ChannelSet down_;         // channels whose wire is gone
@@ -176,7 +176,7 @@ private:
     // is asked. Exact times rather than generations of sets: no sweep, and a frame touches the word of its two addresses and one
     // time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
-    std::array<std::array<TimePoint, most_channels>, 256> heard_{};
+    std::array<std::array<TimePoint, max_channels>, 256> heard_{};
     // Where it was at home before it moved, as long as it is elsewhere: when it speaks there, it is back.
     std::array<ChannelSet, 256> first_{};
 

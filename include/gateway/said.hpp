@@ -4,8 +4,8 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/claims.hpp>
+#include <gateway/queue_policy.hpp>
 #include <gateway/recent.hpp>
-#include <gateway/treatment.hpp>
 
 #include <cstdint>
 
@@ -24,13 +24,13 @@ struct Said {
     ano::TimePoint arrived = ano::TimePoint::max();    // where it waited to be read; else it arrived when it is judged
 };
 inline Said said_by(ano::FrameView frame) noexcept {
-    const Treatment treatment = treatment_of(frame.id());
-    const bool host = ano::address::is_host(frame.source()), state = treatment.replaces != Replaces::nothing;
+    const QueuePolicy policy = policy_of(frame.id());
+    const bool host = ano::address::is_host(frame.source()), state = policy.replaces != Replaces::nothing;
     return {.key = key_of(frame),
             .by_host = host,
             .state = state,
             .to_all = frame.destination() == ano::address::broadcast,
-            .command = !state && (host || treatment.traffic == TrafficClass::urgent)};
+            .command = !state && (host || policy.traffic == TrafficClass::urgent)};
 }
 
 }    // namespace anogate

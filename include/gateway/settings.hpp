@@ -1,11 +1,11 @@
 // What can be configured, as plain values with their defaults. How they are written is the key table's business
-// (src/daemon/keys.cpp); what each one does stands where it is used.
+// (src/config/keys.cpp); what each one does stands where it is used.
 #pragma once
 #include <ano/time.hpp>
 #include <ano/values.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/ip.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -43,7 +43,7 @@ struct SerialSettings {
 };
 
 struct UdpListenSettings {
-    WrittenEndpoint local;
+    EndpointSpec local;
     std::string interface;    // nothing is heard or said by another; empty: by any
     Duration peer_timeout = std::chrono::seconds{60};
     std::uint16_t max_peers = 16;
@@ -56,8 +56,8 @@ struct UdpListenSettings {
 };
 
 struct UdpSettings {
-    WrittenEndpoint peer;
-    std::optional<WrittenEndpoint> bind;
+    EndpointSpec peer;
+    std::optional<EndpointSpec> bind;
     std::string interface;    // as of UdpListenSettings
     bool operator==(const UdpSettings&) const = default;
 };
@@ -108,7 +108,7 @@ struct LinkSettings {
     std::optional<Duration> hello;                // how often to speak first; zero: never
     std::optional<ValueType7> value_type_7;       // for tools that show what the link brings
     std::optional<TextEncoding> encoding;         // and of the text in it
-    std::uint32_t queue = 32 * 1024;              // bytes; at least one frame of most_data_out()
+    std::uint32_t queue = 32 * 1024;              // bytes; at least one frame of effective_max_data_out()
     bool flood = true;                            // takes frames for addresses nobody has heard of
     bool broadcast = true;                        // takes frames to 0xFF
     std::string group;                            // links of one group lead to the same place; empty: none
@@ -131,7 +131,7 @@ struct LinkSettings {
     bool operator==(const LinkSettings&) const = default;
 
     /// What holds where nothing was said.
-    std::uint16_t most_data_out() const noexcept {
+    std::uint16_t effective_max_data_out() const noexcept {
         return max_data_out.value_or(profile == Profile::vendor ? std::min(max_data, vendor_max_data) : max_data);
     }
     /// Zero: it never speaks first. A socket that listens has nobody to speak to.

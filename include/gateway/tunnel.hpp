@@ -22,9 +22,9 @@
 
 namespace anogate {
 
-inline constexpr std::uint8_t ip_tunnel = 0xB1;           // whole addresses
-inline constexpr std::uint8_t ip_tunnel_short = 0xB2;     // their last bytes
-inline constexpr std::size_t largest_datagram = 65507;    // of UDP over IPv4
+inline constexpr std::uint8_t ip_tunnel = 0xB1;          // whole addresses
+inline constexpr std::uint8_t ip_tunnel_short = 0xB2;    // their last bytes
+inline constexpr std::size_t max_datagram = 65507;       // of UDP over IPv4
 
 constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
 
@@ -63,7 +63,7 @@ private:
 /// Makes one tunnel frame at a time in memory of its own. Allocates once.
 class TunnelWriter {
 public:
-    TunnelWriter() : buffer_{ano::largest_frame} {}
+    TunnelWriter() : buffer_{ano::max_frame_size} {}
 
     /// A frame of `id` from `source` to `destination`, with at most `max_data` bytes of DATA.
     void begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept;
@@ -89,7 +89,7 @@ public:
     using Passes = std::function<bool(ano::FrameView)>;
     using Take = std::function<void(ano::FrameView)>;
     /// What is asked of the machine.
-    struct Surroundings {
+    struct Environment {
         /// Our address, as one at `there` knows it, or for 0.0.0.0, in general; nothing when no way leads there.
         std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
         /// The gateway itself listens on this port.
@@ -97,7 +97,7 @@ public:
     };
 
     /// `own_id`: the gateway's; 0: none.
-    Tunnel(TunnelSettings settings, std::uint8_t own_id, Surroundings surroundings);
+    Tunnel(TunnelSettings settings, std::uint8_t own_id, Environment environment);
 
     /// The port that is open, and what port 0 in a tunnel frame means.
     void set_port(std::uint16_t port) noexcept { port_ = port; }
@@ -146,7 +146,7 @@ private:
 
     TunnelSettings settings_;
     std::uint8_t own_id_;
-    Surroundings surroundings_;
+    Environment environment_;
     std::uint16_t port_;
     TunnelPolicy policy_;
     TunnelWriter out_;

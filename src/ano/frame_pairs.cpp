@@ -31,7 +31,7 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 
 // What is asked for stands in less than a largest frame, and its candidates end less than one behind that.
 FramePairs::FramePairs(std::size_t max_data)
-    : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, largest_data))) - 1},
+    : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
       ends_{mask_ + 1},
       nexts_{mask_ + 1},
       forgotten_{0 - static_cast<Place>(mask_) - 1} {}    // a whole round back: the first search clears the ring
@@ -45,7 +45,7 @@ bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> byte
         headers_until_ = std::max(headers_until_, place + 1);
         judged_until_ = std::max(judged_until_, place);
         if (!note_headers(at, bytes, sums, heard)) return false;
-        judge_until(end, place, bytes, sums);
+        check_until(end, place, bytes, sums);
     }
     if (latest_ <= place || !can_look()) return false;
     credit_ -= a_look;
@@ -94,7 +94,7 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
     return true;
 }
 
-void FramePairs::judge_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
+void FramePairs::check_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     constexpr Place sizes_a_word = sizeof(std::uint64_t) / sizeof ends_[0];
     while (judged_until_ < end) {
         const Place next = judged_until_ + 1;
@@ -102,13 +102,13 @@ void FramePairs::judge_until(Place end, Place behind, std::span<const std::uint8
             judged_until_ += sizes_a_word;
         } else {
             judged_until_ = next;
-            if (size_at(next) != 0) judge_what_ends(next, behind, bytes, sums);
+            if (size_at(next) != 0) check_what_ends(next, behind, bytes, sums);
         }
     }
 }
 
 // Those that begin at `behind` or before are of no use any more, and their bytes may be gone.
-void FramePairs::judge_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
+void FramePairs::check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     const auto sum_place = static_cast<std::size_t>(end - origin_) - 2;
     std::uint16_t good = 0;
     for (std::uint16_t size = size_at(end); size != 0 && end - size > behind; size = nexts_[(end - size) & mask_]) {

@@ -38,7 +38,7 @@ bool is_of_free_length(std::uint8_t id, std::uint8_t first) noexcept {
 bool Heard::makes_credible(const std::uint8_t* begin) const noexcept {
     const std::uint8_t id = begin[3];
     if (id == ip_tunnel || id == ip_tunnel_short) return true;
-    return sources_[begin[1]] && (is_of_free_length(id, begin[header_size]) || data_length(begin) <= largest_[id]);
+    return sources_[begin[1]] && (is_of_free_length(id, begin[header_size]) || data_length(begin) <= max_size_[id]);
 }
 
 }    // namespace ano

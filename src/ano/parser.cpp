@@ -64,11 +64,11 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
 // Twice the largest frame: what is moved to the front is never more than what came in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
-      capacity_{2 * (overhead + std::min(options.max_data, largest_data)) + read_room},
+      capacity_{2 * (overhead + std::min(options.max_data, max_len)) + read_room},
       buffer_{capacity_ + block},    // HEADs are looked for by whole blocks
       sums_{capacity_},
       pairs_{options.max_data} {
-    options_.max_data = std::min(options.max_data, largest_data);
+    options_.max_data = std::min(options.max_data, max_len);
 }
 
 std::span<std::uint8_t> FrameParser::prepare() noexcept {

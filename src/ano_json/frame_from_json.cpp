@@ -419,8 +419,7 @@ Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_t
     const std::uint8_t from = address_at(json, "from", address::host);
     const std::uint8_t to = address_at(json, "to", address::broadcast);
     const Data data = data_of(json, id, from, options, inside_a_tunnel);
-    if (data.size() > largest_data)
-        fail("", std::to_string(data.size()) + " bytes of DATA are more than the 65535 a frame can carry");
+    if (data.size() > max_len) fail("", std::to_string(data.size()) + " bytes of DATA are more than the 65535 a frame can carry");
     Data frame(overhead + data.size());
     encode(frame, from, to, id, data);
     return frame;

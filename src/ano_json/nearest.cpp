@@ -6,8 +6,8 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t longest_word = 64;    // nobody mistypes longer ones; keeps hostile input cheap
-constexpr std::size_t shortest_part = 3;    // letters of a word that say which is meant
+constexpr std::size_t max_word = 64;    // nobody mistypes longer ones; keeps hostile input cheap
+constexpr std::size_t min_part = 3;     // letters of a word that say which is meant
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -34,17 +34,17 @@ bool contains_word(std::string_view candidate, std::string_view word) { return c
 
 /// The "baud" of baudrate.
 bool begins_word(std::string_view candidate, std::string_view word) {
-    return candidate.size() >= shortest_part && word.starts_with(candidate);
+    return candidate.size() >= min_part && word.starts_with(candidate);
 }
 
 }    // namespace
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
-    if (word.empty() || word.size() > longest_word) return {};
+    if (word.empty() || word.size() > max_word) return {};
     std::string_view best;
     std::size_t fewest = 1 + word.size() / 4;
     for (const std::string_view candidate : candidates) {
-        if (candidate.size() > longest_word) continue;
+        if (candidate.size() > max_word) continue;
         const std::size_t count = edits(word, candidate);
         if (count > fewest || count * 2 > candidate.size()) continue;
         // Of two that are as near, the one that was not written to its end ("of": off, not on); else the first.
@@ -53,7 +53,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
         best = candidate;
         fewest = count;
     }
-    if (!best.empty() || word.size() < shortest_part) return best;
+    if (!best.empty() || word.size() < min_part) return best;
     for (const auto part : {contains_word, begins_word})
         for (const std::string_view candidate : candidates)
             if (part(candidate, word)) return candidate;
@@ -65,7 +65,7 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     return meant.empty() ? std::string{} : " (did you mean '" + std::string{meant} + "'?)";
 }
 
-std::string as_hex(std::string_view word, std::size_t most_digits) {
+std::string as_hex(std::string_view word, std::size_t max_digits) {
     constexpr std::string_view decimal = "0123456789", letters = "abcdefABCDEF";
     bool marked = false;
     for (const std::string_view mark : {"\\x", "x", "X", "$", "#"})
@@ -77,7 +77,7 @@ std::string as_hex(std::string_view word, std::size_t most_digits) {
         word.remove_suffix(1);
         marked = true;
     }
-    if (word.empty() || word.size() > most_digits) return {};
+    if (word.empty() || word.size() > max_digits) return {};
     if (word.find_first_not_of(std::string{decimal}.append(letters)) != word.npos) return {};
     if (!marked && word.find_first_of(letters) == word.npos) return {};
     std::string text = "0x";
@@ -85,8 +85,8 @@ std::string as_hex(std::string_view word, std::size_t most_digits) {
     return text;
 }
 
-std::string did_you_mean_hex(std::string_view word, std::size_t most_digits) {
-    const std::string meant = as_hex(word, most_digits);
+std::string did_you_mean_hex(std::string_view word, std::size_t max_digits) {
+    const std::string meant = as_hex(word, max_digits);
     return meant.empty() ? std::string{} : " (did you mean '" + meant + "'?)";
 }
 

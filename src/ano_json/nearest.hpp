@@ -16,9 +16,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 
 /// " (did you mean '0xDC'?)" for a number in hex that lacks its 0x: DC, xDC, DCh, $DC, of so many digits. Nothing for anything
 /// else, so for what reads as a decimal number.
-std::string did_you_mean_hex(std::string_view word, std::size_t most_digits = 2);
+std::string did_you_mean_hex(std::string_view word, std::size_t max_digits = 2);
 
 /// 0xDC for such a word; empty for any other.
-std::string as_hex(std::string_view word, std::size_t most_digits = 2);
+std::string as_hex(std::string_view word, std::size_t max_digits = 2);
 
 }    // namespace ano

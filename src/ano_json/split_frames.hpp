@@ -14,7 +14,7 @@ namespace ano {
 template <class OnFrame, class OnGap>
 void split_frames(std::span<const std::uint8_t> bytes, OnFrame&& on_frame, OnGap&& on_gap) {
     FrameParser::Options options;
-    options.max_data = std::min(bytes.size(), largest_data);
+    options.max_data = std::min(bytes.size(), max_len);
     FrameParser parser{options};
     std::size_t put_in = 0;
     std::size_t at = 0;      // end of what was told

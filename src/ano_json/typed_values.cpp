@@ -12,7 +12,7 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t most_values = 8;    // command_info tells the types of so many
+constexpr std::size_t max_values = 8;    // command_info tells the types of so many
 constexpr std::array<std::string_view, 11> words{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "string"};
 constexpr std::size_t string_word = 10;
 
@@ -31,9 +31,8 @@ public:
         }
         if (role_ == Role::value && values_.types.size() > 1)
             return "a parameter has one value, not " + std::to_string(values_.types.size());
-        if (values_.types.size() > most_values)
-            return "a command has " + std::to_string(most_values) + " values at most, not " +
-                   std::to_string(values_.types.size());
+        if (values_.types.size() > max_values)
+            return "a command has " + std::to_string(max_values) + " values at most, not " + std::to_string(values_.types.size());
         return {};
     }
     TypedValues take() { return std::move(values_); }

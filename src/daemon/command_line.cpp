@@ -1,12 +1,12 @@
 #include <ano_json/nearest.hpp>
+#include <config/check_network.hpp>
+#include <config/config.hpp>
+#include <config/help.hpp>
+#include <config/keys.hpp>
+#include <config/read_file.hpp>
+#include <daemon/check_paths.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/config.hpp>
 #include <daemon/control_socket.hpp>
-#include <daemon/help.hpp>
-#include <daemon/judge_network.hpp>
-#include <daemon/judge_paths.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/read_file.hpp>
 #include <daemon/service.hpp>
 #include <link/ip_socket.hpp>
 
@@ -75,7 +75,7 @@ std::string meant_option(const std::string& name, const std::vector<std::string_
 }
 
 /// One error for every option that is none.
-ConfigErrors unknown_options(const CLI::App& app) {
+ConfigErrors reject_unknown_options(const CLI::App& app) {
     const auto names = option_names(app);
     const std::vector<std::string_view> known{names.begin(), names.end()};
     ConfigErrors errors;
@@ -109,7 +109,7 @@ std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
     } catch (const CLI::CallForVersion& version) {
         return Exit{0, std::string{version.what()} + "\n"};
     } catch (const CLI::ParseError& error) {
-        auto errors = unknown_options(app);
+        auto errors = reject_unknown_options(app);
         errors.push_back({"", error.what()});
         return failure(errors);
     }
@@ -142,7 +142,7 @@ void read_options(const Arguments& arguments, Draft& draft) {
 
 void read_config_file(const std::string& path, bool by_default, Draft& draft) {
     std::error_code error;
-    const std::string text = read_file(path, largest_config, error);
+    const std::string text = read_file(path, max_config_size, error);
     if (!error) return read_config(text, path, draft);
     draft.broken_links = true;
     std::string what = error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message();
@@ -151,7 +151,7 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
 }
 
 /// A control socket that somebody named must be possible: he will look for it there.
-void judge_control(Draft& draft) {
+void check_control(Draft& draft) {
     const std::string& socket = draft.settings.control.socket;
     if (socket.empty() || socket == "none") return;
     if (std::string fault = fault_of_socket(socket, this_runner()); !fault.empty())
@@ -168,7 +168,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     if (const ConfigErrors missing = missing_values(arguments); !missing.empty()) return failure(missing);
 
     Draft draft;
-    draft.errors = unknown_options(app);
+    draft.errors = reject_unknown_options(app);
     if (arguments.configs.size() > 1)
         draft.errors.push_back(
             {"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
@@ -178,12 +178,12 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     for (const std::string& link : arguments.links) read_link(link, "", draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
-    finish(draft);
-    if (arguments.check && is_for_service(file, default_file)) judge_for_service(draft);
-    else if (!arguments.print_config) judge_control(draft);
+    validate(draft);
+    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft);
+    else if (!arguments.print_config) check_control(draft);
     if (arguments.check) {
         warn_of_paths(draft);
-        judge_relay(draft, own_networks());
+        check_relay(draft, own_networks());
         note_open_ports(draft);
     }
     if (!draft.errors.empty()) return failure(draft.errors);

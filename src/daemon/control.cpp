@@ -26,13 +26,13 @@ namespace http = beast::http;
 namespace fs = std::filesystem;
 using Local = asio::local::stream_protocol;
 
-constexpr std::size_t most_sessions = 32;
-constexpr std::size_t most_header = 8 * 1024;
-constexpr std::size_t most_body = 64 * 1024;
+constexpr std::size_t max_sessions = 32;
+constexpr std::size_t max_header = 8 * 1024;
+constexpr std::size_t max_body = 64 * 1024;
 constexpr std::size_t read_size = 4 * 1024;
 constexpr auto patience = std::chrono::seconds{30};
 constexpr auto stalled_after = std::chrono::seconds{1};
-constexpr std::size_t most_leaving = 32;
+constexpr std::size_t max_leaving = 32;
 constexpr std::size_t enough_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 constexpr auto moment = std::chrono::seconds{1};
 constexpr std::string_view no_place =
@@ -77,7 +77,7 @@ private:
     void hear() {
         stream_.async_read_some(asio::buffer(room_), [self = shared_from_this()](error_code ec, std::size_t size) {
             self->heard_ += size;
-            if (!ec && self->heard_ < most_header + most_body) self->hear();
+            if (!ec && self->heard_ < max_header + max_body) self->hear();
         });
     }
 
@@ -110,8 +110,8 @@ public:
     /// Waits for the next request, of which some may be here.
     void start() {
         request_.emplace();
-        request_->header_limit(most_header);
-        request_->body_limit(most_body);
+        request_->header_limit(max_header);
+        request_->body_limit(max_body);
         request_->eager(true);
         stream_.expires_after(patience);
         since_ = Clock::now();
@@ -239,7 +239,7 @@ void Control::admit(Local::socket socket) {
 
 bool Control::make_place(std::uint32_t user) {
     std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
-    if (sessions_.size() < most_sessions) return true;
+    if (sessions_.size() < max_sessions) return true;
     std::vector<Visitor> visitors;
     for (const auto& session : sessions_) visitors.push_back(session.lock()->visitor(Clock::now()));
     const auto place = gives_way(visitors, user, user == 0 || user == ::geteuid());
@@ -253,7 +253,7 @@ bool Control::make_place(std::uint32_t user) {
 
 void Control::refuse(Local::socket socket) {
     std::erase_if(leaving_, [](const auto& farewell) { return farewell.expired(); });
-    if (leaving_.size() == most_leaving) {
+    if (leaving_.size() == max_leaving) {
         leaving_.front().lock()->close();
         leaving_.pop_front();
     }

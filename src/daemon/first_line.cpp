@@ -3,12 +3,12 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t most_addresses = 4;    // a machine with containers has dozens
+constexpr std::size_t max_addresses = 4;    // a machine with containers has dozens
 
 std::string count(std::uint64_t n, const std::string& one) { return std::to_string(n) + " " + one + (n == 1 ? "" : "s"); }
 
 /// Our addresses at which others reach a socket bound to `bound`.
-std::vector<Endpoint> reachable(const WrittenEndpoint& bound, const std::vector<Network>& own) {
+std::vector<Endpoint> reachable(const EndpointSpec& bound, const std::vector<Network>& own) {
     std::vector<Endpoint> all;
     for (const bool v6 : {false, true})
         for (const Network& network : own)
@@ -18,15 +18,15 @@ std::vector<Endpoint> reachable(const WrittenEndpoint& bound, const std::vector<
     return all;
 }
 
-std::string addresses(const WrittenEndpoint& bound, const std::vector<Network>& own) {
+std::string addresses(const EndpointSpec& bound, const std::vector<Network>& own) {
     if (bound.port == 0) return "a port that the system chooses, shown in the status";
     if (bound.address.is_loopback()) return bound.text() + " (from this machine only)";
     if (!bound.address.is_any()) return bound.text();
     const std::vector<Endpoint> all = reachable(bound, own);
     if (all.empty()) return "port " + std::to_string(bound.port) + " of this machine, which has no address in a network yet";
     std::string text;
-    for (std::size_t i = 0; i < all.size() && i < most_addresses; ++i) text += (i == 0 ? "" : " or ") + all[i].text();
-    return all.size() > most_addresses ? text + " ..." : text;
+    for (std::size_t i = 0; i < all.size() && i < max_addresses; ++i) text += (i == 0 ? "" : " or ") + all[i].text();
+    return all.size() > max_addresses ? text + " ..." : text;
 }
 
 std::string duration(Duration time) {

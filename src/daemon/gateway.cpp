@@ -15,7 +15,7 @@ constexpr Duration required_within = std::chrono::seconds{10};
 constexpr Duration stop_look = std::chrono::milliseconds{10};
 constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
-constexpr Treatment probe_treatment{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy probe_policy{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
 constexpr std::uint8_t firmware_id = 0xF0;
 constexpr Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
@@ -25,7 +25,7 @@ constexpr Duration beat_slack = std::chrono::milliseconds{20};
 
 // Of what hosts say, sticks alone overtake.
 bool keeps_order(ano::FrameView frame) {
-    return ano::address::is_host(frame.source()) && treatment_of(frame.id()).replaces == Replaces::nothing && !is_probe(frame);
+    return ano::address::is_host(frame.source()) && policy_of(frame.id()).replaces == Replaces::nothing && !is_probe(frame);
 }
 
 // What the line carries, to know when the rest of a frame is overdue.
@@ -76,7 +76,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                       if (nothing_waits() || now() >= stop_by_) finish_stop();
                       else stop_check_.set(now_ + stop_look);
                   }} {
-    links_.reserve(most_links);
+    links_.reserve(max_links);
     add_links();
     if (settings_.tunnel) add_tunnel(*settings_.tunnel);
     add_aliases();
@@ -123,7 +123,7 @@ void Gateway::add_aliases() {
         for (const AliasSettings& alias : settings_.aliases)
             if (alias.link == s.link->name()) rules.push_back({alias.device, alias.as});
         if (rules.empty()) continue;
-        const std::size_t largest = std::max(s.link->settings().max_data, s.link->settings().most_data_out());
+        const std::size_t largest = std::max(s.link->settings().max_data, s.link->settings().effective_max_data_out());
         for (const AliasRule& rule : rules) router_.pin(rule.as, rule.as, s.link->id());    // it is nowhere else
         links_[index(s.link->id())].aliases = std::make_unique<Aliases>(rules, largest);
         ruled_.insert(s.link->id());
@@ -132,7 +132,7 @@ void Gateway::add_aliases() {
 
 // An answer may come by another link of the group than the question went.
 void Gateway::add_presentations() {
-    std::array<PresentAs*, most_links + 1> of_group{};
+    std::array<PresentAs*, max_links + 1> of_group{};
     std::uint16_t largest = 0;
     for (const LinkState& s : links_) largest = std::max(largest, s.link->settings().max_data);
     for (LinkState& s : links_) {
@@ -150,7 +150,7 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
     std::vector<TunnelLink::Target> wrap_to;
     for (const WrapSettings& rule : settings.wrap) {
         const LinkId to = link_named(rule.link);
-        wrap_to.push_back({to, links_[index(to)].link->settings().most_data_out()});
+        wrap_to.push_back({to, links_[index(to)].link->settings().effective_max_data_out()});
     }
     for (const std::string& name : settings.links) tunnelled_.insert(link_named(name));
     const LinkId id = router_.add_link({});
@@ -245,15 +245,15 @@ void Gateway::stood_still(const LoopWatch::Turn& turn) {
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
     std::size_t i = 0;
-    while (i < most_channels && used_.contains(static_cast<ChannelId>(i))) ++i;
-    if (i == most_channels) return nullptr;
+    while (i < max_channels && used_.contains(static_cast<ChannelId>(i))) ++i;
+    if (i == max_channels) return nullptr;
     const auto id = static_cast<ChannelId>(i);
     const LinkSettings& s = link.settings();
     channels_[i].reset(new Channel{id,
                                    link.id(),
                                    std::move(peer),
                                    ano::FrameParser{parser_options(s)},
-                                   Outbox{{s.queue, s.most_data_out(), s.age}},
+                                   Outbox{{s.queue, s.effective_max_data_out(), s.age}},
                                    {},
                                    now_,
                                    {},
@@ -295,15 +295,15 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     from.hear(now_);
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
-    const Treatment treatment = treatment_of(frame.id());
+    const QueuePolicy policy = policy_of(frame.id());
     const ano::FrameView brought = frame;
-    if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, treatment, now_);
+    if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, policy, now_);
     if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
     Said said = said_at(from, frame);
     said.waited = releasing_;
     said.hurried = hurrying_;
     std::uint32_t copies = 1;
-    if (came_before(from, frame, brought, treatment, said, copies)) return;
+    if (came_before(from, frame, brought, policy, said, copies)) return;
     compare(from, frame, said.key);
     PresentAs* const hosts = links_[index(from.link)].present_as;
     if (hosts) frame = hosts->inbound(frame, now_);    // not of a copy
@@ -316,7 +316,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (hosts) said.key = key_of(frame);
     if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
-        for (const ChannelId to : route.channels) offer(from.id, to, frame, treatment, arrived_at_);
+        for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
     for (const LinkId to : route.absent) refuse(to, &SendCounters::link_down);
     const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
@@ -365,7 +365,7 @@ void Gateway::compare(const Channel& from, ano::FrameView frame, std::uint64_t k
 
 // Our own, come back by another way, or a copy of one that another link of the group brought: that is told by what was
 // `brought`, before its alias. `copies`: those of it that were withheld leave with it.
-bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
+bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, QueuePolicy policy, const Said& said,
                           std::uint32_t& copies) {
     if (!held_.empty() && !releasing_ && keeps_order(frame))    // what a host says stays in its order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
@@ -382,8 +382,7 @@ bool Gateway::came_before(Channel& from, ano::FrameView frame, ano::FrameView br
     }
     if (judgement.fate == LoopGuard::Fate::withheld) return true;
     const std::uint8_t group = links_[index(from.link)].group;
-    if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, treatment.replaces, now_, arrived_at_))
-        return false;
+    if (group == 0 || !duplicates_.duplicate(key_of(brought), group, from.link, policy.replaces, now_, arrived_at_)) return false;
     ++from.routed.duplicate;
     return true;
 }
@@ -397,7 +396,7 @@ void Gateway::end_loop(Channel& from, ano::FrameView frame) {
 // Ahead of the frame that it is about: in a ring it is back before that.
 void Gateway::send_probe(ChannelId channel) {
     ++frame_number_;
-    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_treatment, now_);
+    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_policy, now_);
     ++frame_number_;
 }
 
@@ -407,7 +406,7 @@ void Gateway::take_probe(Channel& from, ano::FrameView probe) {
     const std::uint8_t group = links_[index(from.link)].group;
     for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
         if (group == 0 || links_[index(channels_[index(to)]->link)].group != group)
-            offer(ourselves, to, probe, probe_treatment, now_);
+            offer(ourselves, to, probe, probe_policy, now_);
 }
 
 bool Gateway::hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats) {
@@ -476,7 +475,7 @@ bool Gateway::admit_unopened(Channel& from, ano::FrameView frame) {
     return false;
 }
 
-bool Gateway::goes_once(Channel& from, ano::FrameView frame, LinkId to) {
+bool Gateway::passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) {
     const Said said = said_at(from, frame);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
     if (judgement.probe) send_probe(from.id);
@@ -497,7 +496,7 @@ bool Gateway::may_leave(LinkId to, ano::FrameView frame) {
 }
 
 bool Gateway::is_stale(LinkId to, ano::FrameView frame) const {
-    return now_ - arrived_at_ >= limit(links_[index(to)].link->settings().age, treatment_of(frame.id()).age);
+    return now_ - arrived_at_ >= limit(links_[index(to)].link->settings().age, policy_of(frame.id()).age);
 }
 
 void Gateway::learn(Channel& from, ano::FrameView frame) {
@@ -510,17 +509,17 @@ void Gateway::send(LinkId to, ano::FrameView frame) {
     ++frame_number_;
     if (links_[index(to)].channels.empty()) refuse(to, &SendCounters::link_down);
     for (const ChannelId channel : links_[index(to)].channels)
-        offer(ourselves, channel, frame, treatment_of(frame.id()), arrived_at_);
+        offer(ourselves, channel, frame, policy_of(frame.id()), arrived_at_);
 }
 
 void Gateway::say(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
-    offer(ourselves, to, frame, treatment_of(frame.id()), now_);
+    offer(ourselves, to, frame, policy_of(frame.id()), now_);
 }
 
-void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment, TimePoint arrived_at) {
+void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
     Channel& channel = *channels_[index(to)];
-    if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(treatment, now_ - arrived_at)) {
+    if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(policy, now_ - arrived_at)) {
         ++links_[index(channel.link)].came_stale;
         return channel.outbox.refuse(&SendCounters::stale);    // it counts for no limit, and awaits no answer
     }
@@ -530,18 +529,18 @@ void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatmen
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
         const bool as_it_is = is_probe(frame);    // or nobody would know it again
         if (link.present_as && !cause && !as_it_is) frame = link.present_as->outbound(frame, frame_number_, now_);
-        const auto seen = link.aliases && !as_it_is ? link.aliases->outbound(frame, treatment, now_) : std::optional{frame};
+        const auto seen = link.aliases && !as_it_is ? link.aliases->outbound(frame, policy, now_) : std::optional{frame};
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
         if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
-        if (channel.questions) return ask(from, channel, frame, treatment, arrived_at);
+        if (channel.questions) return ask(from, channel, frame, policy, arrived_at);
     }
-    channel.outbox.push(frame, treatment, arrived_at, from);
+    channel.outbox.push(frame, policy, arrived_at, from);
     to_flush_.insert(to);
 }
 
-void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at) {
-    channel.questions->push(frame, treatment, now_, from, arrived_at);
+void Gateway::ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
+    channel.questions->push(frame, policy, now_, from, arrived_at);
     to_flush_.insert(channel.id);
     const auto due = channel.questions->next_look(now_);
     if (due && !on_stopped_) questions_due_.set_no_later(*due);

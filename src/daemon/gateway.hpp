@@ -65,13 +65,13 @@ public:
     void flush() override;
     void link_up(Link& link) override;
     void link_down(Link& link, std::string why) override;
-    void doubt(Link& link) override { router_.doubt(link.id()); }
+    void report_unreachable(Link& link) override { router_.report_unreachable(link.id()); }
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 
     bool admit(Channel& from, ano::FrameView frame) override;
     bool admit_unopened(Channel& from, ano::FrameView frame) override;
-    bool goes_once(Channel& from, ano::FrameView frame, LinkId to) override;
+    bool passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) override;
     bool may_leave(LinkId to, ano::FrameView frame) override;
     void learn(Channel& from, ano::FrameView frame) override;
     /// What the gateway itself says to the other end of `to`: it came by no channel and teaches no address. Counted, ruled and
@@ -110,7 +110,7 @@ private:
     void add_aliases();
     void add_presentations();
     void compare(const Channel& from, ano::FrameView frame, std::uint64_t key);
-    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, Treatment treatment, const Said& said,
+    bool came_before(Channel& from, ano::FrameView frame, ano::FrameView brought, QueuePolicy policy, const Said& said,
                      std::uint32_t& copies);
     void end_loop(Channel& from, ano::FrameView frame);
     void send_probe(ChannelId channel);
@@ -124,8 +124,8 @@ private:
     void give_rules(LinkState& link, const RuleSettings& settings, bool sends_empty);
     void give_hello(LinkState& link, const LinkSettings& settings);
     void keep_from_tunnel(Route& route);
-    void offer(ChannelId from, ChannelId to, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
-    void ask(ChannelId from, Channel& channel, ano::FrameView frame, Treatment treatment, TimePoint arrived_at);
+    void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
+    void ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     bool is_stale(LinkId to, ano::FrameView frame) const;
     void beat();
     bool streams_speak() const;
@@ -159,7 +159,7 @@ private:
     DuplicateGuard duplicates_;
     SameDevice same_device_;
     std::map<std::uint8_t, Claimant> claimants_;
-    std::array<std::unique_ptr<Channel>, most_channels> channels_;
+    std::array<std::unique_ptr<Channel>, max_channels> channels_;
     ChannelSet used_;
     ChannelSet to_flush_;
     std::unique_ptr<Gpio> gpio_;

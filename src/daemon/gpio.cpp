@@ -1,5 +1,5 @@
+#include <config/keys.hpp>
 #include <daemon/gpio.hpp>
-#include <daemon/keys.hpp>
 
 #include <spdlog/spdlog.h>
 

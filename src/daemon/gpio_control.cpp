@@ -1,8 +1,8 @@
 #include <ano_json/nearest.hpp>
+#include <config/json_text.hpp>
+#include <config/key_facts.hpp>
+#include <config/values.hpp>
 #include <daemon/gpio_control.hpp>
-#include <daemon/json_text.hpp>
-#include <daemon/key_facts.hpp>
-#include <daemon/values.hpp>
 
 #include <nlohmann/json.hpp>
 

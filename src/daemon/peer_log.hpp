@@ -28,7 +28,7 @@ public:
     }
 
 private:
-    static constexpr int most_lines = 32;
+    static constexpr int max_lines = 32;
     static constexpr ano::Duration period = std::chrono::seconds{5};
 
     bool may_say(ano::TimePoint now) {
@@ -36,7 +36,7 @@ private:
             ends_at_ = now + period;
             lines_ = 0;
         }
-        if (lines_ < most_lines) return ++lines_, true;
+        if (lines_ < max_lines) return ++lines_, true;
         ++unsaid_;
         if (!rest_.is_set()) rest_.set(ends_at_);
         return false;

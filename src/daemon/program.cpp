@@ -1,5 +1,5 @@
+#include <config/config.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/config.hpp>
 #include <daemon/control.hpp>
 #include <daemon/control_socket.hpp>
 #include <daemon/first_line.hpp>

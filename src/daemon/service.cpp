@@ -1,4 +1,4 @@
-#include <daemon/key_facts.hpp>
+#include <config/key_facts.hpp>
 #include <daemon/service.hpp>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void judge(const std::string& path, std::string_view key, const std::string& whe
                                        (unseen ? "" : " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
 }
 
-void judge_port(const std::string& device, const std::string& where, Draft& draft) {
+void check_port(const std::string& device, const std::string& where, Draft& draft) {
     if (is_below_one_of(looked_up(device), private_folders))
         draft.errors.push_back(
             {where, "'device' " + in_quotes(device) +
@@ -70,13 +70,13 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
     return !ec && folder == folder_of(default_file);
 }
 
-void judge_for_service(Draft& draft) {
+void check_for_service(Draft& draft) {
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
         const LinkSettings& link = draft.settings.links[i];
         const Origin& origin = draft.links[i];
         if (origin.broken) continue;
         if (link.kind == "pty") judge(link.pty.path, "path", origin.key("path"), runtime_folder, draft);
-        if (link.kind == "serial") judge_port(link.serial.device, origin.key("device"), draft);
+        if (link.kind == "serial") check_port(link.serial.device, origin.key("device"), draft);
     }
     judge(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
     if (draft.settings.control.socket != "none")

@@ -1,6 +1,6 @@
 // What a configuration may not ask of the service, which systemd keeps from most of the file system: systemd/anogated.service.
 #pragma once
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 
 #include <string>
 
@@ -10,6 +10,6 @@ namespace anogate {
 bool is_for_service(const std::string& config_file, const std::string& default_file);
 
 /// Adds an error for every path that the service can't write to, and for every serial port that it can't see.
-void judge_for_service(Draft& draft);
+void check_for_service(Draft& draft);
 
 }    // namespace anogate

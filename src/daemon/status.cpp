@@ -77,11 +77,11 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     f.received = state.gone_received;
     f.sent = state.gone_sent;
     f.came_stale = state.came_stale;
-    const Stray stray = state.link->stray();
-    add(f.received, stray.received);
-    f.v7_frames = stray.v7_frames;
-    f.gateways = stray.gateways;
-    f.no_place = stray.no_place;
+    const UnassignedTraffic unassigned = state.link->unassigned_traffic();
+    add(f.received, unassigned.received);
+    f.v7_frames = unassigned.v7_frames;
+    f.gateways = unassigned.gateways;
+    f.no_place = unassigned.no_place;
     for (const ChannelId id : state.channels) {
         const Channel& channel = gateway.channel(id);
         if (const auto ring = gateway.rings().ring(id, now)) {

@@ -21,14 +21,14 @@ std::span<std::uint8_t> copy(ano::FrameView frame, std::uint8_t* to) noexcept {
 }
 
 // Streams are never acknowledged and would push what is out of the memory.
-constexpr bool may_be_acknowledged(Treatment treatment) noexcept {
-    return treatment.traffic == TrafficClass::urgent && treatment.replaces == Replaces::nothing;
+constexpr bool may_be_acknowledged(QueuePolicy policy) noexcept {
+    return policy.traffic == TrafficClass::urgent && policy.replaces == Replaces::nothing;
 }
 
 }    // namespace
 
 Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
-    : largest_{ano::overhead + max_data}, in_{new std::uint8_t[largest_]}, out_{new std::uint8_t[largest_]} {
+    : max_size_{ano::overhead + max_data}, in_{new std::uint8_t[max_size_]}, out_{new std::uint8_t[max_size_]} {
     for (const AliasRule& rule : rules) {
         assert(rule.device != 0 && rule.as != 0 && rule.device != 0xFF && rule.as != 0xFF);
         as_[rule.device] = rule.as;
@@ -36,25 +36,25 @@ Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
     }
 }
 
-ano::FrameView Aliases::inbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
+ano::FrameView Aliases::inbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept {
     const std::uint8_t alias = as_[frame.source()];
-    if (alias == 0 || frame.bytes().size() > largest_) return frame;
+    if (alias == 0 || frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, in_.get());
     bytes[1] = alias;
     if (frame.id() == check_id) restore_checks(bytes, frame.destination(), alias, now);
     if (frame.id() == device_info_id && !frame.data().empty() && frame.data()[0] == frame.source())
         bytes[ano::header_size] = alias;
-    return finish(bytes, frame, alias, alias, treatment, now);
+    return finish(bytes, frame, alias, alias, policy, now);
 }
 
-std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, Treatment treatment, ano::TimePoint now) noexcept {
+std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept {
     const std::uint8_t alias = frame.destination();
     if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
-    if (frame.bytes().size() > largest_) return frame;
+    if (frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, out_.get());
     bytes[2] = device_[alias];
     if (frame.id() == check_id) restore_checks(bytes, alias, alias, now);
-    return finish(bytes, frame, frame.source(), alias, treatment, now);
+    return finish(bytes, frame, frame.source(), alias, policy, now);
 }
 
 void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
@@ -68,10 +68,10 @@ void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8
 }
 
 ano::FrameView Aliases::finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
-                               Treatment treatment, ano::TimePoint now) noexcept {
+                               QueuePolicy policy, ano::TimePoint now) noexcept {
     ano::seal(bytes);
     const ano::FrameView frame{bytes};
-    if (may_be_acknowledged(treatment) && frame.id() != check_id)
+    if (may_be_acknowledged(policy) && frame.id() != check_id)
         sent_as_.put(memory_key(requester, alias, frame.id(), frame.checks()), original.checks(), now);
     return frame;
 }

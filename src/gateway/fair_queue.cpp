@@ -7,12 +7,12 @@ namespace anogate {
 namespace {
 
 // How many are looked at for the longest: 250 forged addresses must not make push() slow.
-constexpr int longest_search = 16;
+constexpr int max_search = 16;
 
 }    // namespace
 
-FairQueue::FairQueue(WaitingFrame* frames, std::size_t most_frames, std::int32_t quantum)
-    : frames_{frames}, nodes_{first_flow + std::min(most_frames, channels * 256)}, quantum_{quantum} {
+FairQueue::FairQueue(WaitingFrame* frames, std::size_t max_frames, std::int32_t quantum)
+    : frames_{frames}, nodes_{first_flow + std::min(max_frames, channels * 256)}, quantum_{quantum} {
     clear();
 }
 
@@ -169,7 +169,7 @@ FairQueue::Number FairQueue::longest(Number ring) noexcept {
     const Number start = nodes_[ring].now.turn;
     Number most = start;
     int looked = 0;
-    for (Number n = nodes_[start].in_ring.behind; n != start && ++looked < longest_search; n = nodes_[n].in_ring.behind)
+    for (Number n = nodes_[start].in_ring.behind; n != start && ++looked < max_search; n = nodes_[n].in_ring.behind)
         if (nodes_[n].now.bytes > nodes_[most].now.bytes) most = n;
     const Number before = nodes_[ring].longest;
     if (before != nobody && nodes_[before].now.bytes > nodes_[most].now.bytes) most = before;

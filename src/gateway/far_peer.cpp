@@ -72,7 +72,7 @@ bool FarPeer::heard(ano::FrameView frame, TimePoint now) noexcept {
 
 void FarPeer::acknowledges(ano::FrameView frame, TimePoint now) noexcept {
     const auto data = frame.data();
-    if (data.size() < 3 || wrong_ >= most_wrong_acknowledgements) return;
+    if (data.size() < 3 || wrong_ >= max_wrong_acknowledgements) return;
     for (const Sent& s : sent_)
         if (s.waits && s.id == data[0] && s.checks == ano::Checks{data[1], data[2]} && now - s.at <= acknowledged_within) {
             is_there_ = true;

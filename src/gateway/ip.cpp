@@ -102,21 +102,21 @@ std::string Endpoint::text() const {
     return host.append(":").append(std::to_string(port));
 }
 
-std::optional<WrittenEndpoint> WrittenEndpoint::parse(std::string_view text) {
+std::optional<EndpointSpec> EndpointSpec::parse(std::string_view text) {
     const std::size_t percent = text.find('%');
     const std::size_t end = text.rfind("]:");
     if (percent == text.npos) {
         const auto plain = Endpoint::parse(text);
-        return plain ? std::optional{WrittenEndpoint{*plain}} : std::nullopt;
+        return plain ? std::optional{EndpointSpec{*plain}} : std::nullopt;
     }
     if (end == text.npos || end < percent) return std::nullopt;
     const std::string_view interface = text.substr(percent + 1, end - percent - 1);
     const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
     if (!plain || !plain->address.v6 || !plain->address.is_link_local() || !names_interface(interface)) return std::nullopt;
-    return WrittenEndpoint{*plain, std::string{interface}};
+    return EndpointSpec{*plain, std::string{interface}};
 }
 
-std::string WrittenEndpoint::text() const {
+std::string EndpointSpec::text() const {
     std::string result = Endpoint::text();
     if (!interface.empty()) result.insert(result.rfind(']'), "%" + interface);
     return result;

@@ -46,7 +46,7 @@ std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::u
         answers_since_ = now;
         answers_ = 0;
     }
-    if (answers_ == most_answers_a_second) return std::nullopt;
+    if (answers_ == max_answers_a_second) return std::nullopt;
     ++answers_;
     return ListeningNotice{ListeningNotice::Kind::answer, number};
 }

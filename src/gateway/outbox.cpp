@@ -14,7 +14,7 @@ constexpr std::size_t urgent = static_cast<std::size_t>(TrafficClass::urgent);
 constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 256};
 
 // How many frames of one bucket are looked at: an attacker's choice of addresses must not make push() slow.
-constexpr int longest_search = 16;
+constexpr int max_search = 16;
 
 std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
     const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
@@ -35,18 +35,18 @@ Outbox::Outbox(const Options& options)
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }
 
-void Outbox::push(ano::FrameView frame, Treatment treatment, ano::TimePoint arrived_at, ChannelId from) noexcept {
-    store(frame, treatment, arrived_at + limit(options_.age, treatment.age), from);
+void Outbox::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from) noexcept {
+    store(frame, policy, arrived_at + limit(options_.age, policy.age), from);
 }
 
-bool Outbox::is_stale(Treatment treatment, ano::Duration age) const noexcept { return age >= limit(options_.age, treatment.age); }
+bool Outbox::is_stale(QueuePolicy policy, ano::Duration age) const noexcept { return age >= limit(options_.age, policy.age); }
 
 void Outbox::grow_older(ano::Duration time) noexcept {
     for (Index i = in_arena_.first; i != none; i = entries_[i].in_arena.behind)
         if (entries_[i].stale_at != ano::Duration::max()) entries_[i].stale_at -= time;
 }
 
-void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint stale_at, ChannelId from) noexcept {
+void Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept {
     const auto bytes = frame.bytes();
     if (!open_) return refuse(&SendCounters::link_down);
     if (bytes.size() > ano::overhead + options_.max_data) return refuse(&SendCounters::too_big);
@@ -54,11 +54,11 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     const bool congested = congested_;    // even if, for a moment, nothing waits
     const std::uint64_t number = ++pushed_;
     std::uint64_t turn = number;
-    const bool replaceable = treatment.replaces == Replaces::same_id ||
-                             (treatment.replaces == Replaces::same_first_byte && !frame.data().empty());
-    const std::uint32_t key = replaceable ? key_of(frame, treatment.replaces) : 0;
+    const bool replaceable = policy.replaces == Replaces::same_id ||
+                             (policy.replaces == Replaces::same_first_byte && !frame.data().empty());
+    const std::uint32_t key = replaceable ? key_of(frame, policy.replaces) : 0;
     if (replaceable && congested) turn = std::min(turn, supersede(key, from));
-    if (!make_room(bytes.size(), treatment.traffic)) return refuse(&SendCounters::queue_full);
+    if (!make_room(bytes.size(), policy.traffic)) return refuse(&SendCounters::queue_full);
 
     ++counters_.offered;
     const Index i = new_entry();
@@ -66,9 +66,9 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     entry.at = static_cast<std::uint32_t>(end_);
     entry.key = key;
     entry.size = static_cast<std::uint32_t>(bytes.size()) & 0xFFFFFFFu;
-    entry.traffic = static_cast<std::uint32_t>(treatment.traffic) & 3u;
+    entry.traffic = static_cast<std::uint32_t>(policy.traffic) & 3u;
     entry.replaceable = replaceable;
-    entry.overtakes = treatment.age == AgeKind::control;
+    entry.overtakes = policy.age == AgeKind::control;
     entry.number = number;
     entry.turn = turn;
     entry.stale_at = stale_at.time_since_epoch();
@@ -78,8 +78,8 @@ void Outbox::store(ano::FrameView frame, Treatment treatment, ano::TimePoint sta
     ++frames_;
     congested_ = congested;
 
-    queues_[static_cast<std::size_t>(treatment.traffic)].push(i, from, frame.source());
-    waiting_classes_ |= 1u << static_cast<std::size_t>(treatment.traffic);
+    queues_[static_cast<std::size_t>(policy.traffic)].push(i, from, frame.source());
+    waiting_classes_ |= 1u << static_cast<std::size_t>(policy.traffic);
     append<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     if (replaceable) append<&WaitingFrame::in_bucket>(entries_.get(), bucket(key, from), i);
     if (in_flight_) in_flight_->queued(frame);
@@ -184,7 +184,7 @@ std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     const auto same = [&](Index i) { return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from; };
     Index i = bucket(key, from).last;
     for (int looked = 0; i != none && !same(i); i = entries_[i].in_bucket.before)
-        if (++looked == longest_search) return UINT64_MAX;
+        if (++looked == max_search) return UINT64_MAX;
     if (i == none) return UINT64_MAX;
     const std::uint64_t turn = entries_[i].turn;
     const FrameList& line = queues_[entries_[i].traffic].line_of(i);

@@ -9,7 +9,7 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now) {
     const IpAddress& address = stranger.address;
     const bool local = address.is_loopback();
     const std::size_t of_address = places_of(address);
-    const bool address_full = !local && of_address >= options_.most_of_address;
+    const bool address_full = !local && of_address >= options_.max_of_address;
     if (!address_full && used_.size() < options_.most) return {true, std::nullopt};
 
     const bool again = knocks_again(stranger, now);
@@ -48,7 +48,7 @@ bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
         ++of_address;
         if (!oldest_of_address || knock.last < oldest_of_address->last) oldest_of_address = &knock;
     }
-    *(of_address >= most_knocks_of_address ? oldest_of_address : oldest) = {stranger, now, now};
+    *(of_address >= max_knocks_of_address ? oldest_of_address : oldest) = {stranger, now, now};
     return false;
 }
 
@@ -89,17 +89,17 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
     if (p.is_gone) return true;
     if (!is_silent(p, now)) return false;
-    if (!may_listen(p) || now >= longest_stay(p)) return true;
+    if (!may_listen(p) || now >= max_stay(p)) return true;
     std::size_t later = 0;    // silent ones of its address, heard after it
     for (const ChannelId other : used_) {
         const Peer& o = peer(other);
         if (o.endpoint.address != p.endpoint.address || o.is_gone || !may_listen(o) || !is_silent(o, now)) continue;
         if (o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id))) ++later;
     }
-    return later >= most_silent_of_address;
+    return later >= max_silent_of_address;
 }
 
-TimePoint PeerBook::longest_stay(const Peer& p) const noexcept {
+TimePoint PeerBook::max_stay(const Peer& p) const noexcept {
     return p.heard_at + (may_listen(p) ? std::max(listener_stays, options_.timeout) : options_.timeout);
 }
 
@@ -108,7 +108,7 @@ TimePoint PeerBook::next_look(TimePoint now) const noexcept {
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
         if (p.is_gone) return now;
-        next = std::min(next, is_silent(p, now) ? longest_stay(p) : p.heard_at + options_.timeout);
+        next = std::min(next, is_silent(p, now) ? max_stay(p) : p.heard_at + options_.timeout);
     }
     return next;
 }

@@ -1,7 +1,7 @@
 #include <ano/address.hpp>
 #include <gateway/inhibit.hpp>
 #include <gateway/present_as.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -53,8 +53,8 @@ std::optional<std::uint32_t> answer_to(ano::FrameView frame) noexcept {
         }
         break;
     }
-    const Treatment treatment = treatment_of(frame.id());
-    if (treatment.traffic != TrafficClass::urgent || treatment.replaces != Replaces::nothing) return std::nullopt;
+    const QueuePolicy policy = policy_of(frame.id());
+    if (policy.traffic != TrafficClass::urgent || policy.replaces != Replaces::nothing) return std::nullopt;
     return acknowledgement_key(frame.id(), frame.checks());
 }
 
@@ -87,9 +87,9 @@ bool only_hosts_say(ano::FrameView frame) noexcept {
 
 PresentAs::PresentAs(std::uint8_t address, std::size_t max_data)
     : address_{address},
-      largest_{ano::overhead + max_data},
-      in_{new std::uint8_t[largest_]},
-      out_{new std::uint8_t[largest_]},
+      max_size_{ano::overhead + max_data},
+      in_{new std::uint8_t[max_size_]},
+      out_{new std::uint8_t[max_size_]},
       keys_{new std::uint32_t[capacity]},
       questions_{new Question[capacity]},
       sessions_{new Session[256]} {
@@ -99,7 +99,7 @@ PresentAs::PresentAs(std::uint8_t address, std::size_t max_data)
 
 ano::FrameView PresentAs::outbound(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
     const std::uint8_t from = frame.source(), to = frame.destination();
-    if (to == address_ || address::is_host(to) || frame.bytes().size() > largest_) return frame;
+    if (to == address_ || address::is_host(to) || frame.bytes().size() > max_size_) return frame;
     if (from != address_ && !address::is_host(from) && (devices_[from] || !only_hosts_say(frame))) return frame;
     if (number != last_number_) {
         last_number_ = number;
@@ -116,7 +116,7 @@ ano::FrameView PresentAs::outbound(ano::FrameView frame, std::uint64_t number, a
 ano::FrameView PresentAs::inbound(ano::FrameView frame, ano::TimePoint now) noexcept {
     const bool to_everybody = frame.destination() == address::broadcast;
     if (frame.destination() == address_) devices_.set(frame.source());
-    if ((frame.destination() != address_ && !to_everybody) || frame.bytes().size() > largest_) return frame;
+    if ((frame.destination() != address_ && !to_everybody) || frame.bytes().size() > max_size_) return frame;
     const auto answered = answered_by(frame);
     if (!answered) return frame;
     const Question* question = asked(*answered, frame.source(), now);

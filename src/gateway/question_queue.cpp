@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int32_t one_by_one = ano::overhead;    // of how many bytes channels take turns: less than any question has
 
-std::size_t most_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
+std::size_t max_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
 
 }    // namespace
 
@@ -17,16 +17,16 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
     : outbox_{outbox},
       options_{options},
       room_{2 * options.bytes},
-      frames_{most_frames(options)},
-      turns_{frames_.get(), most_frames(options), one_by_one} {
+      frames_{max_frames(options)},
+      turns_{frames_.get(), max_frames(options), one_by_one} {
     outbox_.tell(&in_flight_);
 }
 
-void QuestionQueue::push(ano::FrameView frame, Treatment treatment, ano::TimePoint now, ChannelId from,
+void QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
                          ano::TimePoint arrived_at) noexcept {
-    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, treatment, arrived_at, from);
+    if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, policy, arrived_at, from);
     release(now);    // what waits goes first
-    if (in_flight_.has_room(now)) return outbox_.push(frame, treatment, arrived_at, from);
+    if (in_flight_.has_room(now)) return outbox_.push(frame, policy, arrived_at, from);
     store(frame, arrived_at, from);
 }
 
@@ -84,7 +84,7 @@ void QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, Chann
 void QuestionQueue::hand_over(FrameIndex i) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
     --counters_.offered;    // the outbox counts it from here on
-    outbox_.push(frame, treatment_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
+    outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
     turns_.take();
     forget(i);
 }

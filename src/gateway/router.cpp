@@ -23,11 +23,11 @@ std::string_view text(Via via) noexcept {
 
 Router::Router(const GatewaySettings& settings)
     : forget_after_{settings.forget_after}, own_id_{settings.id}, unknown_{settings.unknown} {
-    links_.reserve(most_links);
+    links_.reserve(max_links);
 }
 
 LinkId Router::add_link(const LinkRule& rule) {
-    assert(links_.size() < most_links && rule.port_id <= address::last_port_id && rule.group <= most_links);
+    assert(links_.size() < max_links && rule.port_id <= address::last_port_id && rule.group <= max_links);
     const auto id = static_cast<LinkId>(links_.size());
     links_.push_back(rule);
     if (address::is_port_id(rule.port_id)) ports_[rule.port_id].insert(id);

@@ -46,7 +46,7 @@ void TunnelWriter::begin(std::uint8_t id, std::uint8_t source, std::uint8_t dest
     buffer_[2] = destination;
     buffer_[3] = id;
     end_ = inner_at();
-    most_ = ano::header_size + std::min(max_data, ano::largest_data);
+    most_ = ano::header_size + std::min(max_data, ano::max_len);
 }
 
 bool TunnelWriter::add(ano::FrameView inner) noexcept {
@@ -78,10 +78,10 @@ ano::FrameView TunnelWriter::finish(const TunnelHead& head) noexcept {
     return ano::FrameView{frame};
 }
 
-Tunnel::Tunnel(TunnelSettings settings, std::uint8_t own_id, Surroundings surroundings)
+Tunnel::Tunnel(TunnelSettings settings, std::uint8_t own_id, Environment environment)
     : settings_{std::move(settings)},
       own_id_{own_id},
-      surroundings_{std::move(surroundings)},
+      environment_{std::move(environment)},
       port_{settings_.port},
       policy_{settings_} {}
 
@@ -96,7 +96,7 @@ std::optional<Tunnel::Datagram> Tunnel::out(ano::FrameView frame, const Passes& 
         refuse(cause);
         return std::nullopt;
     };
-    const auto network = frame.id() == ip_tunnel ? IpAddress{} : surroundings_.our_address({});
+    const auto network = frame.id() == ip_tunnel ? IpAddress{} : environment_.our_address({});
     if (!network) return refused(&TunnelCounters::tunnel_no_way);
     const auto content = unwrap(frame, *network);
     if (!content) return refused(&TunnelCounters::tunnel_malformed);
@@ -105,16 +105,16 @@ std::optional<Tunnel::Datagram> Tunnel::out(ano::FrameView frame, const Passes& 
     if (!policy_.allows(to.address)) return refused(&TunnelCounters::tunnel_not_allowed);
     if (policy_.is_own(to.address) && is_own_port(to.port)) return refused(&TunnelCounters::tunnel_own_port);
 
-    out_.begin(frame.id(), frame.source(), frame.destination(), ano::largest_data);
+    out_.begin(frame.id(), frame.source(), frame.destination(), ano::max_len);
     if (!gather(content->inner, passes)) return std::nullopt;
     Datagram datagram{to, out_.inner()};
     if (settings_.deliver == Deliver::tunnel) {
-        const auto ours = surroundings_.our_address(to.address);
+        const auto ours = environment_.our_address(to.address);
         if (!ours) return refused(&TunnelCounters::tunnel_no_way);
         head.source = *ours;
         datagram.bytes = out_.finish(head).bytes();
     }
-    if (datagram.bytes.size() > largest_datagram) return refused(&TunnelCounters::tunnel_too_big);
+    if (datagram.bytes.size() > max_datagram) return refused(&TunnelCounters::tunnel_too_big);
     return datagram;
 }
 
@@ -160,7 +160,7 @@ bool Tunnel::in(ano::FrameView frame, const IpAddress& sender, const Take& take)
     return taken;
 }
 
-bool Tunnel::is_own_port(std::uint16_t port) const { return port == port_ || surroundings_.is_own_port(port); }
+bool Tunnel::is_own_port(std::uint16_t port) const { return port == port_ || environment_.is_own_port(port); }
 
 bool Tunnel::is_ours(const IpAddress& address) const noexcept {
     return settings_.ip ? address == *settings_.ip : policy_.is_own(address);
@@ -173,7 +173,7 @@ std::optional<std::size_t> Tunnel::wrap_rule(const IpAddress& sender) const noex
 }
 
 bool Tunnel::begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender) {
-    const auto ours = surroundings_.our_address(sender.address);
+    const auto ours = environment_.our_address(sender.address);
     if (!ours) {
         refuse(&TunnelCounters::tunnel_no_way);
         return false;

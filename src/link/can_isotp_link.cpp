@@ -13,7 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t largest_pdu = 4095;    // without the escape of ISO 15765-2:2016, which few devices know
+constexpr std::size_t max_pdu = 4095;    // without the escape of ISO 15765-2:2016, which few devices know
 
 // How a transfer ended that has begun. The socket tells it by the next call, be it a read or a write.
 bool is_of_transfer(int error) {
@@ -78,7 +78,7 @@ void CanIsotpLink::write() {
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
         if (budget == 0 || outbox.gather(frame, now, budget) == 0) return;
-        if (frame[0].size() > largest_pdu) {
+        if (frame[0].size() > max_pdu) {
             outbox.drop_frame(&SendCounters::too_big);
             continue;
         }

@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration first_pause = 1ms;    // a queue of 10 frames drains in 2.2 ms at 500 kbit/s
-constexpr Duration longest_pause = 20ms;
+constexpr Duration max_pause = 20ms;
 constexpr Duration patience = 1s;    // blocked for so long, the bus itself is in trouble
 
 }    // namespace
@@ -116,7 +116,7 @@ void CanLink::wait_for_room(bool kernel_tells) {
     }
     woken_ = false;    // woken in vain: some kernels call a busy ISO-TP socket writable
     again_.set(now + pause_);
-    pause_ = std::min(2 * pause_, longest_pause);
+    pause_ = std::min(2 * pause_, max_pause);
 }
 
 void CanLink::found_room() noexcept {

@@ -8,7 +8,7 @@
 namespace anogate {
 namespace {
 
-constexpr int most_reported = 16;    // tries that fail for what became of earlier datagrams, before the rest waits a moment
+constexpr int max_reported = 16;    // tries that fail for what became of earlier datagrams, before the rest waits a moment
 
 }    // namespace
 
@@ -17,7 +17,7 @@ unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::
     auto rest = std::span{std::as_const(room_->frames)}.first(frames);
     std::size_t pieces = 0;
     std::size_t datagrams = 0;
-    while (!rest.empty() && datagrams < most_datagrams) {
+    while (!rest.empty() && datagrams < max_datagrams) {
         const std::size_t count = frames_in_datagram(rest, mtu);
         const std::size_t first = pieces;
         for (const auto frame : rest.first(count)) {
@@ -53,7 +53,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         const std::size_t paced = pacing.budget(outbox, now);
         if (paced == 0) return stop(SendResult::paced);
         const std::size_t budget = std::min(paced, way.most - spent);
-        const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? most_frames : most_datagrams), now,
+        const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? max_frames : max_datagrams), now,
                                                  budget);
         if (frames == 0) break;
         const unsigned datagrams = fill(frames, way.to, mtu);
@@ -74,7 +74,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         };
         report.error = errno;
         if (way.take_reports && may_be_reported(report.error) && (*way.take_reports)()) {
-            if (++reported < most_reported) continue;    // it was about another datagram: this one was not tried
+            if (++reported < max_reported) continue;    // it was about another datagram: this one was not tried
             outbox.set_congested();
             return stop(SendResult::no_memory);
         }

@@ -41,13 +41,13 @@ public:
     SendReport send_all(const Way& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now);
 
 private:
-    static constexpr std::size_t most_datagrams = 64;
-    static constexpr std::size_t most_frames = 512;
+    static constexpr std::size_t max_datagrams = 64;
+    static constexpr std::size_t max_frames = 512;
     struct Room {
-        std::array<std::span<const std::uint8_t>, most_frames> frames;
-        std::array<iovec, most_frames> pieces;
-        std::array<mmsghdr, most_datagrams> messages;
-        std::array<std::size_t, most_datagrams> frames_in;    // each of them
+        std::array<std::span<const std::uint8_t>, max_frames> frames;
+        std::array<iovec, max_frames> pieces;
+        std::array<mmsghdr, max_datagrams> messages;
+        std::array<std::size_t, max_datagrams> frames_in;    // each of them
     };
 
     unsigned fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept;

@@ -13,7 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t most_reports = 64;    // of one call: who floods us with them has no longer turn than anybody
+constexpr std::size_t max_reports = 64;    // of one call: who floods us with them has no longer turn than anybody
 
 bool from_network(const sock_extended_err& report) noexcept {
     return report.ee_origin == SO_EE_ORIGIN_ICMP || report.ee_origin == SO_EE_ORIGIN_ICMP6;
@@ -52,7 +52,7 @@ bool may_be_reported(int error) noexcept {
 
 std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused) {
     std::size_t count = 0;
-    for (std::size_t i = 0; i < most_reports; ++i) {
+    for (std::size_t i = 0; i < max_reports; ++i) {
         sockaddr_storage to{};
         alignas(cmsghdr) char control[512];
         msghdr message{};

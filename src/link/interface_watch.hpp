@@ -17,7 +17,7 @@ public:
     InterfaceWatch(const LinkContext& context, std::function<void(std::string why)> gone)
         : host_{context.host}, gone_{std::move(gone)}, look_{context.alarms, [this] { look(); }, retry_slack} {}
 
-    void start(const WrittenEndpoint& written) {
+    void start(const EndpointSpec& written) {
         if (written.interface.empty()) return;
         written_ = written;
         opened_ = endpoint_now(written);
@@ -37,7 +37,7 @@ private:
     LinkHost& host_;
     std::function<void(std::string)> gone_;
     Alarm look_;
-    WrittenEndpoint written_;
+    EndpointSpec written_;
     std::optional<Endpoint> opened_;
 };
 

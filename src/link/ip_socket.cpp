@@ -92,7 +92,7 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept {
     return {address_of(in), ntohs(in.sin_port)};
 }
 
-std::optional<Endpoint> endpoint_now(const WrittenEndpoint& written) {
+std::optional<Endpoint> endpoint_now(const EndpointSpec& written) {
     Endpoint endpoint = written;
     if (written.interface.empty()) return endpoint;
     endpoint.address.scope = ::if_nametoindex(written.interface.c_str());
@@ -136,7 +136,7 @@ std::optional<IpAddress> source_towards(const IpAddress& there) {
     return std::nullopt;
 }
 
-OpenedSocket open_udp(const WrittenEndpoint& written, bool share_port, const std::string& interface) {
+OpenedSocket open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
     const auto local = endpoint_now(written);
     if (!local) return {{}, no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;

@@ -24,7 +24,7 @@ struct SocketAddress {
 Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 
 /// With the number that its interface has now; nothing while there is no such interface.
-std::optional<Endpoint> endpoint_now(const WrittenEndpoint& written);
+std::optional<Endpoint> endpoint_now(const EndpointSpec& written);
 /// What to say then.
 std::string no_interface(const std::string& interface);
 
@@ -43,7 +43,7 @@ struct OpenedSocket {
 };
 /// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
 /// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
-OpenedSocket open_udp(const WrittenEndpoint& local, bool share_port, const std::string& interface = {});
+OpenedSocket open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
 /// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
 void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to; port 0 became a real one.

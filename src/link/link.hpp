@@ -34,7 +34,7 @@ public:
     virtual void link_down(Link& link, std::string why) = 0;
 
     /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
-    virtual void doubt(Link&) {}
+    virtual void report_unreachable(Link&) {}
 
     /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }
@@ -52,7 +52,7 @@ protected:
 using LinkFacts = std::vector<std::pair<std::string_view, std::variant<std::string, std::int64_t>>>;
 
 /// What came in and belongs to no channel.
-struct Stray {
+struct UnassignedTraffic {
     ReceiveCounters received;
     std::uint64_t v7_frames = 0;    // frames of the previous protocol version
     std::uint64_t gateways = 0;     // listening ports of other gateways that turned up as peers
@@ -91,7 +91,7 @@ public:
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
     virtual std::string trouble() const { return {}; }
     /// What was refused before it belonged to a channel.
-    virtual Stray stray() const { return {}; }
+    virtual UnassignedTraffic unassigned_traffic() const { return {}; }
 
 private:
     LinkId id_;

@@ -18,8 +18,8 @@ namespace anogate {
 namespace {
 
 constexpr int folder_flags = O_PATH | O_DIRECTORY | O_CLOEXEC;
-constexpr int most_tries = 16;          // of a lock file that others remove just then
-constexpr int most_looked_at = 1000;    // lock files, each time
+constexpr int max_tries = 16;          // of a lock file that others remove just then
+constexpr int max_looked_at = 1000;    // lock files, each time
 constexpr int lock_flags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 constexpr char lock_prefix[] = ".lock-";
 
@@ -72,7 +72,7 @@ void sweep(const UniqueFd& folder) {
     while (const dirent* const entry = ::readdir(list.get())) {
         if (!std::string_view{entry->d_name}.starts_with(lock_prefix)) continue;
         remove_stale(folder, entry->d_name);
-        if (++looked_at == most_looked_at) return;
+        if (++looked_at == max_looked_at) return;
     }
 }
 
@@ -80,7 +80,7 @@ void sweep(const UniqueFd& folder) {
 
 // Whoever ends removes its file: a lock on one that has gone is a lock on nothing. Where others sweep, one may be locked for that.
 PathClaim::Lock PathClaim::lock(bool trusted) {
-    for (int i = 0; i < most_tries; ++i) {
+    for (int i = 0; i < max_tries; ++i) {
         lock_ = UniqueFd{::openat(folder_.get(), name_.c_str(), lock_flags | O_CREAT, 0600)};
         struct stat opened {};
         if (!lock_ || ::fstat(lock_.get(), &opened) != 0) return Lock::impossible;

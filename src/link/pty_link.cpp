@@ -113,7 +113,7 @@ void PtyLink::look_for_users() {
         up_ = true;
         context_.host.link_up(*this);
     }
-    if (ours.revents & POLLIN) judge_what_waits();
+    if (ours.revents & POLLIN) check_what_waits();
     if (used || ours.revents & POLLIN) resume_reading();
 }
 

@@ -67,7 +67,7 @@ StreamLink::Opened SerialLink::open_wire() {
 void SerialLink::leave_wire(int fd) {
     if (terminal::unsent(fd) > 0 || rs485_) terminal::discard_output(fd);
     if (rs485_) rs485_->close();
-    if (rs485_by_driver_) terminal::switch_by_nobody(fd);
+    if (rs485_by_driver_) terminal::disable_rs485(fd);
     terminal::give_back(fd);
     wire_ = -1;
 }
@@ -81,7 +81,7 @@ void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
 // line of the configuration can't be seen from here: the GPIO line is driven all the same.
 std::string SerialLink::begin_half_duplex(int fd) {
     if (!rs485_) return {};
-    rs485_by_driver_ = terminal::switch_by_rts(fd, rs485_active_low_);
+    rs485_by_driver_ = terminal::enable_rs485_by_rts(fd, rs485_active_low_);
     return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den / byte_rate()}));
 }
 

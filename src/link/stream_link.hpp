@@ -49,7 +49,7 @@ protected:
     void pause_reading() { descriptor_.stop_reading(); }
     void resume_reading();
     /// What can be read now may be as old as a standstill, however much later it is read.
-    void judge_what_waits() { arrival_.unstamped(context_.host.turn()); }
+    void check_what_waits() { arrival_.unstamped(context_.host.turn()); }
     /// What came after the last whole frame has no rest to hope for.
     void end_of_input();
     /// The wire is gone: closes it, says why, and tries again later.

@@ -95,13 +95,13 @@ void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) 
     if (!stop && result != 0) ::ioctl(fd, TCSBRK, 1);    // tcdrain()
 }
 
-bool switch_by_rts(int fd, bool active_low) noexcept {
+bool enable_rs485_by_rts(int fd, bool active_low) noexcept {
     serial_rs485 rs485{};
     rs485.flags = SER_RS485_ENABLED | (active_low ? SER_RS485_RTS_AFTER_SEND : SER_RS485_RTS_ON_SEND);
     return ::ioctl(fd, TIOCSRS485, &rs485) == 0;
 }
 
-void switch_by_nobody(int fd) noexcept {
+void disable_rs485(int fd) noexcept {
     serial_rs485 rs485{};
     ::ioctl(fd, TIOCSRS485, &rs485);
 }

@@ -25,8 +25,8 @@ std::size_t unsent(int fd) noexcept;
 void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept;
 
 /// Lets the driver itself turn an RS-485 transceiver on the RTS line (TIOCSRS485). False: it can't.
-bool switch_by_rts(int fd, bool active_low) noexcept;
-void switch_by_nobody(int fd) noexcept;
+bool enable_rs485_by_rts(int fd, bool active_low) noexcept;
+void disable_rs485(int fd) noexcept;
 /// Bytes that have arrived and were not read.
 std::size_t unread(int fd) noexcept;
 /// Throws away what is written and not yet on the wire, so that closing does not wait for it.

@@ -14,7 +14,7 @@ LinkSettings link_settings(const Settings& settings) {
     LinkSettings link;
     link.kind = link.name = "tunnel";
     for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
-    link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(largest_datagram - ano::overhead));
+    link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(max_datagram - ano::overhead));
     link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
     link.udp_listen.local = {{settings.tunnel->bind, settings.tunnel->port}};
     return link;
@@ -36,7 +36,8 @@ void TunnelLink::carry(Channel& from, ano::FrameView frame) {
     look_around(context().host.now());
     host_.learn(from, frame);
     const auto passes = [&](ano::FrameView inner) {
-        if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner) || !host_.goes_once(from, inner, id())) return false;
+        if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner) || !host_.passes_loop_guard(from, inner, id()))
+            return false;
         host_.learn(from, inner);
         return host_.may_leave(id(), inner);
     };
@@ -83,7 +84,7 @@ void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameVie
 void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     const Target& to = wrap_to_[rule];
     if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.admit_unopened(channel, frame)) return;
-    if (!host_.goes_once(channel, frame, to.link) || !host_.may_leave(to.link, frame)) return;
+    if (!host_.passes_loop_guard(channel, frame, to.link) || !host_.may_leave(to.link, frame)) return;
     if (!wrapping_) {
         look_around(context().host.now());
         if (!tunnel_.begin_wrap(rule, to.max_data, sender)) {

@@ -17,7 +17,7 @@ public:
     virtual bool admit_unopened(Channel& from, ano::FrameView frame) = 0;
     /// What leaves by `to` without Router::route() is kept from going round all the same: false, and counted, when it came back by
     /// another way than it came by first.
-    virtual bool goes_once(Channel& from, ano::FrameView frame, LinkId to) = 0;
+    virtual bool passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) = 0;
     /// The send filter and limits of `to`, for a frame that leaves inside a tunnel frame. Counts if not.
     virtual bool may_leave(LinkId to, ano::FrameView frame) = 0;
     /// Its source is behind `from`: answers go there.

@@ -62,19 +62,19 @@ void UdpLink::try_open() {
 }
 
 // The endpoint that names the interface on which all depends, if any does.
-WrittenEndpoint UdpLink::watched() const {
+EndpointSpec UdpLink::watched() const {
     const UdpSettings& udp = settings().udp;
     if (!udp.interface.empty()) return {udp.peer, udp.interface};
     return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
 OpenedSocket UdpLink::open_to_peer() {
-    const WrittenEndpoint& written = settings().udp.peer;
+    const EndpointSpec& written = settings().udp.peer;
     const auto to = endpoint_now(written);
     if (!to) return {{}, no_interface(written.interface)};
     const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
-    WrittenEndpoint local;
+    EndpointSpec local;
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
     if (settings().udp.bind) local = *settings().udp.bind;
@@ -98,7 +98,7 @@ OpenedSocket UdpLink::open_to_peer() {
 // By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
 // in the group already is as good.
 std::string UdpLink::join_group(int fd) const {
-    const WrittenEndpoint& peer = settings().udp.peer;
+    const EndpointSpec& peer = settings().udp.peer;
     const auto& bind = settings().udp.bind;
     const std::string& name = settings().udp.interface;
     unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
@@ -226,7 +226,7 @@ void UdpLink::flush(Channel& channel) {
 
 void UdpLink::note(const SendReport& report) {
     refused_ += report.refused;
-    if (report.refused > 0) context_.host.doubt(*this);
+    if (report.refused > 0) context_.host.report_unreachable(*this);
     if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
     trouble_at_ = context_.host.now();
     trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().udp.peer.text()

@@ -23,7 +23,7 @@ public:
 
 private:
     void try_open();
-    WrittenEndpoint watched() const;
+    EndpointSpec watched() const;
     OpenedSocket open_to_peer();
     std::string join_group(int fd) const;
     void keep_joined();

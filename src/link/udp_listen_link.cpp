@@ -97,7 +97,7 @@ void UdpListenLink::try_open() {
     arrival_.found_empty(context_.host.turn().clocks());
     opened(local_);
     descriptor_.read_with([this] { read(); });
-    interface_watch_.start(listen.interface.empty() ? listen.local : WrittenEndpoint{listen.local, listen.interface});
+    interface_watch_.start(listen.interface.empty() ? listen.local : EndpointSpec{listen.local, listen.interface});
     context_.host.link_up(*this);
 }
 
@@ -206,7 +206,7 @@ void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& no
         if (!check_.is_refused(from)) say(from, check_.question_back(from, now));
     } else if (check_.answered(from, notice.number, now)) {
         ++gateways_;
-        ++stray_.denied_in;
+        ++unassigned_.denied_in;
         last_gateway_ = from.text();
     }
 }
@@ -245,8 +245,8 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
 }
 
 void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
-    ++stray_.denied_in;
-    stray_.bytes_in += datagram.size();
+    ++unassigned_.denied_in;
+    unassigned_.bytes_in += datagram.size();
 }
 
 // What a peer needs is some 100 KB: memory may be too short for it.
@@ -315,13 +315,13 @@ bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint
     probe_.finish();
     while (const auto frame = probe_.next()) look(*frame);
     if (found && !is_notice) return true;
-    stray_.denied_in += unwelcome;
+    unassigned_.denied_in += unwelcome;
     const ano::ParserCounters& after = probe_.counters();
-    stray_.bytes_in += datagram.size();
-    stray_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
-    stray_.bad_check += after.bad_check - before.bad_check;
-    stray_.bad_length += after.bad_length - before.bad_length;
-    stray_.expired += after.expired - before.expired;
+    unassigned_.bytes_in += datagram.size();
+    unassigned_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
+    unassigned_.bad_check += after.bad_check - before.bad_check;
+    unassigned_.bad_length += after.bad_length - before.bad_length;
+    unassigned_.expired += after.expired - before.expired;
     return false;
 }
 
@@ -354,9 +354,9 @@ bool UdpListenLink::take_reports() {
 }
 
 int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
-    constexpr int most_tries = 16;
+    constexpr int max_tries = 16;
     int error = EBADF;
-    for (int i = 0; i < most_tries && descriptor_.is_open(); ++i) {
+    for (int i = 0; i < max_tries && descriptor_.is_open(); ++i) {
         error = send_datagram(descriptor_.fd(), to, bytes, local_.address.v6);
         if (!may_be_reported(error) || !take_reports()) break;
     }
@@ -417,7 +417,7 @@ LinkFacts UdpListenLink::facts() const {
 std::string UdpListenLink::trouble() const {
     if (gateways_ > 0) return "another gateway listens at " + last_gateway_ + " and was refused";
     if (no_place_ > 0) return std::to_string(no_place_) + " datagrams of strangers were refused: all places are taken";
-    return stray_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
+    return unassigned_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
 }
 
 }    // namespace anogate

@@ -21,7 +21,9 @@ public:
     void flush(Channel& channel) override;
     LinkFacts facts() const override;
     std::string trouble() const override;
-    Stray stray() const override { return {stray_, probe_.counters().v7_frames, gateways_, no_place_}; }
+    UnassignedTraffic unassigned_traffic() const override {
+        return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_};
+    }
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : settings().udp_listen.local.port; }
 
 protected:
@@ -81,7 +83,7 @@ private:
     std::vector<std::unique_ptr<Peer>> peers_;
     Peer* latest_ = nullptr;    // the one heard last: most datagrams are its
     ano::FrameParser probe_;    // for senders that are no peers yet
-    ReceiveCounters stray_;
+    ReceiveCounters unassigned_;
     PeerBook book_;
     std::function<std::uint64_t()> random_;
     ListenerCheck check_;

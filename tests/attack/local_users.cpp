@@ -117,7 +117,7 @@ protected:
         ASSERT_TRUE(gateway.until([&] { return gateway.link("ground").at("channels").size() == 2; }));
         fc.forget();
         on_request = [this] {
-            most_behind = std::max(most_behind, sent - arrived());
+            max_behind = std::max(max_behind, sent - arrived());
             const auto low = static_cast<std::uint8_t>(sent), high = static_cast<std::uint8_t>(sent >> 8);
             pilot.send(gateway.port("ground"), frame(0xFE, 0xDC, 0xC0, {16, high, low}));
             ++sent;
@@ -140,17 +140,17 @@ protected:
 
     UdpPeer pilot, fc;
     std::size_t sent = 0;
-    std::size_t most_behind = 0;
+    std::size_t max_behind = 0;
 };
 
 TEST_F(GreedyClients, one_with_200_requests_lets_every_command_pass_between_them) {
     serve(1, 200);
-    EXPECT_LE(most_behind, 1u);
+    EXPECT_LE(max_behind, 1u);
 }
 
 TEST_F(GreedyClients, sixteen_with_5_requests_each_let_every_command_pass_between_them) {
     serve(16, 5);
-    EXPECT_LE(most_behind, 1u);
+    EXPECT_LE(max_behind, 1u);
 }
 
 TEST_F(LocalUsers, forty_idle_clients_do_not_keep_the_next_one_waiting) {

@@ -14,12 +14,12 @@
 
 namespace {
 
-std::size_t largest_allocation = SIZE_MAX;    // memory is short above it
+std::size_t max_allocation = SIZE_MAX;    // memory is short above it
 
 }    // namespace
 
 [[gnu::noinline]] void* operator new(std::size_t size) {
-    void* memory = size > largest_allocation ? nullptr : std::malloc(size > 0 ? size : 1);
+    void* memory = size > max_allocation ? nullptr : std::malloc(size > 0 ? size : 1);
     if (!memory) throw std::bad_alloc{};
     return memory;
 }
@@ -417,14 +417,14 @@ TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
     const auto peers = [&] { return daemon.link("ground").at("channels").size(); };
     ASSERT_TRUE(daemon.until([&] { return peers() == 1 && daemon.count("air", "frames_in") == 1; }));
     host.forget();
-    largest_allocation = 4096;
+    max_allocation = 4096;
     stranger.send(daemon.port("ground"), vendor::who_are_you);
     const bool refused = wait_until([&] { return daemon.count("ground", "denied_in") == 1; }, patience,
                                     [&] {
                                         daemon.io().restart();
                                         daemon.io().poll();
                                     });
-    largest_allocation = SIZE_MAX;
+    max_allocation = SIZE_MAX;
     ASSERT_TRUE(refused);
     EXPECT_EQ(peers(), 1u);
     air.send(daemon.port("air"), telemetry(0xDC, 1));

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Treatment state_of_device{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
+constexpr QueuePolicy state_of_device{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 std::array<support::Bytes, 16> sixteen_kinds() {
     std::array<support::Bytes, 16> frames;

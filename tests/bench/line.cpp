@@ -93,7 +93,7 @@ void measure_line(Run& run) {
                       at_most(45));
     run.table.measure("… delivered telemetry, 98th percentile of its age, ms", telemetry_98, at_most(80));
     run.table.measure("… line used, %", used, at_least(85));
-    run.table.measure("… most that waited in the driver, ms (`latency` is 20)", {1e3 * line.most_waiting() / rate}, at_most(20));
+    run.table.measure("… most that waited in the driver, ms (`latency` is 20)", {1e3 * line.max_waiting() / rate}, at_most(20));
     run.table.measure("… bytes damaged", {static_cast<double>(line.damaged())}, at_most(0));
 }
 

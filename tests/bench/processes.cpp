@@ -87,7 +87,7 @@ double Child::cpu_seconds() const {
 std::uint64_t Child::wake_ups() const { return status_field(pid_, "voluntary_ctxt_switches:"); }
 std::uint64_t Child::resident_bytes() const { return status_field(pid_, "VmRSS:") * 1024; }
 
-std::uint64_t Child::most_resident_bytes() const { return status_field(pid_, "VmHWM:") * 1024; }
+std::uint64_t Child::max_resident_bytes() const { return status_field(pid_, "VmHWM:") * 1024; }
 
 void stay_on_first_processor() { stay_on(0); }
 

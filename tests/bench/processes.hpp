@@ -24,7 +24,7 @@ public:
     double cpu_seconds() const;
     std::uint64_t wake_ups() const;    // voluntary context switches so far
     std::uint64_t resident_bytes() const;
-    std::uint64_t most_resident_bytes() const;    // at any time so far
+    std::uint64_t max_resident_bytes() const;    // at any time so far
     /// Waits until it ends by itself. Its exit status; -1 when a signal ended it.
     int wait();
 

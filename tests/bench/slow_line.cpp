@@ -46,7 +46,7 @@ void SlowLine::run() {
         int there = 0;
         ::ioctl(fd_, FIONREAD, &there);
         const double also_due = possible() - so_far;    // when we were held up meanwhile, more came, and more would have left
-        most_waiting_ = std::max(most_waiting_.load(), there - due - also_due);
+        max_waiting_ = std::max(max_waiting_.load(), there - due - also_due);
         const std::size_t wanted = static_cast<std::size_t>(std::max(due, 0.0));
         const std::size_t taken = std::min(wanted, static_cast<std::size_t>(there));
         if (taken < wanted) missed += due - static_cast<double>(taken);

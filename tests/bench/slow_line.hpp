@@ -26,7 +26,7 @@ public:
     };
     Count count() const noexcept { return {carried_, possible_}; }
     /// The most that waited for their time at once, in bytes.
-    double most_waiting() const noexcept { return most_waiting_; }
+    double max_waiting() const noexcept { return max_waiting_; }
     /// Bytes that belong to no good frame.
     std::uint64_t damaged() const noexcept { return damaged_; }
 
@@ -41,7 +41,7 @@ private:
     std::string path_;
     ano::FrameParser parser_{{}};
     std::atomic<std::uint64_t> carried_{0}, possible_{0}, damaged_{0};
-    std::atomic<double> most_waiting_{0};
+    std::atomic<double> max_waiting_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };

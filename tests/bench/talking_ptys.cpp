@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
 constexpr std::size_t frames_of_a_stream = 400;
-constexpr std::size_t most_a_write = 4000;    // a pseudo-terminal holds a little more
+constexpr std::size_t max_a_write = 4000;    // a pseudo-terminal holds a little more
 
 }    // namespace
 
@@ -76,7 +76,7 @@ void TalkingPtys::talk() {
     for (const Device& device : devices_) room.push_back({device.fd, POLLOUT, 0});
     while (!stop_) {
         ::poll(room.data(), room.size(), 10);
-        for (Device& device : devices_) send(device, device.bytes + most_a_write);
+        for (Device& device : devices_) send(device, device.bytes + max_a_write);
     }
 }
 
@@ -97,7 +97,7 @@ void TalkingPtys::send(Device& device, std::uint64_t until) {
     const std::vector<std::uint8_t>& stream = streams_[static_cast<std::size_t>(device.address - 0x43)];
     while (device.bytes < until) {
         const std::size_t at = device.bytes % stream.size();
-        const std::size_t size = std::min({static_cast<std::size_t>(until - device.bytes), stream.size() - at, most_a_write});
+        const std::size_t size = std::min({static_cast<std::size_t>(until - device.bytes), stream.size() - at, max_a_write});
         const ssize_t n = ::write(device.fd, stream.data() + at, size);
         if (n <= 0) return;
         device.bytes += static_cast<std::uint64_t>(n);

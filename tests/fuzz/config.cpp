@@ -1,5 +1,5 @@
 // Any bytes as a configuration: no crash, every error one line, and what is accepted prints as the same again.
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 
 #include <algorithm>
 #include <cstdint>

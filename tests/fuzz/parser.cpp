@@ -24,15 +24,15 @@ using support::BothParsers;
 using Bytes = BothParsers::Bytes;
 
 // The reference takes cubic time.
-constexpr std::size_t most_bytes = 20000;
-constexpr std::ptrdiff_t most_heads = 150;
+constexpr std::size_t max_bytes = 20000;
+constexpr std::ptrdiff_t max_heads = 150;
 
 class Script {
 public:
     explicit Script(std::string_view text) : text_{text} {}
 
     void run() {
-        const std::size_t max_data = number(ano::largest_data);
+        const std::size_t max_data = number(ano::max_len);
         skip(" ");
         const auto line_rate = static_cast<std::uint32_t>(number(1'000'000));
         BothParsers both{{.max_data = max_data, .line_rate = line_rate}};
@@ -89,7 +89,7 @@ private:
         open_.pop_back();
         line_.resize(std::max(line_.size(), begin + 4));
         const std::size_t length = line_.size() - begin - 4;
-        if (length > ano::largest_data) return;
+        if (length > ano::max_len) return;
         const std::uint8_t len[]{static_cast<std::uint8_t>(length), static_cast<std::uint8_t>(length >> 8)};
         line_.insert(line_.begin() + static_cast<std::ptrdiff_t>(begin) + 4, std::begin(len), std::end(len));
         line_.resize(line_.size() + 2);
@@ -101,7 +101,7 @@ private:
             bytes_ += line_.size();
             heads_ += std::count(line_.begin(), line_.end(), ano::head);
         }
-        return bytes_ + line_.size() <= most_bytes && heads_ <= most_heads;
+        return bytes_ + line_.size() <= max_bytes && heads_ <= max_heads;
     }
 
     std::size_t number(std::size_t most) {

@@ -46,7 +46,7 @@ void out(ano::FrameView frame, const std::vector<std::uint8_t>& whole, Deliver d
     must(datagram || refused(tunnel.counters()) > 0);
     if (!datagram) return;
     must(!datagram->to.address.v6 && Network{us, 24}.contains(datagram->to.address) && datagram->to.address != us);
-    must(datagram->to.port != 0 && datagram->bytes.size() <= largest_datagram && !whole.empty());
+    must(datagram->to.port != 0 && datagram->bytes.size() <= max_datagram && !whole.empty());
     if (deliver == Deliver::frames)
         return must(std::equal(whole.begin(), whole.end(), datagram->bytes.begin(), datagram->bytes.end()));
     const auto sent = ano::frame_at(datagram->bytes);
@@ -86,7 +86,7 @@ void in(ano::FrameView frame, const std::vector<std::uint8_t>& whole) {
 
 /// The first byte says whether it is 0xB1 or 0xB2.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    if (size == 0 || size - 1 > ano::largest_data) return 0;
+    if (size == 0 || size - 1 > ano::max_len) return 0;
     const std::span content{data + 1, size - 1};
     const std::uint8_t id = data[0] % 2 == 0 ? ip_tunnel : ip_tunnel_short;
     std::vector<std::uint8_t> bytes(ano::overhead + content.size());

@@ -8,7 +8,7 @@
 #include <support/udp_peer.hpp>
 
 #include <ano/parser.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <gtest/gtest.h>
 
@@ -128,8 +128,7 @@ protected:
         const bool whole = frame.data().size() == size && std::memcmp(frame.data().data(), data, size) == 0;
         ASSERT_TRUE(whole) << "altered on the way";
         const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // of one sender they alone overtake
-        const auto traffic = sticks ? anogate::traffic_classes
-                                    : static_cast<std::size_t>(anogate::treatment_of(frame.id()).traffic);
+        const auto traffic = sticks ? anogate::traffic_classes : static_cast<std::size_t>(anogate::policy_of(frame.id()).traffic);
         const std::size_t receiver = static_cast<std::size_t>(&at - ends);
         std::uint32_t& last = last_number[receiver][frame.source()][frame.destination()][traffic];
         ASSERT_LT(last, number) << "twice, or behind a younger one";

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 using namespace support;
 
 constexpr std::uint8_t command = 0xC0, sticks = 0x41, telemetry = 0x03;
-constexpr auto longest_age = "1s";
+constexpr auto max_age = "1s";
 constexpr auto longer = 1200ms;
 
 Bytes numbered(std::uint8_t source, std::uint8_t id, std::uint8_t n) { return frame(source, 0xDC, id, Bytes(14, n)); }
@@ -53,7 +53,7 @@ protected:
         return end + 2 < line.size() ? line[end + 2] : '?';
     }
     std::string configuration() {
-        const nlohmann::json age{{"control", "200ms"}, {"telemetry", longest_age}, {"rest", longest_age}};
+        const nlohmann::json age{{"control", "200ms"}, {"telemetry", max_age}, {"rest", max_age}};
         const nlohmann::json json{
             {"links",
              {{{"name", "ground"}, {"kind", "udp-listen"}, {"address", "127.0.0.1:0"}, {"peer_timeout", "1s"}},

@@ -61,7 +61,7 @@ protected:
 
     void turn() {
         const auto now = anogate::Clock::now();
-        longest_turn = std::max<Duration>(longest_turn, now - std::exchange(last_turn, now));
+        max_turn = std::max<Duration>(max_turn, now - std::exchange(last_turn, now));
         for (RunningGateway* gateway : {a.get(), b.get()}) {
             gateway->io().restart();
             gateway->io().run_one_for(200us);
@@ -86,10 +86,10 @@ protected:
     Seen undisturbed(Run run) {
         constexpr Duration stood_still = 1s;
         for (int runs = 1;; ++runs) {
-            longest_turn = {};
+            max_turn = {};
             last_turn = anogate::Clock::now();
             Seen seen = run();
-            seen.disturbed = longest_turn >= stood_still;
+            seen.disturbed = max_turn >= stood_still;
             if (HasFailure() || !seen.disturbed || runs == 3) return seen;
         }
     }
@@ -139,7 +139,7 @@ protected:
 
     static constexpr char held_up[] = "this machine stands still for seconds";
     std::map<PtyDevice*, Bytes> unfinished;
-    Duration longest_turn{};
+    Duration max_turn{};
     anogate::TimePoint last_turn{};
     const TempDir dir;
     PtyDevice at_a{dir / "a"}, at_b{dir / "b"};

@@ -18,7 +18,7 @@ using support::Bytes;
 
 namespace {
 
-constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr std::uint8_t host = 0xFE;
 constexpr std::uint8_t device = 0xDE;    // what both call themselves
 

@@ -21,7 +21,7 @@ using support::Bytes;
 
 namespace {
 
-constexpr Treatment urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr ChannelId third_channel{7};
 constexpr std::uint8_t third_id = 0xC0;
 
@@ -154,8 +154,8 @@ TEST(Fairness, channels_that_always_wait_have_equal_shares) {
         support::Random random{seed};
         Outbox outbox{{}};
         outbox.open();
-        const Treatment treatment{random.of({TrafficClass::urgent, TrafficClass::telemetry, TrafficClass::bulk}),
-                                  Replaces::nothing, AgeKind::rest};
+        const QueuePolicy policy{random.of({TrafficClass::urgent, TrafficClass::telemetry, TrafficClass::bulk}),
+                                 Replaces::nothing, AgeKind::rest};
         const unsigned senders = 2 + random.below(6u);
         std::vector<std::size_t> most_data(senders), got(senders), waits(senders);
         for (auto& data : most_data) data = random.of<std::size_t>({4, 20, 100, 1000});
@@ -165,7 +165,7 @@ TEST(Fairness, channels_that_always_wait_have_equal_shares) {
                 for (; waits[s] < 3000; waits[s] += ano::overhead + most_data[s]) {
                     Bytes data(most_data[s], static_cast<std::uint8_t>(s));
                     const auto source = static_cast<std::uint8_t>(s == 0 ? 1 + random.below(200u) : 0xFE);
-                    outbox.push(ano::FrameView{support::frame(source, 0xDC, 0xE1, data)}, treatment, TimePoint{},
+                    outbox.push(ano::FrameView{support::frame(source, 0xDC, 0xE1, data)}, policy, TimePoint{},
                                 ChannelId{static_cast<std::uint8_t>(s)});
                 }
             const std::size_t count = outbox.gather(pieces, TimePoint{}, 600 + random.below(3000u));

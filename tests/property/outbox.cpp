@@ -26,7 +26,7 @@ using ano::TimePoint;
 struct Frame {
     ChannelId from;
     Bytes bytes;
-    Treatment treatment;
+    QueuePolicy policy;
     TimePoint at;
     std::uint64_t number;
     std::uint64_t turn;
@@ -55,7 +55,7 @@ struct Sender {
     bool overtook = false;
 
     std::size_t bytes() const { return bytes_of(sticks) + bytes_of(rest); }
-    std::deque<Frame>& line(const Treatment& treatment) { return treatment.age == AgeKind::control ? sticks : rest; }
+    std::deque<Frame>& line(const QueuePolicy& policy) { return policy.age == AgeKind::control ? sticks : rest; }
     std::deque<Frame>& next() { return sticks.empty() || (overtook && !rest.empty()) ? rest : sticks; }
     std::deque<Frame>& oldest() {
         return rest.empty() || (!sticks.empty() && sticks.front().number < rest.front().number) ? sticks : rest;
@@ -105,7 +105,7 @@ struct ClassQueue {
             if (place == places.end()) place = places.insert(places.begin(), Place{from, quantum, {}});
             place->senders.push_back({source, quantum, {}, {}});
         }
-        find(from, source)->line(frame.treatment).push_back(std::move(frame));
+        find(from, source)->line(frame.policy).push_back(std::move(frame));
     }
     template <class Member>
     Member& in_turn(std::vector<Member>& ring) {
@@ -187,16 +187,16 @@ struct Model {
         return a.size() > ano::overhead && b.size() > ano::overhead && a[6] == b[6];
     }
 
-    void push(const Bytes& frame, Treatment treatment, TimePoint now, ChannelId from) {
+    void push(const Bytes& frame, QueuePolicy policy, TimePoint now, ChannelId from) {
         ++counters.offered;
         if (!open) return void(++counters.link_down);
         if (frame.size() > ano::overhead + options.max_data) return void(++counters.too_big);
-        const auto c = static_cast<std::size_t>(treatment.traffic);
-        Frame incoming{from, frame, treatment, now, ++pushed, pushed};
+        const auto c = static_cast<std::size_t>(policy.traffic);
+        Frame incoming{from, frame, policy, now, ++pushed, pushed};
         if (Sender* sender = queues[c].find(from, frame[1]); sender && congested) {
-            const auto& line = sender->line(treatment);
+            const auto& line = sender->line(policy);
             for (auto it = line.rbegin(); it != line.rend(); ++it) {
-                if (!same_kind(it->bytes, frame, treatment.replaces)) continue;
+                if (!same_kind(it->bytes, frame, policy.replaces)) continue;
                 if (line.front().number > it->turn && line.size() > 1) break;
                 incoming.turn = it->turn;
                 queues[c].erase(it->number);
@@ -229,9 +229,9 @@ struct Model {
     }
     bool stale(const Frame& frame, TimePoint now) const {
         const AgeLimits& age = options.age;
-        const auto limit = frame.treatment.age == AgeKind::control     ? age.control
-                           : frame.treatment.age == AgeKind::telemetry ? age.telemetry
-                                                                       : age.rest;
+        const auto limit = frame.policy.age == AgeKind::control     ? age.control
+                           : frame.policy.age == AgeKind::telemetry ? age.telemetry
+                                                                    : age.rest;
         return now - frame.at >= limit;
     }
     // Drops what would be next and is stale, and returns the numbers.
@@ -279,7 +279,7 @@ struct Model {
     }
 };
 
-constexpr Treatment treatments[] = {
+constexpr QueuePolicy policies[] = {
     {TrafficClass::urgent, Replaces::nothing, AgeKind::rest},
     {TrafficClass::urgent, Replaces::same_id, AgeKind::control},
     {TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry},
@@ -321,13 +321,13 @@ struct Trial {
                                                      : random.below(std::min<std::size_t>(most, 40));
         Bytes data(size);
         for (auto& byte : data) byte = random.below<std::uint8_t>(3);
-        const std::uint8_t id = random.below<std::uint8_t>(std::size(treatments));
+        const std::uint8_t id = random.below<std::uint8_t>(std::size(policies));
         const Bytes frame = support::frame(random.below<std::uint8_t>(2), random.below<std::uint8_t>(2), id, data);
         const ChannelId from = random.one_in(4) ? ourselves : static_cast<ChannelId>(random.below<std::uint8_t>(4));
         const auto before = support::allocations;
-        outbox.push(ano::FrameView{frame}, treatments[id], now, from);
+        outbox.push(ano::FrameView{frame}, policies[id], now, from);
         EXPECT_EQ(support::allocations, before);
-        model.push(frame, treatments[id], now, from);
+        model.push(frame, policies[id], now, from);
     }
     // Takes a part of what gather() gives, of any length.
     void send_part() {
@@ -368,7 +368,7 @@ struct Trial {
     }
     void left(const Frame& frame) {
         model.left(frame);
-        auto& last = last_out[{frame.from, frame.bytes[1], frame.treatment.traffic, frame.treatment.age == AgeKind::control}];
+        auto& last = last_out[{frame.from, frame.bytes[1], frame.policy.traffic, frame.policy.age == AgeKind::control}];
         EXPECT_GT(frame.number, last) << "order within channel, source and class, but for sticks";
         last = frame.number;
     }

@@ -21,21 +21,21 @@ using support::Bytes;
 namespace {
 
 constexpr std::uint32_t rate = 11520;    // 115200 baud, 8N1
-constexpr Treatment urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
-constexpr Treatment telemetry{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
+constexpr QueuePolicy urgent{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy telemetry{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 // The driver and the wire behind it: bytes leave one by one at `rate`.
 struct Wire {
     TimePoint idle_at{};
     Duration busy{};
-    Duration most_ahead{};
+    Duration max_ahead{};
 
     // Returns when the last of `bytes` has left.
     TimePoint write(std::size_t bytes, TimePoint now) {
         const Duration time = Duration{std::chrono::seconds{bytes}} / rate;
         idle_at = std::max(idle_at, now) + time;
         busy += time;
-        most_ahead = std::max(most_ahead, idle_at - now);
+        max_ahead = std::max(max_ahead, idle_at - now);
         return idle_at;
     }
 };
@@ -51,11 +51,11 @@ struct Delay {
 struct Line {
     explicit Line(std::uint64_t seed) : random{seed} { outbox.open(); }
 
-    void push(std::uint8_t id, std::size_t data, Treatment treatment) {
+    void push(std::uint8_t id, std::size_t data, QueuePolicy policy) {
         Bytes bytes(data);
         const auto at = now.time_since_epoch().count();
         std::memcpy(bytes.data(), &at, sizeof at);
-        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, id, bytes)}, treatment, now);
+        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, id, bytes)}, policy, now);
     }
     // What a link does when it may send.
     void flush() {
@@ -123,7 +123,7 @@ TEST(Pacing, overloaded_line_is_full_fresh_and_lets_urgent_frames_pass) {
         EXPECT_LE(line.urgent_delay.percentile_98(), 45ms);
         EXPECT_LE(line.telemetry_delay.percentile_98(), 80ms);
         EXPECT_GE(line.wire.busy, 20s * 85 / 100);
-        EXPECT_LE(line.wire.most_ahead, 20ms) << "never overrun";
+        EXPECT_LE(line.wire.max_ahead, 20ms) << "never overrun";
         if (kinds > 1) {
             EXPECT_LE(line.writes, 20u * 160) << "about one write each half latency";
         }
@@ -150,9 +150,8 @@ TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
     std::array<std::span<const std::uint8_t>, 64> pieces;
     for (int step = 0; step < 200'000; ++step) {
         now += random.one_in(100) ? random.of<Duration>({-3h, -1s, -5ms, 100ms, 1s, 3h}) : Duration{random.below(4u) * 1ms};
-        const Treatment treatment = random.one_in(5) ? urgent : telemetry;
-        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, random.byte(), Bytes(random.below(std::size_t{30})))}, treatment,
-                    now);
+        const QueuePolicy policy = random.one_in(5) ? urgent : telemetry;
+        outbox.push(ano::FrameView{support::frame(0xDC, 0xFE, random.byte(), Bytes(random.below(std::size_t{30})))}, policy, now);
         const auto next = outbox.next(now);
         ASSERT_GT(next.size, 0u);
         const std::size_t budget = pacer.allowance(next.size, next.urgent, now);

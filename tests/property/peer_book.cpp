@@ -92,8 +92,8 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
 TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         support::Random random{seed};
-        const std::size_t most = 1 + random.below(8u), most_of_address = 1 + random.below(4u);
-        PeerBook book{{timeout, most, most_of_address}};
+        const std::size_t most = 1 + random.below(8u), max_of_address = 1 + random.below(4u);
+        PeerBook book{{timeout, most, max_of_address}};
         struct Peer {
             Endpoint endpoint;
             TimePoint began, heard;
@@ -119,13 +119,13 @@ TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
             if (std::any_of(peers.begin(), peers.end(), [&](const auto& p) { return p.second.endpoint == stranger; })) continue;
             const std::size_t own = of_address(stranger.address);
             const PeerBook::Place place = book.place_for(stranger, now);
-            if (own < most_of_address && peers.size() < most) {
+            if (own < max_of_address && peers.size() < most) {
                 ASSERT_TRUE(place.free && !place.gives_way) << seed << " " << step;
             }
             if (place.gives_way) {
                 const Peer& p = peers.at(*place.gives_way);
                 const bool same = p.endpoint.address == stranger.address;
-                ASSERT_TRUE(own < most_of_address || same) << seed << " " << step;
+                ASSERT_TRUE(own < max_of_address || same) << seed << " " << step;
                 if (now - p.heard < timeout) {
                     ASSERT_FALSE(p.again) << seed << " " << step;
                     ASSERT_TRUE(same || of_address(p.endpoint.address) > own + 1) << seed << " " << step;
@@ -139,7 +139,7 @@ TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
             book.add(id, stranger, true, now);
             peers[id] = {stranger, now, now};
             ASSERT_LE(peers.size(), most) << seed << " " << step;
-            ASSERT_LE(of_address(stranger.address), most_of_address) << seed << " " << step;
+            ASSERT_LE(of_address(stranger.address), max_of_address) << seed << " " << step;
         }
     }
 }

@@ -2,7 +2,7 @@
 // exactly the one who asked, and every acknowledgement names the bytes that were sent.
 #include <gateway/alias.hpp>
 #include <gateway/present_as.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <support/allocations.hpp>
 #include <support/bytes.hpp>
@@ -59,10 +59,10 @@ struct Link {
 
     Bytes out(const Bytes& sent) {
         const auto presented = hosts.outbound(ano::FrameView{sent}, ++number, now);
-        return bytes(aliases.outbound(presented, treatment_of(sent[3]), now).value());
+        return bytes(aliases.outbound(presented, policy_of(sent[3]), now).value());
     }
     Bytes in(const Bytes& said) {
-        return bytes(hosts.inbound(aliases.inbound(ano::FrameView{said}, treatment_of(said[3]), now), now));
+        return bytes(hosts.inbound(aliases.inbound(ano::FrameView{said}, policy_of(said[3]), now), now));
     }
 };
 

@@ -71,7 +71,7 @@ public:
         const std::size_t before = outbox.waiting();
         const bool waits = question_in(ano::FrameView{frame}).has_value();
         const auto allocated = support::allocations;
-        queue.push(ano::FrameView{frame}, treatment_of(frame[3]), now, from);
+        queue.push(ano::FrameView{frame}, policy_of(frame[3]), now, from);
         ASSERT_EQ(support::allocations, allocated);
         if (!waits && !tight) {
             ASSERT_EQ(outbox.waiting(), before + 1) << "only questions wait";

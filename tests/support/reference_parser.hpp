@@ -90,7 +90,7 @@ private:
         const unsigned id = bytes_[at_ + 3];
         if (id == 0xB1 || id == 0xB2) return true;
         if (sources_.count(bytes_[at_ + 1]) == 0) return false;
-        return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= largest_[id];
+        return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= max_size_[id];
     }
 
     // A look is paid with 32 bytes of good frames; 65536 may be saved.
@@ -142,7 +142,7 @@ private:
                 const std::size_t size = 8 + length_at(at_);
                 sources_.insert(bytes_[at_ + 1]);
                 credit_ = std::min<std::size_t>(credit_ + size, 65536);
-                largest_[bytes_[at_ + 3]] = std::max(largest_[bytes_[at_ + 3]], length_at(at_));
+                max_size_[bytes_[at_ + 3]] = std::max(max_size_[bytes_[at_ + 3]], length_at(at_));
                 const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
                 frames.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(size));
                 at_ += size;
@@ -182,8 +182,8 @@ private:
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
-    std::set<unsigned> sources_;                // of good frames
-    std::array<std::size_t, 256> largest_{};    // LEN of good frames, by id
+    std::set<unsigned> sources_;                 // of good frames
+    std::array<std::size_t, 256> max_size_{};    // LEN of good frames, by id
     std::size_t credit_ = 65536;
     std::map<std::size_t, bool> counts_;    // by the place of a header that was looked at
 };

@@ -96,7 +96,7 @@ std::optional<std::uint64_t> RunningGateway::figure(const anogate::LinkState& st
     auto received = state.gone_received;
     auto sent = state.gone_sent;
     std::size_t waiting = 0;
-    add(received, state.link->stray().received);
+    add(received, state.link->unassigned_traffic().received);
     for (const anogate::ChannelId id : state.channels) {
         const anogate::Channel& channel = gateway_.channel(id);
         add(received, channel.received());

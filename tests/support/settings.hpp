@@ -7,8 +7,8 @@
 
 namespace support {
 
-inline anogate::WrittenEndpoint endpoint(const std::string& text) {
-    const auto parsed = anogate::WrittenEndpoint::parse(text);
+inline anogate::EndpointSpec endpoint(const std::string& text) {
+    const auto parsed = anogate::EndpointSpec::parse(text);
     if (!parsed) throw std::invalid_argument{"no endpoint: " + text};
     return *parsed;
 }

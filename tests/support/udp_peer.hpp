@@ -32,7 +32,7 @@ public:
         return ::sendto(socket_.get(), datagram.data(), datagram.size(), 0, address.get(), address.size) ==
                static_cast<ssize_t>(datagram.size());
     }
-    bool send(const anogate::WrittenEndpoint& to, std::span<const std::uint8_t> datagram) {
+    bool send(const anogate::EndpointSpec& to, std::span<const std::uint8_t> datagram) {
         const auto now = anogate::endpoint_now(to);
         return now && send(*now, datagram);
     }

@@ -5,7 +5,7 @@
 #include "running_gateway.hpp"
 #include "udp_app.hpp"
 
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 #include <daemon/gpio_control.hpp>
 #include <gateway/backoff.hpp>
 #include <support/pty_device.hpp>

@@ -28,7 +28,7 @@ namespace {
 using namespace ano;
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t most_kept = 1 << 20;    // of bytes that are not told yet: of a longer gap only its length is told
+constexpr std::size_t max_kept = 1 << 20;    // of bytes that are not told yet: of a longer gap only its length is told
 
 std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
@@ -38,7 +38,7 @@ public:
     Decoder(Streams& streams, const FrameOptions& options)
         : streams_{streams}, json_{options.json}, printer_{streams, options}, parser_{[] {
               FrameParser::Options o;
-              o.max_data = largest_data;
+              o.max_data = max_len;
               return o;
           }()} {}
 
@@ -157,7 +157,7 @@ private:
     }
     void keep(Bytes bytes) {
         const std::uint64_t old = told_ > kept_at_ ? told_ - kept_at_ : 0;
-        if (kept_.size() > most_kept) drop(kept_.size());
+        if (kept_.size() > max_kept) drop(kept_.size());
         else if (old > kept_.size() / 2) drop(old);
         kept_.insert(kept_.end(), bytes.begin(), bytes.end());
     }

@@ -26,7 +26,7 @@ namespace {
 
 using namespace ano;
 
-constexpr std::size_t longest_line = 1 << 20;    // what the largest frame needs, several times
+constexpr std::size_t max_line = 1 << 20;    // what the largest frame needs, several times
 
 /// The lines of standard input, each as soon as it is whole.
 class Lines {
@@ -40,7 +40,7 @@ public:
             text_.erase(0, begin_);
             begin_ = 0;
             seen_ = text_.size();
-            if (seen_ > longest_line) throw UsageError{"line " + std::to_string(number_ + 1) + ": longer than 1 MiB"};
+            if (seen_ > max_line) throw UsageError{"line " + std::to_string(number_ + 1) + ": longer than 1 MiB"};
             if (!read()) return last(line);
         }
         ++number_;

@@ -6,7 +6,7 @@
 #include <ano_json/hex.hpp>
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/words.hpp>
-#include <daemon/read_file.hpp>
+#include <config/read_file.hpp>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -126,7 +126,7 @@ FlexibleLayouts FrameOptions::layouts() const {
     FlexibleLayouts layouts;
     if (config.empty()) return layouts;
     std::error_code error;
-    const std::string text = anogate::read_file(config, anogate::largest_config, error);
+    const std::string text = anogate::read_file(config, anogate::max_config_size, error);
     if (error) throw UsageError{"--config " + config + ": it can't be read: " + error.message()};
     nlohmann::json whole;
     try {

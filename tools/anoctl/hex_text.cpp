@@ -7,7 +7,7 @@
 namespace anoctl {
 namespace {
 
-constexpr std::size_t most_held = 1 << 20;    // nobody writes so much text before the first frame
+constexpr std::size_t max_held = 1 << 20;    // nobody writes so much text before the first frame
 
 constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it before a text
 
@@ -87,7 +87,7 @@ std::span<const std::uint8_t> BytesOrText::read(std::span<const std::uint8_t> pi
     if (kind_ == Kind::unknown) {
         const bool begins_as_frame = bytes_.size() >= ano::overhead && bytes_.front() == ano::head;
         if (!is_text && !begins_as_frame) return all_raw();
-        if (!begins_as_frame && held_.size() < most_held) return {};
+        if (!begins_as_frame && held_.size() < max_held) return {};
         kind_ = Kind::text;
         held_ = {};
     }

@@ -2,8 +2,8 @@
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 
-#include <daemon/config.hpp>
-#include <daemon/key_facts.hpp>
+#include <config/config.hpp>
+#include <config/key_facts.hpp>
 #include <gateway/hints.hpp>
 #include <link/asio.hpp>
 #include <link/clocks.hpp>
@@ -93,7 +93,7 @@ private:
     Channel* open_channel(Link& link, std::string peer) override {
         std::size_t i = 0;
         while (i < channels_.size() && channels_[i]) ++i;
-        if (i == most_channels) return nullptr;
+        if (i == max_channels) return nullptr;
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
         const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
@@ -101,7 +101,7 @@ private:
                                        link.id(),
                                        std::move(peer),
                                        ano::FrameParser{{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet}},
-                                       Outbox{{s.queue, s.most_data_out()}},
+                                       Outbox{{s.queue, s.effective_max_data_out()}},
                                        {},
                                        now_,
                                        {},
@@ -162,13 +162,13 @@ private:
         });
     }
     LinkFigures figures() {
-        const Stray stray = link_->stray();
+        const UnassignedTraffic unassigned = link_->unassigned_traffic();
         LinkFigures f;
         f.kind = link_->settings().kind;
         f.up = up_;
         f.listens = f.kind == "udp-listen";
-        f.received = stray.received;
-        f.v7_frames = stray.v7_frames;
+        f.received = unassigned.received;
+        f.v7_frames = unassigned.v7_frames;
         f.up_for = now() - up_at_;
         for (const auto& channel : channels_) {
             if (!channel) continue;
@@ -201,7 +201,7 @@ private:
         io_.stop();
     }
     std::uint64_t skipped() const {
-        std::uint64_t bytes = gone_skipped_ + link_->stray().received.skipped_bytes;
+        std::uint64_t bytes = gone_skipped_ + link_->unassigned_traffic().received.skipped_bytes;
         for (const auto& channel : channels_)
             if (channel) bytes += channel->parser.counters().skipped_bytes;
         return bytes;
@@ -260,7 +260,7 @@ private:
     LinkSettings link_settings() const {
         anogate::Draft draft;
         read_link(link, "", draft);
-        finish(draft);
+        validate(draft);
         if (!draft.errors.empty()) {
             const ConfigError& first = draft.errors.front();
             throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};

@@ -78,13 +78,13 @@ TEST(Frame, has_the_checks_of_the_text_at_every_length) {
         bytes.push_back(random.byte());
     }
     for (const auto filler : Bytes{0x00, 0x01, 0xAB, 0xFF}) {
-        const Bytes longest(ano::header_size + ano::largest_data, filler);
+        const Bytes longest(ano::header_size + ano::max_len, filler);
         EXPECT_EQ(ano::checks_of(longest), plain_checks(longest));
     }
 }
 
 TEST(Frame, may_be_empty_or_as_large_as_LEN_can_say) {
-    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{256}, ano::largest_data}) {
+    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{256}, ano::max_len}) {
         const Bytes bytes = support::frame(1, 2, 3, Bytes(size, 0x5A));
         ASSERT_EQ(bytes.size(), ano::overhead + size);
         const auto frame = ano::frame_at(bytes);
@@ -129,9 +129,9 @@ TEST(Encode, writes_nothing_without_room_for_all_of_it) {
 }
 
 TEST(Encode, refuses_data_that_LEN_cannot_say) {
-    Bytes out(ano::largest_frame + 1);
-    EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::largest_data + 1)), 0u);
-    EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::largest_data)), ano::largest_frame);
+    Bytes out(ano::max_frame_size + 1);
+    EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::max_len + 1)), 0u);
+    EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::max_len)), ano::max_frame_size);
 }
 
 TEST(Seal, makes_a_changed_frame_good_again) {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
+#include <config/config.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/config.hpp>
 #include <support/files.hpp>
 
 #include <filesystem>

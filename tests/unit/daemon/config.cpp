@@ -2,8 +2,8 @@
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 
-#include <daemon/judge_network.hpp>
-#include <daemon/values.hpp>
+#include <config/check_network.hpp>
+#include <config/values.hpp>
 #include <gateway/tunnel_policy.hpp>
 #include <unit/daemon/faults.hpp>
 
@@ -263,7 +263,7 @@ TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
         Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" +
                                    allow + R"("], "relay": )" + relay + "}}");
         EXPECT_TRUE(draft.errors.empty());
-        judge_relay(draft, {*Network::parse("127.0.0.1/8"), *Network::parse("192.168.1.5/24")});
+        check_relay(draft, {*Network::parse("127.0.0.1/8"), *Network::parse("192.168.1.5/24")});
         return draft.errors.size();
     };
     EXPECT_EQ(faults("192.168.1.5/32"), 1u);
@@ -465,8 +465,8 @@ TEST(Config, warns_of_what_is_as_good_as_not_said) {
 
 // Printing.
 
-WrittenEndpoint random_endpoint(support::Random& random, bool v6) {
-    WrittenEndpoint endpoint;
+EndpointSpec random_endpoint(support::Random& random, bool v6) {
+    EndpointSpec endpoint;
     endpoint.address = *IpAddress::parse(v6 ? random.of({"::1", "fd00::5", "2001:db8::1:2"})
                                             : random.of({"127.0.0.1", "10.1.2.3", "255.255.255.255"}));
     endpoint.port = static_cast<std::uint16_t>(1 + random.below(65535));
@@ -504,7 +504,7 @@ void give_kind(LinkSettings& link, support::Random& random, const std::string& u
                 {random_endpoint(random, i % 2 == 0).address, static_cast<std::uint8_t>(random.below(33))});
     } else if (link.kind == "udp") {
         link.udp.peer = random_endpoint(random, v6);
-        if (random.one_in(2)) link.udp.bind = WrittenEndpoint{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
+        if (random.one_in(2)) link.udp.bind = EndpointSpec{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
         link.udp.interface = random.of({"", "wg0"});
     } else if (link.kind == "can") {
         link.can.interface = "can" + unique;

@@ -1,6 +1,6 @@
 // Reading configurations in tests.
 #pragma once
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 
 #include <string>
 
@@ -17,7 +17,7 @@ inline std::string faults_in(std::string_view json) {
 inline std::string faults_of(std::initializer_list<std::string_view> links) {
     Draft draft;
     for (const std::string_view link : links) read_link(link, "", draft);
-    finish(draft);
+    validate(draft);
     std::string text;
     for (const ConfigError& error : draft.errors) text += error.where + ": " + error.what + "\n";
     return text;

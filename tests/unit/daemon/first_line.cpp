@@ -1,4 +1,4 @@
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 #include <daemon/first_line.hpp>
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ std::vector<Network> networks(std::initializer_list<const char*> texts) {
 std::string said(std::initializer_list<std::string_view> links, const std::vector<Network>& own = {}) {
     Draft draft;
     for (const std::string_view link : links) read_link(link, "", draft);
-    finish(draft);
+    validate(draft);
     EXPECT_TRUE(draft.errors.empty()) << lines(draft.errors);
     const std::string line = first_line(draft.settings, "my.json", own);
     EXPECT_TRUE(line.starts_with("anogated ")) << line;

@@ -1,8 +1,8 @@
 // The table of keys, and that everything made from it has every row.
 #include <gtest/gtest.h>
-#include <daemon/config.hpp>
-#include <daemon/help.hpp>
-#include <daemon/keys.hpp>
+#include <config/config.hpp>
+#include <config/help.hpp>
+#include <config/keys.hpp>
 #include <link/kinds.hpp>
 #include <support/files.hpp>
 
@@ -134,7 +134,7 @@ TEST(Sample, is_a_configuration_and_has_the_defaults) {
     for (const char* link : {"serial:/dev/ttyUSB0,name=fc", "udp-listen:0.0.0.0:12333,name=ground"}) {
         Draft one;
         read_link(link, "", one);
-        finish(one);
+        validate(one);
         defaults.links.push_back(one.settings.links[0]);
     }
     EXPECT_EQ(print_config(draft.settings), print_config(defaults));

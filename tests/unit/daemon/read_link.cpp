@@ -10,7 +10,7 @@ using testing::Test;
 LinkSettings link_of(std::string_view text) {
     Draft draft;
     read_link(text, "", draft);
-    finish(draft);
+    validate(draft);
     EXPECT_EQ(lines(draft.errors), "");
     return draft.settings.links.at(0);
 }
@@ -146,17 +146,17 @@ TEST(LinkText, a_profile_gives_defaults_and_no_more) {
     using namespace std::chrono_literals;
     const LinkSettings vendor = link_of("serial:/dev/x,profile=vendor");
     EXPECT_EQ(vendor.max_data, 4096) << "of what comes in";
-    EXPECT_EQ(vendor.most_data_out(), 198);
+    EXPECT_EQ(vendor.effective_max_data_out(), 198);
     EXPECT_EQ(vendor.hello_interval(), 2s);
     EXPECT_EQ(vendor.meaning_of_type_7(), ValueType7::u64);
     EXPECT_EQ(vendor.text_encoding(), TextEncoding::gbk);
     const LinkSettings said = link_of("serial:/dev/x,profile=vendor,max_data_out=298,hello=5s,value_type_7=f32,encoding=utf8");
-    EXPECT_EQ(said.most_data_out(), 298);
+    EXPECT_EQ(said.effective_max_data_out(), 298);
     EXPECT_EQ(said.hello_interval(), 5s);
     EXPECT_EQ(said.meaning_of_type_7(), ValueType7::f32);
     EXPECT_EQ(said.text_encoding(), TextEncoding::utf8);
     const LinkSettings none = link_of("serial:/dev/x,max_data=1000");
-    EXPECT_EQ(none.most_data_out(), 1000);
+    EXPECT_EQ(none.effective_max_data_out(), 1000);
     EXPECT_EQ(none.meaning_of_type_7(), ValueType7::f32);
     EXPECT_EQ(none.text_encoding(), TextEncoding::utf8);
     EXPECT_EQ(link_of("udp-listen:0.0.0.0:5,profile=vendor").hello_interval(), 0s) << "it has nobody to speak to";
@@ -224,7 +224,7 @@ TEST(LinkText, links_without_a_name_get_one_of_their_own) {
     for (const char* text : {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
                              "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
         read_link(text, "", draft);
-    finish(draft);
+    validate(draft);
     EXPECT_EQ(lines(draft.errors), "");
     std::vector<std::string> names;
     for (const LinkSettings& link : draft.settings.links) names.push_back(link.name);
@@ -425,11 +425,11 @@ TEST(LinkText, two_links_cannot_have_the_same_local_port) {
 TEST(LinkText, at_most_64_links) {
     Draft draft;
     for (int i = 0; i < 64; ++i) read_link("sim:fc", "", draft);
-    finish(draft);
+    validate(draft);
     EXPECT_EQ(lines(draft.errors), "");
     EXPECT_EQ(draft.settings.links.back().name, "fc-64");
     read_link("sim:fc", "", draft);
-    finish(draft);
+    validate(draft);
     EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
 }
 

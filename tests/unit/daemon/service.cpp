@@ -10,7 +10,7 @@ namespace {
 std::string faults(std::string_view json) {
     Draft draft = parse_config(json, "a.json");
     EXPECT_EQ(lines(draft.errors), "");
-    judge_for_service(draft);
+    check_for_service(draft);
     std::string text;
     for (const ConfigError& error : draft.errors) text += error.where + ": " + error.what + "\n";
     return text;

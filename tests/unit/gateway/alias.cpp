@@ -11,18 +11,18 @@ using support::frame;
 
 namespace {
 
-constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
-constexpr Treatment stream{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
+constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy stream{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
 
 struct Alias : testing::Test {
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
     ano::TimePoint now{1h};
 
-    Bytes in(const Bytes& bytes, Treatment treatment = command) {
-        return whole(aliases.inbound(ano::FrameView{bytes}, treatment, now));
+    Bytes in(const Bytes& bytes, QueuePolicy policy = command) {
+        return whole(aliases.inbound(ano::FrameView{bytes}, policy, now));
     }
-    Bytes out(const Bytes& bytes, Treatment treatment = command) {
-        const auto result = aliases.outbound(ano::FrameView{bytes}, treatment, now);
+    Bytes out(const Bytes& bytes, QueuePolicy policy = command) {
+        const auto result = aliases.outbound(ano::FrameView{bytes}, policy, now);
         return result ? whole(*result) : Bytes{};
     }
     static Bytes whole(ano::FrameView view) {

@@ -123,7 +123,7 @@ TEST(FarPeer, what_it_acknowledges_too_late_or_with_other_checks_proves_nothing)
 TEST(FarPeer, has_few_guesses_at_the_checks_of_a_command) {
     Far far;
     far.was_sent(command, start);
-    for (std::uint8_t n = 0; n < FarPeer::most_wrong_acknowledgements; ++n)
+    for (std::uint8_t n = 0; n < FarPeer::max_wrong_acknowledgements; ++n)
         far.hears(frame(0xDC, 0xFE, 0x00, {0xC0, n, n}), start);
     far.hears(acknowledged, start);
     EXPECT_FALSE(far.is_there());

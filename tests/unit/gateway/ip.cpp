@@ -50,22 +50,22 @@ TEST(Endpoint, refuses_everything_else) {
         EXPECT_FALSE(Endpoint::parse(text)) << text;
 }
 
-TEST(WrittenEndpoint, keeps_the_interface_by_its_name) {
+TEST(EndpointSpec, keeps_the_interface_by_its_name) {
     for (const auto text : {"[fe80::1%wlan9]:12333"sv, "[fe80::1%7]:1"sv, "1.2.3.4:5"sv, "[::1]:5"sv}) {
-        const auto endpoint = WrittenEndpoint::parse(text);
+        const auto endpoint = EndpointSpec::parse(text);
         ASSERT_TRUE(endpoint) << text;
         EXPECT_EQ(endpoint->text(), text);
         EXPECT_EQ(endpoint->address.scope, 0u);
     }
-    EXPECT_EQ(WrittenEndpoint::parse("[fe80::1%wlan9]:12333")->interface, "wlan9");
-    EXPECT_EQ(*WrittenEndpoint::parse("[fe80::1]:1"), WrittenEndpoint{*Endpoint::parse("[fe80::1]:1")});
-    EXPECT_NE(*WrittenEndpoint::parse("[fe80::1%a]:1"), *WrittenEndpoint::parse("[fe80::1%b]:1"));
+    EXPECT_EQ(EndpointSpec::parse("[fe80::1%wlan9]:12333")->interface, "wlan9");
+    EXPECT_EQ(*EndpointSpec::parse("[fe80::1]:1"), EndpointSpec{*Endpoint::parse("[fe80::1]:1")});
+    EXPECT_NE(*EndpointSpec::parse("[fe80::1%a]:1"), *EndpointSpec::parse("[fe80::1%b]:1"));
 }
 
-TEST(WrittenEndpoint, refuses_what_is_no_interface) {
+TEST(EndpointSpec, refuses_what_is_no_interface) {
     for (const auto text : {"[fe80::1%]:1"sv, "[fe80::1%sixteen-bytes-no]:1"sv, "[fe80::1%a b]:1"sv, "[fe80::1%a/b]:1"sv,
                             "[fe80::1%a]"sv, "fe80::1%a:1"sv, "[2001:db8::7%lo]:1"sv, "169.254.1.1%lo:1"sv, "%]:"sv, "]:%"sv})
-        EXPECT_FALSE(WrittenEndpoint::parse(text)) << text;
+        EXPECT_FALSE(EndpointSpec::parse(text)) << text;
 }
 
 TEST(Network, contains_what_shares_its_leading_bits) {

@@ -267,7 +267,7 @@ TEST_F(Guarded, sticks_that_rest_are_never_withheld_for_long) {
         if (judgement.fate != Fate::passes) continue;
         guard.remember(sticks, channel(0), channels({1, 2}), now);
         went += judgement.copies;
-        ASSERT_LE(now - left, LoopGuard::longest_state_withheld + 20ms) << n;
+        ASSERT_LE(now - left, LoopGuard::max_state_withheld + 20ms) << n;
         left = now;
     }
     EXPECT_LE(came - went, 6u) << "none is lost";

@@ -14,12 +14,12 @@ using support::Bytes;
 
 namespace {
 
-constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
-constexpr Treatment stick{TrafficClass::urgent, Replaces::same_id, AgeKind::control};
-constexpr Treatment attitude{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
-constexpr Treatment ranging{TrafficClass::telemetry, Replaces::same_first_byte, AgeKind::telemetry};
-constexpr Treatment text{TrafficClass::telemetry, Replaces::nothing, AgeKind::telemetry};
-constexpr Treatment image{TrafficClass::bulk, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+constexpr QueuePolicy stick{TrafficClass::urgent, Replaces::same_id, AgeKind::control};
+constexpr QueuePolicy attitude{TrafficClass::telemetry, Replaces::same_id, AgeKind::telemetry};
+constexpr QueuePolicy ranging{TrafficClass::telemetry, Replaces::same_first_byte, AgeKind::telemetry};
+constexpr QueuePolicy text{TrafficClass::telemetry, Replaces::nothing, AgeKind::telemetry};
+constexpr QueuePolicy image{TrafficClass::bulk, Replaces::nothing, AgeKind::rest};
 constexpr ano::TimePoint start{1h};
 
 using Piece = std::span<const std::uint8_t>;
@@ -32,10 +32,10 @@ Outbox open_outbox(std::size_t bytes, std::size_t max_data) {
     return outbox;
 }
 
-void push(Outbox& outbox, const Bytes& frame, Treatment treatment = {}) { outbox.push(ano::FrameView{frame}, treatment, start); }
+void push(Outbox& outbox, const Bytes& frame, QueuePolicy policy = {}) { outbox.push(ano::FrameView{frame}, policy, start); }
 
-void push(Outbox& outbox, const Bytes& frame, Treatment treatment, std::uint8_t channel) {
-    outbox.push(ano::FrameView{frame}, treatment, start, ChannelId{channel});
+void push(Outbox& outbox, const Bytes& frame, QueuePolicy policy, std::uint8_t channel) {
+    outbox.push(ano::FrameView{frame}, policy, start, ChannelId{channel});
 }
 
 Bytes from(std::uint8_t source, std::uint8_t n) { return support::frame(source, 0xFE, 0xF1, Bytes(4, n)); }
@@ -341,10 +341,10 @@ TEST(Outbox, ages_while_the_machine_sleeps) {
 
 TEST(Outbox, knows_what_has_come_too_late_to_leave) {
     const Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
-    EXPECT_FALSE(outbox.is_stale(treatment_of(0x41), 200ms - 1ns));
-    EXPECT_TRUE(outbox.is_stale(treatment_of(0x41), 200ms));
-    EXPECT_FALSE(outbox.is_stale(treatment_of(0xC0), 5s - 1ns));
-    EXPECT_TRUE(outbox.is_stale(treatment_of(0xC0), 5s));
+    EXPECT_FALSE(outbox.is_stale(policy_of(0x41), 200ms - 1ns));
+    EXPECT_TRUE(outbox.is_stale(policy_of(0x41), 200ms));
+    EXPECT_FALSE(outbox.is_stale(policy_of(0xC0), 5s - 1ns));
+    EXPECT_TRUE(outbox.is_stale(policy_of(0xC0), 5s));
 }
 
 TEST(Outbox, waits_no_longer_than_its_age_limit) {
@@ -401,7 +401,7 @@ TEST(Outbox, who_has_not_waited_leaves_before_those_who_do) {
 TEST(Outbox, of_one_sender_only_sticks_overtake_and_never_two_in_a_row) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
-    const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), treatment_of(id), 1); };
+    const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
     say(0xE1, 1);
     say(0xC0, 2);
     say(0x40, 3);
@@ -437,8 +437,8 @@ TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
 
 // The room of 400 bytes: 40 of them for each class, or one frame of up to 100.
 TEST(Outbox, no_class_is_pushed_out_of_the_queue) {
-    for (const Treatment flood : {command, text, image})
-        for (const Treatment few : {command, text, image}) {
+    for (const QueuePolicy flood : {command, text, image})
+        for (const QueuePolicy few : {command, text, image}) {
             if (flood == few) continue;
             SCOPED_TRACE(testing::Message() << static_cast<int>(flood.traffic) << " and " << static_cast<int>(few.traffic));
             Outbox outbox = open_outbox(400, 300);

@@ -17,8 +17,8 @@ const Endpoint phone = at("192.168.1.20:5000"), phone_again = at("192.168.1.20:5
 const Endpoint laptop = at("192.168.1.30:5000");
 
 struct Book : PeerBook {
-    explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t most_of_address = 64)
-        : PeerBook{{timeout, most, most_of_address}} {}
+    explicit Book(Duration timeout = 60s, std::size_t most = 64, std::size_t max_of_address = 64)
+        : PeerBook{{timeout, most, max_of_address}} {}
     void join(ChannelId id, const Endpoint& endpoint, std::uint8_t source, TimePoint now, bool near = true) {
         add(id, endpoint, near, now);
         heard(id, source, now);

@@ -1,6 +1,6 @@
 #include <gateway/alias.hpp>
 #include <gateway/present_as.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 #include <support/bytes.hpp>
 
@@ -211,7 +211,7 @@ TEST_F(Presented, short_and_large_frames_pass) {
 
 // The way out is host, then alias; the way in is alias, then host.
 TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
-    constexpr Treatment command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+    constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
     const Bytes sent = frame(ros, 31, 0xE1, {3, 0, 42});
     const Bytes presented = out(sent);

@@ -29,7 +29,7 @@ protected:
     }
     void ask(std::uint8_t number, ChannelId from = ourselves, ano::TimePoint now = start) {
         const Bytes frame = question(number);
-        queue.push(ano::FrameView{frame}, treatment_of(0xE0), now, from);
+        queue.push(ano::FrameView{frame}, policy_of(0xE0), now, from);
     }
     std::size_t send(ano::TimePoint now) {
         std::array<std::span<const std::uint8_t>, 16> pieces;

@@ -507,7 +507,7 @@ TEST_F(GroupedRouter, a_member_that_is_down_is_passed_over) {
     net->came_up(channel(1));
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
     net->came_up(channel(2));
-    net->doubt(link(2));
+    net->report_unreachable(link(2));
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
 }
 

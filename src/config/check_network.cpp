@@ -1,5 +1,5 @@
-#include <daemon/judge_network.hpp>
-#include <daemon/key_facts.hpp>
+#include <config/check_network.hpp>
+#include <config/key_facts.hpp>
 #include <gateway/tunnel_policy.hpp>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::string open_tunnel_link(const Settings& settings) {
     return {};
 }
 
-void judge_way(Draft& draft, const Network* listed) {
+void check_way(Draft& draft, const Network* listed) {
     if (!listed || draft.settings.tunnel->relay) return;
     const std::string link = open_tunnel_link(draft.settings);
     if (link.empty()) return;
@@ -38,12 +38,12 @@ bool is_open(const LinkSettings& link) {
 
 }    // namespace
 
-void judge_relay(Draft& draft) {
-    if (draft.settings.tunnel) judge_way(draft, listed_loopback(draft.settings.tunnel->allow));
+void check_relay(Draft& draft) {
+    if (draft.settings.tunnel) check_way(draft, listed_loopback(draft.settings.tunnel->allow));
 }
 
-void judge_relay(Draft& draft, const std::vector<Network>& own) {
-    if (draft.settings.tunnel) judge_way(draft, listed_own(draft.settings.tunnel->allow, own));
+void check_relay(Draft& draft, const std::vector<Network>& own) {
+    if (draft.settings.tunnel) check_way(draft, listed_own(draft.settings.tunnel->allow, own));
 }
 
 void note_open_ports(Draft& draft) {

@@ -1,5 +1,5 @@
-#include <daemon/config.hpp>
-#include <daemon/keys.hpp>
+#include <config/config.hpp>
+#include <config/keys.hpp>
 #include <link/kinds.hpp>
 
 #include <charconv>

@@ -1,9 +1,9 @@
 #include <ano_json/nearest.hpp>
-#include <daemon/config.hpp>
-#include <daemon/config_error.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/read_link.hpp>
-#include <daemon/values.hpp>
+#include <config/config.hpp>
+#include <config/config_error.hpp>
+#include <config/keys.hpp>
+#include <config/read_link.hpp>
+#include <config/values.hpp>
 #include <link/kinds.hpp>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::string no_kind(std::string_view text) {
     if (address.starts_with("tty")) return "no kind (did you mean 'serial:/dev/" + std::string{text} + "'?)";
     if (address.starts_with("can") || address.starts_with("vcan"))
         return "no kind (did you mean 'can:" + std::string{text} + "'?)";
-    if (WrittenEndpoint::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
+    if (EndpointSpec::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
@@ -56,7 +56,7 @@ public:
             error(std::move(wide));
         } else if (std::string apart = key_apart(text); !apart.empty()) {
             error(std::move(apart));
-        } else if (colon == text.npos || text.starts_with('/') || WrittenEndpoint::parse(text)) {
+        } else if (colon == text.npos || text.starts_with('/') || EndpointSpec::parse(text)) {
             error(no_kind(text));
         } else if (kind == nullptr) {
             error(unknown_kind(text.substr(0, colon)));

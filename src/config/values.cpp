@@ -1,4 +1,4 @@
-#include <daemon/values.hpp>
+#include <config/values.hpp>
 
 #include <charconv>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include <daemon/read_file.hpp>
+#include <config/read_file.hpp>
 
 #include <cerrno>
 #include <cstdio>

@@ -1,9 +1,9 @@
 // From a JSON file, LINK texts and command-line options to Settings, with every fault on the way; and back to JSON.
 //
-// Flow: read_config() or read_link() any number of times, options set in draft.settings, then finish(draft):
+// Flow: read_config() or read_link() any number of times, options set in draft.settings, then validate(draft):
 // draft.settings is usable when draft.errors is empty.
 #pragma once
-#include <daemon/config_error.hpp>
+#include <config/config_error.hpp>
 #include <gateway/settings.hpp>
 
 #include <string>
@@ -49,7 +49,7 @@ void read_route(std::string_view text, const std::string& where, Draft& draft);
 
 /// Names the links that were not given a name, and judges what only the whole can tell: names, ids and ports used
 /// twice, routes to no link.
-void finish(Draft& draft);
+void validate(Draft& draft);
 
 /// The settings as a JSON configuration that means the same: read and printed again it is the same text.
 /// They must be without fault. Keys without a value (id, dtr, bind...) are left out.

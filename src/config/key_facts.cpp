@@ -1,7 +1,7 @@
 #include <ano_json/nearest.hpp>
-#include <daemon/config_error.hpp>
-#include <daemon/key_facts.hpp>
-#include <daemon/values.hpp>
+#include <config/config_error.hpp>
+#include <config/key_facts.hpp>
+#include <config/values.hpp>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include <ano/address.hpp>
-#include <daemon/fields.hpp>
-#include <daemon/keys.hpp>
+#include <config/fields.hpp>
+#include <config/keys.hpp>
 
 #include <gateway/ids.hpp>
 
@@ -299,7 +299,7 @@ using F = FilterSettings;
 
 constexpr std::uint64_t first_id = 1, last_id = 254;    // 0x00 and 0xFF are nobody's
 constexpr std::uint64_t second = 1000, day = 24 * 3600 * second;
-constexpr std::uint64_t longest_name = 64, longest_path = 4095, longest_socket_path = 107, longest_interface = 15;
+constexpr std::uint64_t max_name = 64, max_path = 4095, max_socket_path = 107, max_interface = 15;
 
 // The rules of links, and of the tunnel, which is one.
 constexpr std::size_t rule_rows = 13;
@@ -337,12 +337,12 @@ constexpr std::string_view one_interface = "hear and send by this network interf
 
 constexpr Key<G> gateway_rows[] = {
     address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
-    text<&G::name>("name", 1, longest_name, "the gateway's name in the status") | as("NAME"),
+    text<&G::name>("name", 1, max_name, "the gateway's name in the status") | as("NAME"),
     Key<G>{{.name = "unknown",
             .form = Form::choice_or_link,
             .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
             .least = 1,
-            .most = longest_name,
+            .most = max_name,
             .choices = "flood|drop",
             .option = "--unknown"},
            write_unknown,
@@ -351,7 +351,7 @@ constexpr Key<G> gateway_rows[] = {
 };
 
 constexpr Key<L> own_link_rows[] = {
-    text<&L::serial, &Serial::device>("device", 1, longest_path, "path of the port") | as("PATH") | of("serial") | needed,
+    text<&L::serial, &Serial::device>("device", 1, max_path, "path of the port") | as("PATH") | of("serial") | needed,
     integer<&L::serial, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
                                        "line rate, any the driver can make") |
         of("serial"),
@@ -367,14 +367,14 @@ constexpr Key<L> own_link_rows[] = {
     boolean<&L::serial, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)") | of("serial"),
 
     endpoint<&L::udp_listen, &Listen::local>("address", "local IP:PORT to listen on") | of("udp-listen") | needed,
-    text<&L::udp_listen, &Listen::interface>("interface", 1, longest_interface, one_interface) | of("udp-listen"),
+    text<&L::udp_listen, &Listen::interface>("interface", 1, max_interface, one_interface) | of("udp-listen"),
     duration<&L::udp_listen, &Listen::peer_timeout>(
         "peer_timeout", second, day, "a peer silent for so long is forgotten; a host of our networks may listen for an hour") |
         of("udp-listen"),
-    integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, most_channels,
+    integer<&L::udp_listen, &Listen::max_peers>("max_peers", 1, max_channels,
                                                 "most peers at a time; one that is silent gives way") |
         of("udp-listen"),
-    integer<&L::udp_listen, &Listen::max_per_address>("max_per_address", 1, most_channels,
+    integer<&L::udp_listen, &Listen::max_per_address>("max_per_address", 1, max_channels,
                                                       "most peers of one IP address, loopback excepted (default: a quarter of "
                                                       "max_peers, two at least)") |
         of("udp-listen"),
@@ -394,10 +394,9 @@ constexpr Key<L> own_link_rows[] = {
 
     endpoint<&L::udp, &UdpSettings::peer>("address", "the peer's IP:PORT") | of("udp") | needed,
     endpoint<&L::udp, &UdpSettings::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | of("udp"),
-    text<&L::udp, &UdpSettings::interface>("interface", 1, longest_interface, one_interface) | of("udp"),
+    text<&L::udp, &UdpSettings::interface>("interface", 1, max_interface, one_interface) | of("udp"),
 
-    text<&L::can, &Can::interface>("interface", 1, longest_interface,
-                                   "the CAN interface; its bit rate is the system's business") |
+    text<&L::can, &Can::interface>("interface", 1, max_interface, "the CAN interface; its bit rate is the system's business") |
         of("can") | needed,
     choice<&L::can, &Can::framing>("framing", "stream|isotp",
                                    "stream: the bytes of each frame in CAN frames under the sender's id; isotp: each frame "
@@ -413,14 +412,13 @@ constexpr Key<L> own_link_rows[] = {
     can_id<&L::can, &Can::tx>("tx", "with isotp: the CAN id that we send by (default: none)") | of("can"),
     can_id<&L::can, &Can::rx>("rx", "with isotp: the CAN id that we receive by (default: none)") | of("can"),
 
-    text<&L::pty, &PtySettings::path>("path", 1, longest_path, "the link that is made to the pseudo-terminal") | as("PATH") |
+    text<&L::pty, &PtySettings::path>("path", 1, max_path, "the link that is made to the pseudo-terminal") | as("PATH") |
         of("pty") | needed,
 
     choice<&L::sim, &SimSettings::device>("device", "fc", "the device to simulate") | of("sim") | needed,
     integer<&L::sim, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion") | of("sim"),
 
-    text<&L::name>("name", 1, longest_name, "what the link is called (default: last part of the path, or kind-port)") |
-        as("NAME"),
+    text<&L::name>("name", 1, max_name, "what the link is called (default: last part of the path, or kind-port)") | as("NAME"),
     address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address leave by this link (default: none)"),
     choice<&L::profile>("profile", "none|vendor",
                         "what the devices there stand; vendor, the maker's newest library: max_data_out=198, hello=on, "
@@ -443,7 +441,7 @@ constexpr Key<L> own_link_rows[] = {
     integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
     boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
     boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
-    text<&L::group>("group", 1, longest_name,
+    text<&L::group>("group", 1, max_name,
                     "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
         as("GROUP"),
     address<&L::present_as>("present_as", first_id, last_id,
@@ -463,7 +461,7 @@ constexpr Key<L> own_link_rows[] = {
 constexpr auto link_rows = own_link_rows + rules_of<L, &L::rules>();
 
 constexpr Key<A> alias_rows[] = {
-    text<&A::link>("link", 1, longest_name, "the name of the link that the device is behind") | as("LINK") | needed,
+    text<&A::link>("link", 1, max_name, "the name of the link that the device is behind") | as("LINK") | needed,
     address<&A::device>("device", first_id, last_id, "the id that the device has") | needed,
     address<&A::as>("as", first_id, last_id, "the id under which all others see it") | needed,
 };
@@ -477,7 +475,7 @@ constexpr Key<R> route_rows[] = {
             .required = true},
            write_addresses,
            read_addresses},
-    text<&R::link>("link", 1, longest_name, "the name of the link that leads there") | as("LINK") | needed,
+    text<&R::link>("link", 1, max_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
 constexpr Key<T> own_tunnel_rows[] = {
@@ -485,7 +483,7 @@ constexpr Key<T> own_tunnel_rows[] = {
             .form = Form::names,
             .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
             .least = 1,
-            .most = longest_name},
+            .most = max_name},
            write_links<T>,
            read_links<T>},
     address<&T::address>("address", first_id, last_id,
@@ -517,7 +515,7 @@ constexpr Key<W> wrap_rows[] = {
             .required = true},
            write_from,
            read_from},
-    text<&W::link>("link", 1, longest_name, "the name of the link that gets it") | as("LINK") | needed,
+    text<&W::link>("link", 1, max_name, "the name of the link that gets it") | as("LINK") | needed,
     Key<W>{{.name = "as",
             .form = Form::choice,
             .help = "the kind of tunnel frame, 0xB1 or 0xB2",
@@ -529,28 +527,27 @@ constexpr Key<W> wrap_rows[] = {
 };
 
 using P = GpioSettings;
-constexpr std::uint64_t longest_line_name = 31;    // the kernel's
+constexpr std::uint64_t max_line_name = 31;    // the kernel's
 
 constexpr Key<P> gpio_rows[] = {
-    text<&P::chip>("chip", 1, longest_path,
-                   "the chip by name, path or label; not needed for a line's name that only one chip has") |
+    text<&P::chip>("chip", 1, max_path, "the chip by name, path or label; not needed for a line's name that only one chip has") |
         as("gpiochip0"),
     row<&P::line>({.name = "line",
                    .form = Form::line,
                    .help = "the line by its number on the chip, or by name",
                    .least = 1,
-                   .most = longest_line_name,
+                   .most = max_line_name,
                    .required = true}),
     choice<&P::use>("use", "link_up|activity|power|reset|inhibit|rs485",
                     "on while the link is up, blinks with its traffic, switches power, pulses a reset, keeps control frames off, "
                     "or turns an RS-485 transceiver to sending") |
         needed,
-    text<&P::link>("link", 1, longest_name, "the name of the link it is for") | as("LINK"),
+    text<&P::link>("link", 1, max_name, "the name of the link it is for") | as("LINK"),
     Key<P>{{.name = "links",
             .form = Form::names,
             .help = "the links whose control frames are kept off while the line is active",
             .least = 1,
-            .most = longest_name,
+            .most = max_name,
             .kinds = "inhibit"},
            write_links<P>,
            read_links<P>},
@@ -569,7 +566,7 @@ constexpr Key<P> gpio_rows[] = {
 };
 
 constexpr Key<ControlSettings> control_rows[] = {
-    text<&ControlSettings::socket>("socket", 0, longest_socket_path,
+    text<&ControlSettings::socket>("socket", 0, max_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
         as("PATH|none") | by("--control"),
@@ -577,7 +574,7 @@ constexpr Key<ControlSettings> control_rows[] = {
 
 constexpr Key<LogSettings> log_rows[] = {
     choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),
-    text<&LogSettings::file>("file", 0, longest_path, "where to (default: standard error)") | as("PATH"),
+    text<&LogSettings::file>("file", 0, max_path, "where to (default: standard error)") | as("PATH"),
     size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
 };
 

@@ -1,9 +1,9 @@
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/nearest.hpp>
-#include <daemon/config.hpp>
-#include <daemon/json_text.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/read_link.hpp>
+#include <config/config.hpp>
+#include <config/json_text.hpp>
+#include <config/keys.hpp>
+#include <config/read_link.hpp>
 #include <link/kinds.hpp>
 
 #include <algorithm>
@@ -304,7 +304,7 @@ void read_config(std::string_view text, const std::string& file, Draft& draft) {
 Draft parse_config(std::string_view json, const std::string& file) {
     Draft draft;
     read_config(json, file, draft);
-    finish(draft);
+    validate(draft);
     return draft;
 }
 

@@ -1,8 +1,8 @@
 // How a field of the settings is read from text and written, by its type. For the table of keys alone.
 #pragma once
-#include <daemon/frame_words.hpp>
-#include <daemon/key_facts.hpp>
-#include <daemon/values.hpp>
+#include <config/frame_words.hpp>
+#include <config/key_facts.hpp>
+#include <config/values.hpp>
 #include <gateway/settings.hpp>
 
 #include <optional>
@@ -19,7 +19,7 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 
 /// Each returns what is wrong with `text`, or nothing.
 std::string read_text(const KeyFacts& key, std::string_view text, std::string& field);
-std::string read_endpoint(const KeyFacts& key, std::string_view text, WrittenEndpoint& field);
+std::string read_endpoint(const KeyFacts& key, std::string_view text, EndpointSpec& field);
 std::string read_duration(const KeyFacts& key, std::string_view text, Duration& field);
 std::string read_boolean(const KeyFacts& key, std::string_view text, bool& field);
 std::string read_number(const KeyFacts& key, std::string_view text, std::uint64_t& field);
@@ -43,7 +43,7 @@ std::string read_field(const KeyFacts& key, std::string_view text, Field& field)
         return by_way_of(std::uint64_t{}, read_number);
     } else if constexpr (std::is_same_v<Field, Duration>) {
         return read_duration(key, text, field);
-    } else if constexpr (std::is_same_v<Field, WrittenEndpoint>) {
+    } else if constexpr (std::is_same_v<Field, EndpointSpec>) {
         return read_endpoint(key, text, field);
     } else if constexpr (std::is_same_v<Field, std::vector<ByteRange>>) {
         return read_ranges(key, text, field);
@@ -67,7 +67,7 @@ std::optional<std::string> write_field(const KeyFacts& key, const Field& field) 
         return key.form == Form::size ? size_text(field) : std::to_string(field);
     } else if constexpr (std::is_same_v<Field, Duration>) {
         return duration_text(field);
-    } else if constexpr (std::is_same_v<Field, WrittenEndpoint>) {
+    } else if constexpr (std::is_same_v<Field, EndpointSpec>) {
         return field.text();
     } else if constexpr (std::is_same_v<Field, std::vector<ByteRange>>) {
         return field.empty() ? std::nullopt : std::optional{ranges_text(field)};

@@ -1,6 +1,6 @@
 #include <ano_json/syntax_fault.hpp>
-#include <daemon/json_text.hpp>
-#include <daemon/key_facts.hpp>
+#include <config/json_text.hpp>
+#include <config/key_facts.hpp>
 
 #include <nlohmann/json.hpp>
 #include <set>

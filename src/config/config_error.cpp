@@ -1,5 +1,5 @@
-#include <daemon/config_error.hpp>
-#include <daemon/values.hpp>
+#include <config/config_error.hpp>
+#include <config/values.hpp>
 
 namespace anogate {
 

@@ -1,9 +1,9 @@
 #include <ano/messages.hpp>
 #include <ano/traffic.hpp>
 #include <ano_json/nearest.hpp>
-#include <daemon/frame_words.hpp>
-#include <daemon/key_facts.hpp>
-#include <daemon/values.hpp>
+#include <config/frame_words.hpp>
+#include <config/key_facts.hpp>
+#include <config/values.hpp>
 
 #include <algorithm>
 #include <charconv>

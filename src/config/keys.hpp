@@ -1,7 +1,7 @@
 // Every key of the configuration is one row, and stands nowhere else: the JSON file, LINK texts, command-line options,
 // --print-config, --help and the JSON Schema are loops over these rows.
 #pragma once
-#include <daemon/key_facts.hpp>
+#include <config/key_facts.hpp>
 #include <gateway/settings.hpp>
 
 #include <optional>

@@ -1,6 +1,6 @@
-#include <daemon/help.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/values.hpp>
+#include <config/help.hpp>
+#include <config/keys.hpp>
+#include <config/values.hpp>
 #include <link/kinds.hpp>
 
 namespace anogate {

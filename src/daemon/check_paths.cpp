@@ -1,5 +1,5 @@
-#include <daemon/judge_paths.hpp>
-#include <daemon/key_facts.hpp>
+#include <config/key_facts.hpp>
+#include <daemon/check_paths.hpp>
 #include <link/own_folder.hpp>
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // Text to JSON, with what nlohmann-json lets pass refused: keys given twice, nesting without end.
 #pragma once
-#include <daemon/config_error.hpp>
+#include <config/config_error.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -1,6 +1,6 @@
 #include <ano_json/nearest.hpp>
-#include <daemon/config_error.hpp>
-#include <daemon/fields.hpp>
+#include <config/config_error.hpp>
+#include <config/fields.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -73,8 +73,8 @@ std::string read_text(const KeyFacts& key, std::string_view text, std::string& f
     return {};
 }
 
-std::string read_endpoint(const KeyFacts& key, std::string_view text, WrittenEndpoint& field) {
-    auto value = WrittenEndpoint::parse(text);
+std::string read_endpoint(const KeyFacts& key, std::string_view text, EndpointSpec& field) {
+    auto value = EndpointSpec::parse(text);
     if (!value) return endpoint_error(key, text);
     field = *std::move(value);
     return {};

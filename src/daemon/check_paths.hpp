@@ -1,6 +1,6 @@
 // Paths of a configuration that this machine has nothing for, or something else.
 #pragma once
-#include <daemon/config.hpp>
+#include <config/config.hpp>
 
 namespace anogate {
 

@@ -41,15 +41,15 @@ constexpr ano::Duration limit(const AgeLimits& limits, AgeKind kind) noexcept {
     return limits.rest;
 }
 
-struct Treatment {
+struct QueuePolicy {
     TrafficClass traffic = TrafficClass::bulk;
     Replaces replaces = Replaces::nothing;
     AgeKind age = AgeKind::rest;
-    friend constexpr bool operator==(Treatment, Treatment) noexcept = default;
+    friend constexpr bool operator==(QueuePolicy, QueuePolicy) noexcept = default;
 };
 
 /// By id.
-extern const std::array<Treatment, 256> treatments;
-inline Treatment treatment_of(std::uint8_t id) noexcept { return treatments[id]; }
+extern const std::array<QueuePolicy, 256> policies;
+inline QueuePolicy policy_of(std::uint8_t id) noexcept { return policies[id]; }
 
 }    // namespace anogate

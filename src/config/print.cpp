@@ -1,6 +1,6 @@
-#include <daemon/config.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/values.hpp>
+#include <config/config.hpp>
+#include <config/keys.hpp>
+#include <config/values.hpp>
 
 #include <charconv>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 #include <ano/traffic.hpp>
-#include <gateway/treatment.hpp>
+#include <gateway/queue_policy.hpp>
 
 namespace anogate {
 namespace {
@@ -10,8 +10,8 @@ consteval AgeKind age_of(ano::Traffic traffic) {
     return state ? AgeKind::control : AgeKind::rest;
 }
 
-consteval std::array<Treatment, 256> by_id() {
-    std::array<Treatment, 256> all;
+consteval std::array<QueuePolicy, 256> by_id() {
+    std::array<QueuePolicy, 256> all;
     for (std::size_t id = 0; id < all.size(); ++id) {
         const ano::Traffic traffic = ano::table::traffic[id];
         all[id] = {traffic.traffic_class, traffic.replaces, age_of(traffic)};
@@ -21,6 +21,6 @@ consteval std::array<Treatment, 256> by_id() {
 
 }    // namespace
 
-constinit const std::array<Treatment, 256> treatments = by_id();
+constinit const std::array<QueuePolicy, 256> policies = by_id();
 
 }    // namespace anogate

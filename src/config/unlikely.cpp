@@ -1,6 +1,6 @@
-#include <daemon/key_facts.hpp>
-#include <daemon/unlikely.hpp>
-#include <daemon/values.hpp>
+#include <config/key_facts.hpp>
+#include <config/unlikely.hpp>
+#include <config/values.hpp>
 
 namespace anogate {
 namespace {

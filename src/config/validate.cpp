@@ -1,11 +1,11 @@
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano_json/nearest.hpp>
-#include <daemon/config.hpp>
-#include <daemon/judge_network.hpp>
-#include <daemon/keys.hpp>
-#include <daemon/unlikely.hpp>
-#include <daemon/values.hpp>
+#include <config/check_network.hpp>
+#include <config/config.hpp>
+#include <config/keys.hpp>
+#include <config/unlikely.hpp>
+#include <config/values.hpp>
 #include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/pacer.hpp>
@@ -63,7 +63,7 @@ std::uint32_t default_queue(std::size_t max_data) {
 
 /// What a link binds; port 0 when that is none of its own choice.
 struct Bound {
-    WrittenEndpoint local{};
+    EndpointSpec local{};
     std::string interface {};    // empty: any
 };
 Bound bound_by(const LinkSettings& link) {
@@ -73,7 +73,7 @@ Bound bound_by(const LinkSettings& link) {
 }
 
 bool collide(const Bound& one, const Bound& other) {
-    const WrittenEndpoint &a = one.local, &b = other.local;
+    const EndpointSpec &a = one.local, &b = other.local;
     if (a.port == 0 || a.port != b.port) return false;
     if (!one.interface.empty() && !other.interface.empty() && one.interface != other.interface) return false;
     if (a.address.v6 != b.address.v6) return (a.address.v6 ? a : b).address.is_any();    // [::] takes IPv4 too
@@ -90,9 +90,9 @@ bool share_ids(const CanSettings& a, const CanSettings& b) {
     return a.framing == CanFraming::stream ? CanIds{a}.base() == CanIds{b}.base() : a.rx == b.rx || a.tx == b.tx;
 }
 
-class Judge {
+class Validation {
 public:
-    explicit Judge(Draft& draft) : draft_{draft}, links_{draft.settings.links} {}
+    explicit Validation(Draft& draft) : draft_{draft}, links_{draft.settings.links} {}
 
     void all() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -124,7 +124,7 @@ private:
 
     void link(std::size_t i) {
         const LinkSettings& link = links_[i];
-        const std::size_t least = ano::overhead + link.most_data_out();
+        const std::size_t least = ano::overhead + link.effective_max_data_out();
         if (is_reserved(link.name))
             error(draft_.links[i], "name", "'name' can't be " + in_quotes(link.name) + ", the word is taken");
         if (link.queue < least)
@@ -181,14 +181,15 @@ private:
         if (rate == 0 && link.kind == "serial" && link.serial.pace != Pace::off)
             rate = uart_rate(link.serial.baud, link.serial.parity != Parity::none, link.serial.stop_bits);
         if (rate == 0) return;
-        const std::uint64_t milliseconds = (ano::overhead + link.most_data_out()) * std::uint64_t{1000} / rate;
+        const std::uint64_t milliseconds = (ano::overhead + link.effective_max_data_out()) * std::uint64_t{1000} / rate;
         if (milliseconds <= slow_frame) return;
         const std::uint64_t fits = rate * slow_frame / 1000;
         const std::string limit = std::to_string(slow_frame) + " ms";
         const std::string bound = "max_data_out";    // max_data would refuse what comes in as well
         warning(draft_.links[i].key(bound),
-                "a frame of " + bound + " " + std::to_string(link.most_data_out()) + " takes " + std::to_string(milliseconds) +
-                    " ms at " + std::to_string(rate) + " bytes/s, and what is urgent waits behind it; " +
+                "a frame of " + bound + " " + std::to_string(link.effective_max_data_out()) + " takes " +
+                    std::to_string(milliseconds) + " ms at " + std::to_string(rate) +
+                    " bytes/s, and what is urgent waits behind it; " +
                     (fits < ano::overhead ? "even one without DATA takes more than " + limit
                                           : bound + " " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
@@ -221,7 +222,7 @@ private:
         if (udp.bind) one_interface(i, udp.interface, *udp.bind);
     }
 
-    void one_interface(std::size_t i, const std::string& interface, const WrittenEndpoint& endpoint) {
+    void one_interface(std::size_t i, const std::string& interface, const EndpointSpec& endpoint) {
         if (is_another(interface, endpoint.interface))
             error(draft_.links[i], "interface",
                   "'interface' " + in_quotes(interface) + " is not that of " + endpoint.text() + ": take one of them away");
@@ -332,7 +333,7 @@ private:
         if (tunnel.links.empty() && tunnel.wrap.empty())
             warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
-            if (collide(bound_by(links_[i]), {WrittenEndpoint{{tunnel.bind, tunnel.port}}}))
+            if (collide(bound_by(links_[i]), {EndpointSpec{{tunnel.bind, tunnel.port}}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 
@@ -420,9 +421,9 @@ void Draft::add(AliasSettings alias, Origin origin) {
     aliases.push_back(std::move(origin));
 }
 
-void finish(Draft& draft) {
+void validate(Draft& draft) {
     std::vector<LinkSettings>& links = draft.settings.links;
-    const std::size_t most = most_links - (draft.settings.tunnel ? 1 : 0);    // the tunnel is a link too
+    const std::size_t most = max_links - (draft.settings.tunnel ? 1 : 0);    // the tunnel is a link too
     if (links.size() > most) {
         const Origin& first_above = draft.links[most];
         draft.errors.push_back(
@@ -431,9 +432,9 @@ void finish(Draft& draft) {
     }
     name_links(links);
     for (LinkSettings& link : links)
-        if (link.queue == 0) link.queue = default_queue(link.most_data_out());
-    Judge{draft}.all();
-    judge_relay(draft);
+        if (link.queue == 0) link.queue = default_queue(link.effective_max_data_out());
+    Validation{draft}.all();
+    check_relay(draft);
 }
 
 }    // namespace anogate
