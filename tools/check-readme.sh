@@ -1,17 +1,65 @@
 #!/bin/bash
-# Both READMEs explain every hint, every counter and every link kind that there is.
+# What can be checked of the READMEs: the two for users stay short, every hint, counter and kind of link is explained in both
+# languages, every link and file that they name exists, and Chinese text has Chinese punctuation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-
-names() {
-    sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\|Tunnel\)Counters.*/\1/p' include/gateway/counters.hpp
-    sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p' src/link/kinds.cpp
-    grep -oE '"[^"]{20,}"' src/gateway/hints.cpp | tr -d '"'
-}
+export LC_ALL=C.UTF-8
+max_lines=180
 missing=0
-for readme in README.md README.zh-CN.md; do
+fault() {
+    echo "$*"
+    missing=1
+}
+mapfile -t readmes < <(find . -name build -prune -o -name 'README*.md' -print | sed 's|^\./||' | sort)
+
+# explained_in FILE...: every line of standard input stands in one of them.
+explained_in() {
+    local name
     while IFS= read -r name; do
-        grep -qF -- "$name" "$readme" || { echo "$readme does not explain: $name"; missing=1; }
-    done < <(names)
+        grep -qF -- "$name" "$@" || fault "$* does not explain: $name"
+    done
+}
+hints() { grep -oE '"[^"]{20,}"' src/gateway/hints.cpp | tr -d '"'; }
+counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp; }
+tunnel_counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &TunnelCounters.*/\1/p' include/gateway/counters.hpp; }
+kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p' src/link/kinds.cpp; }
+
+for language in '' .zh-CN; do
+    lines=$(wc -l <"README$language.md")
+    ((lines <= max_lines)) || fault "README$language.md has $lines lines, at most $max_lines are meant"
+    explained_in "README$language.md" < <(hints)
+    explained_in "tools/README$language.md" < <(counters)
+    explained_in "config/README$language.md" < <(tunnel_counters)
+    explained_in {,config/,src/link/}"README$language.md" < <(kinds)
+done
+
+# What stands before a heading's anchor, as GitHub makes it: lower case, letters, digits and hyphens.
+anchors() { sed -n 's/^#\+ //p' "$1" | sed 's/[^[:alnum:] _-]//g; s/ /-/g' | tr '[:upper:]' '[:lower:]'; }
+prose() { grep -v '^    ' "$1"; }
+
+for readme in "${readmes[@]}"; do
+    folder=$(dirname "$readme")
+    while IFS= read -r target; do
+        file=$folder/${target%%#*} anchor=
+        if [[ $target == '#'* ]]; then file=$readme; fi
+        if [[ $target == *'#'* ]]; then anchor=${target#*#}; fi
+        if [[ ! -e $file ]]; then
+            fault "$readme: $target does not exist"
+        elif [[ $anchor ]] && ! anchors "$file" | grep -qxF -- "$anchor"; then
+            fault "$readme: $target: no such heading"
+        fi
+    done < <(prose "$readme" | grep -oP '\]\(\K[^)]*(?=\))' | grep -v '://')
+    while IFS= read -r path; do
+        [[ -e $path ]] || fault "$readme: $path does not exist"
+    done < <(prose "$readme" | grep -oP '`\K(src|include|config|systemd|tools|tests)/[\w./-]*(?=`)')
+done
+
+# Chinese text: no ASCII punctuation beside a Chinese character. Code and the targets of links are left out.
+for readme in "${readmes[@]}"; do
+    [[ $readme == *.zh-CN.md ]] || continue
+    while IFS= read -r line; do
+        fault "$readme: ASCII punctuation beside Chinese: $line"
+    done < <(prose "$readme" | sed 's/`[^`]*`//g; s/\]([^)]*)/]/g' |
+        grep -oP '.{0,9}([\p{Han}\x{3000}-\x{303F}\x{FF00}-\x{FFEF}][,;:?!()]|[,;:?!()][\p{Han}\x{3000}-\x{303F}\x{FF00}-\x{FFEF}]).{0,9}')
 done
 exit "$missing"

@@ -1,5 +1,5 @@
 // V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames that bear the sender's id.
-// Ours, since the protocol text does not speak of CAN (README, "CAN").
+// Ours, since the protocol text does not speak of CAN (src/link/README.md, "CAN").
 //
 // Flow, sending:      pieces = cutter.cut(outbox.gather(…))       // as many CAN frames as there is room for
 //                     outbox.sent(cutter.taken(n))                // the bus took the first n of them

@@ -1,4 +1,4 @@
-// What a person at night needs to be told about a link, from its counters. README, "What the hints mean".
+// What a person at night needs to be told about a link, from its counters. README, "Troubleshooting".
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/counters.hpp>

@@ -1,4 +1,4 @@
-// Who gets a frame. Knows no bytes, no sockets and no clock (protocol text, section 2; README "Where frames go").
+// Who gets a frame. Knows no bytes, no sockets and no clock (protocol text, section 2; config/README.md, "Where frames go").
 #pragma once
 #include <ano/address.hpp>
 #include <ano/time.hpp>

@@ -1,5 +1,5 @@
-// 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4; README
-// "Tunnel"). Bytes in, bytes out: who sends and receives them is another's business.
+// 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4;
+// config/README.md, "Tunnel"). Bytes in, bytes out: who sends and receives them is another's business.
 //
 // Out:    tunnel.takes(frame)                    // came by one of `links`
 //         tunnel.out(frame, …) → Datagram        // to send

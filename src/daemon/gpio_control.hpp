@@ -9,7 +9,7 @@
 
 namespace anogate {
 
-/// One object a line (README, "GPIO").
+/// One object a line (src/link/README.md, "GPIO").
 nlohmann::ordered_json gpio_json(const Gpio& gpio, TimePoint now);
 
 /// POST /gpio: {"line", "chip", "link", "use", "action"} must fit exactly one reset or power line, which is then pulsed or

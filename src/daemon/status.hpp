@@ -1,4 +1,4 @@
-// The state of a gateway as JSON (the shape is part of the interface: README, "Looking at it").
+// The state of a gateway as JSON (the shape is part of the interface: README, "Look at it").
 #pragma once
 #include <cstdint>
 #include <set>

@@ -1,4 +1,4 @@
-// The router against the rules as the README tells them, worked out anew for every frame from all that ever came.
+// The router against the rules as config/README.md tells them, worked out anew for every frame from all that ever came.
 #include <gateway/router.hpp>
 
 #include <support/allocations.hpp>

@@ -1,4 +1,4 @@
-# The Python of README does what README says: python.py ANOGATED SOURCE
+# The Python of include/ano/README does what is said there: python.py ANOGATED SOURCE
 import http.client, json, pathlib, re, signal, socket, subprocess, sys, tempfile, time
 
 anogated, source = sys.argv[1:]
@@ -33,7 +33,7 @@ def example(readme):
     """The indented block that begins with an import."""
     lines = pathlib.Path(source, readme).read_text(encoding="utf-8").splitlines()
     block = lines[lines.index("    import socket, sys"):]
-    return [line[4:] for line in block[:next(i for i, line in enumerate(block) if not line.startswith("    "))]]
+    return [line[4:] for line in block[:next((i for i, line in enumerate(block) if not line.startswith("    ")), len(block))]]
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -42,7 +42,7 @@ with tempfile.TemporaryDirectory() as folder:
     try:
         port = port_of(control, "ground")
         codes = set()
-        for readme in "README.md", "README.zh-CN.md":
+        for readme in "include/ano/README.md", "include/ano/README.zh-CN.md":
             lines = example(readme)
             assert len(lines) == 15, f"{readme}: {len(lines)} lines"
             codes.add(re.sub(" *#.*", "", "\n".join(lines)))

@@ -533,7 +533,7 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
     ::close(pty);
 }
 
-// The README's table stands on these counts.
+// The table of src/link/README.md stands on these counts.
 TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
     for (const bool fd : {false, true}) {
         for (const bool isotp : {false, true}) {

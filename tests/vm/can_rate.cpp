@@ -1,4 +1,4 @@
-// Prints the table "How much a bus carries" of the README.
+// Prints the table "How much a bus carries" of src/link/README.md.
 #include "can_rate.hpp"
 
 #include <cstdio>
