@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
 
-# forbid PATTERN PATH...: no #include that matches.
+# forbid PATTERN PATH...: no #include there may match.
 forbid() {
     local pattern=$1
     shift

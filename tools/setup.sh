@@ -1,10 +1,10 @@
-# What tools/run and tools/test share; sourced by them. Sets $root and $jobs.
+# Shared by tools/run, tools/test and others, which source it. Sets $root and $jobs.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-# need_packages PACKAGE[:COMMAND]...: installs by apt what is missing. With COMMAND, having that is enough.
+# need_packages PACKAGE[:COMMAND]...: installs missing packages by apt. A package with a COMMAND is not needed where that command exists.
 need_packages() {
     local entry missing=()
-    command -v dpkg-query >/dev/null || return 0    # no Debian: cmake will say what it does not find
+    command -v dpkg-query >/dev/null || return 0    # not Debian: cmake reports what is missing
     for entry in "$@"; do
         if [[ $entry == *:* ]] && command -v "${entry#*:}" >/dev/null; then continue; fi
         [[ $(dpkg-query -W -f '${Status}' "${entry%:*}" 2>/dev/null) == *" installed" ]] || missing+=("${entry%:*}")
@@ -28,7 +28,7 @@ need_packages() {
 build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
                 libgpiod-dev pkg-config:pkg-config)
 
-# As many jobs as there are processors, as long as each has a gigabyte: a small board must not swap.
+# One job for each processor, but at most one for each gigabyte of free memory, so that a small board does not swap.
 jobs=$(nproc)
 memory=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
 ((memory >= jobs)) || jobs=$((memory > 0 ? memory : 1))

@@ -1,5 +1,5 @@
 #!/bin/bash
-# tools/test-summary.sh FILE...: what did not run and why, failures, and the sums, from ctest's JUnit files.
+# tools/test-summary.sh FILE...: skipped tests with the reason, failures, and the totals, from ctest's JUnit files.
 # The last line is ctest's own, over all files.
 set -euo pipefail
 exec awk '
@@ -37,7 +37,7 @@ exec awk '
     }
     END {
         text = ""
-        for (i = 1; i <= count; i++) {    # tests of one program that have one reason are told together
+        for (i = 1; i <= count; i++) {    # tests of one program with the same reason share a line
             group = groups[i]
             line = group
             sub(/:/, " (" alike[group] " tests):", line)

@@ -15,10 +15,10 @@ inline constexpr std::uint8_t broadcast = 0xFF;    // never a source
 
 constexpr bool is_port_id(std::uint8_t a) noexcept { return a >= 1 && a <= last_port_id; }
 
-/// Several hosts may share these; they may listen for hours without a word.
+/// Several hosts may share these; a host may listen for hours without sending.
 constexpr bool is_host(std::uint8_t a) noexcept { return a == host || a == ros_bridge; }
 
-/// Who usually bears this id, for people to read.
+/// Who usually has this id, for people to read.
 constexpr std::string_view who(std::uint8_t a) noexcept {
     switch (a) {
     case 0x00: return "unassigned";

@@ -12,7 +12,7 @@
 
 namespace ano {
 
-/// What a user wrote for one value.
+/// The definition of one value in the configuration.
 struct FlexibleField {
     std::string name;
     Type type = Type::u8;    // u8 to i32, or f32
@@ -48,11 +48,11 @@ public:
         duplicate,    // the same id and source have a layout already
         no_fields,
         name,        // empty, with '=' or a control character in it, or given twice
-        type,        // none of u8 i8 u16 i16 u32 i32 f32
+        type,        // not one of u8 i8 u16 i16 u32 i32 f32
         scale,       // 0, or not finite
-        too_long,    // more bytes than LEN can say
+        too_long,    // more bytes than LEN can express
     };
-    /// Where in the list of fields the fault is; of no meaning for faults of the layout itself.
+    /// Index of the faulty field; without meaning for faults of the layout itself.
     struct Refusal {
         Fault fault = Fault::none;
         std::size_t field = 0;

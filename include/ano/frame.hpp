@@ -12,7 +12,7 @@ namespace ano {
 inline constexpr std::uint8_t head = 0xAB;
 inline constexpr std::size_t header_size = 6;               // HEAD to LEN
 inline constexpr std::size_t overhead = header_size + 2;    // and SC AC: the smallest frame
-inline constexpr std::size_t max_len = 65535;               // what LEN can say
+inline constexpr std::size_t max_len = 65535;               // the largest LEN
 inline constexpr std::size_t max_frame_size = overhead + max_len;
 
 /// Both check bytes of a frame.
@@ -22,7 +22,7 @@ struct Checks {
     friend constexpr bool operator==(Checks, Checks) = default;
 };
 
-/// checks_of() for many bytes: several at a time, while checks_of() goes from one to the next.
+/// checks_of() for many bytes: computes several bytes at a time.
 Checks checks_of_many(std::span<const std::uint8_t> bytes) noexcept;
 
 /// The checks over `bytes`, which are HEAD to the end of DATA. Linear, never fails.
@@ -37,7 +37,7 @@ constexpr Checks checks_of(std::span<const std::uint8_t> bytes) noexcept {
     return {static_cast<std::uint8_t>(sum), static_cast<std::uint8_t>(add)};
 }
 
-/// One whole, checked frame in someone else's memory. As cheap to copy as a span; valid as long as that memory
+/// A view of one whole frame whose checks hold. As cheap to copy as a span; valid as long as the memory it refers to
 /// (for a frame from FrameParser: until its next prepare()).
 class FrameView {
 public:
@@ -58,7 +58,7 @@ private:
     std::span<const std::uint8_t> bytes_;
 };
 
-/// What LEN says of a frame that begins at `header`, which has header_size bytes or more: 0 to 65535.
+/// LEN of the frame that begins at `header`, which has header_size bytes or more: 0 to 65535.
 constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
     return static_cast<std::size_t>(header[4] | header[5] << 8);
 }
@@ -93,7 +93,7 @@ constexpr void write_header(std::span<std::uint8_t> frame, std::uint8_t source, 
 }
 
 /// Writes one frame to the front of `out` and returns its size; 0, and nothing written, when `out` has not
-/// overhead + data.size() bytes or the data exceed what LEN can say. `data` may not overlap `out`.
+/// overhead + data.size() bytes or the data exceed max_len. `data` may not overlap `out`.
 constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
                              std::span<const std::uint8_t> data) noexcept {
     if (data.size() > max_len || out.size() < overhead + data.size()) return 0;

@@ -1,4 +1,5 @@
-// Finds two good frames in a row among bytes that come in pieces, however long the frames are that only seem to begin there.
+// Finds two good frames in a row behind a candidate (a HEAD that may begin a frame) whose rest has not come yet. The
+// bytes come in pieces, and candidates may claim to be long.
 #pragma once
 #include <ano/heard.hpp>
 #include <ano/prefix_sums.hpp>
@@ -11,24 +12,24 @@
 
 namespace ano {
 
-/// Looks at each byte once: what begins somewhere is kept by the place where it would end, until that byte is there.
-/// What it may cost is earned: 32 bytes of good frames pay for a look at one header, or for one candidate that gives way;
-/// 65536 bytes are saved at the most, and are there at first. So false headers among frames give way at once, and in a
-/// flood of headers a candidate waits as if there were no search.
+/// Reads each byte once: a header is noted at the place where its frame would end, and is checked when that byte is there.
+/// Cost is limited by a credit: 32 bytes of good frames pay for looking at one header, or for one candidate that gives way.
+/// The credit is at most 65536 bytes, and begins full. So false headers among good frames give way at once; in a flood of
+/// headers the credit runs out, and a candidate waits as if there were no search.
 /// Neither throws nor allocates after construction; memory that no search has needed is never touched.
 class FramePairs {
 public:
     explicit FramePairs(std::size_t max_data);
 
     /// Whether the candidate at `at` gives way: two good frames stand in a row behind its first byte. `bytes` is the
-    /// buffer up to where it is filled, and summed; 8 bytes more must be readable. It has the candidate's header, but not
-    /// all of the frame. `at` never goes back in the stream. When a header is first looked at it is decided whether its
-    /// frame counts: when its source has been heard and it would end before the candidate does. While that cannot be paid
-    /// for the answer is no; what was not looked at is looked at later, if a candidate before it still waits then.
+    /// filled part of the buffer, and summed; 8 bytes more must be readable. It has the candidate's header, but not
+    /// all of the frame. `at` never goes back in the stream. A header's frame counts when, at the first look at it, its
+    /// source has been heard and it would end before the candidate does. Without credit the answer is no; headers that
+    /// were not looked at are looked at later, if a candidate before them still waits then.
     bool stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums, const Heard& heard) noexcept;
     /// A good frame of `size` bytes came.
     void earn(std::size_t size) noexcept { credit_ = std::min(credit_ + size, max_credit); }
-    /// Whether a look can be paid for; while not, stand_behind() need not be asked.
+    /// Whether there is credit for a look; without it stand_behind() need not be called.
     bool can_look() const noexcept { return credit_ >= a_look; }
     /// The buffer's content moved to its front by `distance` bytes.
     void move_front(std::size_t distance) noexcept { origin_ += distance; }
@@ -47,8 +48,8 @@ private:
     void check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
     std::uint16_t& size_at(Place end) noexcept { return ends_[end & mask_]; }
 
-    // Both are rings over the stream. Of what ends, or would end, at a place, the latest to begin comes first; it is told
-    // by its size, which the place where it ends makes a place where it begins.
+    // Both are rings, indexed by places in the stream. Of the frames that end at one place, the one that begins last is first
+    // in the list. A frame is stored as its size: it begins that far before the place where it ends.
     std::size_t mask_;
     Room<std::uint16_t> ends_;     // by end: the first candidate; once it was judged, the first good frame
     Room<std::uint16_t> nexts_;    // by begin: the next candidate of the same end

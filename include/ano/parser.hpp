@@ -5,7 +5,7 @@
 //          while (auto frame = parser.next()) …       // each view is valid until the next prepare()
 //          arm a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
 //
-// A datagram goes in by begin_datagram() first, which decides whether what the one before left behind still counts.
+// Before the bytes of a datagram, call begin_datagram(): it decides whether the unfinished rest of the datagram before is kept.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/frame_pairs.hpp>
@@ -28,26 +28,26 @@ struct ParserCounters {
     std::uint64_t bad_check{};        // candidates whose checks do not hold
     std::uint64_t bad_length{};       // candidates whose LEN is above max_data
     std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
-    std::uint64_t expired{};          // candidates whose end never came, or not before a good frame behind them
-    std::uint64_t v7_frames{};        // frames of the previous protocol version seen among the skipped bytes: a hint, no count
+    std::uint64_t expired{};          // candidates whose end never came, or came after a good frame behind them
+    std::uint64_t v7_frames{};        // frames of the previous protocol version seen among the skipped bytes: an estimate
 };
 
 /// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
-/// linear time. A candidate whose rest is not there yet waits, but one that nothing heard makes credible (heard.hpp) gives way
-/// to two good frames in a row from sources that were heard; among more headers than good frames have paid for
-/// (frame_pairs.hpp) it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
+/// linear time. A candidate whose rest is not there yet waits. One that is not credible by what was heard (heard.hpp) gives way
+/// to two good frames in a row from sources that were heard; while the credit for that search (frame_pairs.hpp) is used up,
+/// it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
 class FrameParser {
 public:
     struct Options {
         std::size_t max_data = 4096;                       // 0 to 65535: larger LEN is refused from the header alone
         std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
         Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, good frames may overtake
-        bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is no byte of the stream
+        bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is padding and is not counted
     };
 
     explicit FrameParser(Options options);
 
-    /// Room for what comes next, one byte at the least if next() was called until it returned nothing. Ends every view.
+    /// Room for the next bytes, at least one if next() was called until it returned nothing. Every view becomes invalid.
     std::span<std::uint8_t> prepare() noexcept;
     /// `n` bytes of that room were filled, at `now`.
     void commit(std::size_t n, TimePoint now) noexcept;
@@ -72,7 +72,7 @@ public:
 private:
     enum class Verdict { good, bad, too_long, incomplete };
 
-    // Follows the skipped bytes, however they were cut, through one frame of the previous version at a time.
+    // Finds frames of the previous version among the skipped bytes, which come in pieces.
     struct V7Matcher {
         bool take(std::uint8_t byte) noexcept;    // true: it was the last one of such a frame
 
@@ -101,10 +101,10 @@ private:
     Room<std::uint8_t> buffer_;
     std::size_t pos_ = 0;        // first byte not yet judged
     std::size_t end_ = 0;        // end of the bytes put in
-    std::size_t barrier_ = 0;    // a candidate that begins before this has no rest to hope for beyond it
+    std::size_t barrier_ = 0;    // a candidate that begins before this does not reach beyond it: its rest will not come
 
-    // Kept only behind a refused candidate: with them the checks of any further candidate that begins before
-    // sums_until_ cost constant time. They begin at no byte behind pos_; where they end before the candidate, they begin
+    // Made only behind a refused candidate: with them the checks of any further candidate that begins before
+    // sums_until_ cost constant time. They begin at pos_ or before; where they end before the candidate, they are begun
     // anew.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
@@ -114,11 +114,11 @@ private:
 
     bool behind_frame_ = false;       // pos_ is the end of a good frame, and padding may follow
     bool candidate_waits_ = false;    // the one at pos_
-    bool none_behind_ = false;        // it was searched for good frames behind it since the last byte came
+    bool none_behind_ = false;        // good frames behind it were searched for since the last byte came
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;
-    std::size_t v7_budget_ = 0;    // bytes it may still look at: some of every commit's
+    std::size_t v7_budget_ = 0;    // bytes it may still look at: each commit adds some
     ParserCounters counters_;
 };
 

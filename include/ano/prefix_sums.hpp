@@ -24,8 +24,8 @@ public:
     /// The bytes before this are summed.
     std::size_t end() const noexcept { return end_; }
 
-    /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). For a frame that is to be refused this
-    /// alone says so 255 times in 256.
+    /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). Of 256 bad
+    /// frames this alone refuses 255.
     bool sum_holds(std::size_t from, std::size_t to) const noexcept { return sum_[from] == gap_[to]; }
     /// For loops: sum_holds(from, to) is sums()[from] == gaps()[to].
     const std::uint8_t* sums() const noexcept { return sum_.get(); }

@@ -1,4 +1,4 @@
-// What a frame says, for code that learns at run time which message it is: tools, taps, filters.
+// The fields of a frame, for code that learns at run time which message it is: tools, taps, filters.
 //
 // Flow:    const ano::Reading reading = ano::read(frame);
 //          if (reading) for (const ano::Field& field : reading.fields()) use(field.name, reading.value(field));
@@ -51,7 +51,7 @@ constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     return true;
 }
 
-/// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when it is none.
+/// The row of `layouts` (all of one message, the base first) that `data` is laid out by; null when none of them fits.
 constexpr const Message* select_layout(std::span<const Message> layouts, Bytes data) noexcept {
     const auto matches = [&](const Message& row) {
         if (row.variant.length != 0 && row.variant.length != data.size()) return false;
@@ -143,7 +143,7 @@ public:
         return value_at(field, data_.data() + fixed_size_ + i * message_->element_size + field.offset);
     }
 
-    /// What stands behind the layout: legal, and of no known meaning.
+    /// The bytes behind the layout: legal, their meaning is not known.
     Bytes extra() const noexcept {
         const bool open = !fields_.empty() && fields_.back().is_open();
         return data_.subspan(fixed_size_ + (open ? open_size() : 0));

@@ -7,12 +7,12 @@
 
 namespace ano {
 
-/// Room for `count` of T, uninitialised, from the default memory resource: a program says by it where rooms come from. Those that
-/// the system gives cost the pages that are touched of them. A piece of the C library's heap costs what others have touched there.
+/// Uninitialised memory for `count` of T, from the default memory resource, which a program may set. Memory that is mapped for
+/// one room alone costs only the pages that are touched. A piece of the C library's heap may consist of pages that were touched before.
 template <class T>
 class Room {
     static_assert(std::is_trivially_default_constructible_v<T> &&
-                  std::is_trivially_destructible_v<T>);    // or all of it would be touched
+                  std::is_trivially_destructible_v<T>);    // else construction or destruction would touch all of it
 
 public:
     explicit Room(std::size_t count) : size_{count * sizeof(T)}, memory_{static_cast<T*>(from_->allocate(size_, alignof(T)))} {}

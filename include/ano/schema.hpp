@@ -12,7 +12,7 @@
 
 namespace ano {
 
-/// What is wrong with a table, as the name of a function that a constant expression can't call: the compiler prints it.
+/// Faults of a table, as functions that a constant expression can't call: the compiler's error names the function.
 namespace table_error {
 void two_messages_share_an_id();
 void one_name_stands_for_two_messages();
@@ -72,7 +72,7 @@ struct Scale {
     double wire = 1;
     double value = 1;
     constexpr bool is_one() const noexcept { return wire == value; }
-    /// What a wire number is multiplied with, for people; the library divides, which is exact to the last digit.
+    /// The factor for a wire number, for people to read; the library divides instead, which rounds once only.
     constexpr double factor() const noexcept { return value / wire; }
     friend constexpr bool operator==(const Scale&, const Scale&) = default;
 };
@@ -225,7 +225,7 @@ struct Traffic {
 struct Variant {
     std::string_view label{};
     std::uint16_t length = 0;
-    bool by_look = false;    // taken where the base layout reads as nonsense and this one does not: is_plausible()
+    bool by_look = false;    // taken where is_plausible() refuses the base layout and accepts this one
 };
 
 inline constexpr std::size_t max_fields = 12;

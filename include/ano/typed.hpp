@@ -119,7 +119,7 @@ constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     return View<M, Label>{data};
 }
 
-/// A message to be filled in: everything is 0 or empty at first, but a mode that tells the layout.
+/// A message to be filled in: everything is 0 or empty at first, except a mode by which the layout is recognised.
 template <Name M, Name Label = "">
 class Draft {
 public:
@@ -134,7 +134,7 @@ public:
     static constexpr const Message& message() noexcept { return detail::row<M, Label>; }
 
     /// A number in the unit of the field, rounded to the nearest step of the wire. False, and nothing changed, when the
-    /// wire type can't carry it, or when it would tell another layout.
+    /// wire type can't carry it, or when the frame would then be read in another layout.
     template <Name F, class T>
     requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) [[nodiscard]] bool set(T value) noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();
@@ -170,7 +170,7 @@ public:
         static_assert(detail::field<M, Label, F>().type == Type::text, "this field is not text");
         return set<F>(Bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     }
-    /// Says that there is no value.
+    /// Sets the "no data" value.
     template <Name F>
     void clear() noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();

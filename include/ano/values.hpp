@@ -9,17 +9,17 @@
 
 namespace ano {
 
-/// What 7 is among the types that command_info (0xC2) tells: the protocol text says f32, current devices u64.
+/// The meaning of type 7 in command_info (0xC2): f32 in the protocol text, u64 in current devices.
 enum class ValueType7 : std::uint8_t { f32, u64 };
 
-/// The type that par_type of parameter_info (0xE2) stands for; `text` for 10, nothing for what is none.
+/// The type that par_type of parameter_info (0xE2) stands for; `text` for 10, nothing for any other number.
 constexpr std::optional<Type> parameter_type(std::uint64_t par_type) noexcept {
     if (par_type == 10) return Type::text;
     if (par_type > 10) return std::nullopt;
     return static_cast<Type>(par_type);    // u8 to f64 in the order of Type
 }
 
-/// The type that one of val_type of command_info stands for; nothing for 0 (none) and for what is none.
+/// The type that one of val_type of command_info stands for; nothing for 0 (none) and for numbers that are not listed.
 constexpr std::optional<Type> command_value_type(std::uint64_t val_type, ValueType7 seven) noexcept {
     constexpr std::array types{Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32,
                                Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};

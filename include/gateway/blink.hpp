@@ -1,4 +1,4 @@
-// A light that shows traffic: lit and dark long enough to be seen, 20 times a second at most.
+// A light that shows traffic: on and off long enough to be seen, at most 20 times a second.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,10 +8,10 @@ namespace anogate {
 
 class Blink {
 public:
-    static constexpr ano::Duration shortest = std::chrono::milliseconds{25};    // lit, and dark
+    static constexpr ano::Duration shortest = std::chrono::milliseconds{25};    // of on, and of off
 
-    /// There was traffic. True: step() is to be called, at due() or now when that is past. What comes while the light is on is
-    /// shown already; what comes in the dark behind it is shown after that.
+    /// There was traffic. True: step() is to be called, at due() or now when that is past. Traffic while the light is on is
+    /// shown already; traffic while it is off is shown by the next flash.
     constexpr bool traffic() noexcept { return !lit_ && !std::exchange(seen_, true); }
     /// When the light may change next.
     constexpr ano::TimePoint due() const noexcept { return due_; }
@@ -25,7 +25,7 @@ public:
 private:
     ano::TimePoint due_{};
     bool lit_ = false;
-    bool seen_ = false;    // traffic, and not shown yet; never while lit
+    bool seen_ = false;    // traffic that is not shown yet; never while the light is on
 };
 
 }    // namespace anogate

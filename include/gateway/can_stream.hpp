@@ -1,5 +1,5 @@
-// V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames that bear the sender's id.
-// Ours, since the protocol text does not speak of CAN (src/link/README.md, "CAN").
+// V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames whose id tells the sender.
+// This mapping is anogate's own, since the protocol text does not mention CAN (src/link/README.md, "CAN").
 //
 // Flow, sending:      pieces = cutter.cut(outbox.gather(…))       // as many CAN frames as there is room for
 //                     outbox.sent(cutter.taken(n))                // the bus took the first n of them
@@ -20,7 +20,7 @@
 
 namespace anogate {
 
-/// What is wrong with `can`, in a sentence; empty: nothing.
+/// What is wrong with `can`, in a sentence; empty when nothing is.
 std::string fault_of(const CanSettings& can);
 
 /// The smallest legal size of the data of a CAN FD frame that holds `bytes`, 0 to 64.
@@ -30,7 +30,7 @@ constexpr std::uint8_t can_fd_size(std::size_t bytes) noexcept {
     return bytes <= 32 ? 32 : bytes <= 48 ? 48 : 64;
 }
 
-/// Which CAN id a V8 frame bears. 11-bit: base + S_ADDR. 29-bit: base + class × 65536 + S_ADDR × 256 + D_ADDR, where class is
+/// The CAN id of a V8 frame. 11-bit: base + S_ADDR. 29-bit: base + class × 65536 + S_ADDR × 256 + D_ADDR, where class is
 /// 0 urgent, 1 telemetry, 2 bulk: the lower id wins the bus.
 class CanIds {
 public:
@@ -42,10 +42,10 @@ public:
 
     /// `header` begins with HEAD to ID of a frame.
     std::uint32_t of(std::span<const std::uint8_t> header) const noexcept;
-    /// The S_ADDR that the frames under `id` must bear; nothing when it is none of our ids.
+    /// The S_ADDR that V8 frames with the CAN id `id` must have; nothing when it is not one of our ids.
     std::optional<std::uint8_t> source(std::uint32_t id) const noexcept;
 
-    /// What lets all our ids through, and no other: (id & mask) == base for one of them.
+    /// Filters that let all our ids pass and no others: an id passes when (id & mask) == base for one of them.
     struct Filter {
         std::uint32_t id;
         std::uint32_t mask;
@@ -69,11 +69,11 @@ public:
         std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or with CAN FD more, the rest 0x00
         bool last;            // of its V8 frame
     };
-    /// `frames` as Outbox::gather() gives them. What is returned is valid until the next call, and as long as their bytes.
+    /// `frames` as Outbox::gather() gives them. The result is valid until the next call, and while their bytes are.
     std::span<const Piece> cut(std::span<const std::span<const std::uint8_t>> frames) noexcept;
-    /// The bus took the first `n` of the pieces cut last: how many bytes of V8 frames that are.
+    /// The bus took the first `n` of the pieces cut last. Returns how many bytes of V8 frames these are.
     std::size_t taken(std::size_t n) noexcept;
-    /// The frame that was cut in two is given up.
+    /// Gives up the frame of which a part has left.
     void reset() noexcept { rest_id_.reset(); }
 
     static constexpr std::size_t most = 64;    // pieces at a time
@@ -81,7 +81,7 @@ public:
 private:
     CanIds ids_;
     bool fd_;
-    std::optional<std::uint32_t> rest_id_;    // of a frame of which a part has left: the rest no longer shows its header
+    std::optional<std::uint32_t> rest_id_;    // the id of a frame of which a part has left, whose rest no longer has the header
     std::array<Piece, most> pieces_;
 };
 
@@ -104,14 +104,14 @@ public:
         put(*stream, data, now);
         drain(*stream, on_frame);
     }
-    /// Gives up what no longer can be hoped for. When to call it: deadline().
+    /// Gives up frames whose rest is overdue. When to call it: deadline().
     template <class OnFrame>
     void expire(TimePoint now, OnFrame on_frame) {
         for (Stream& stream : streams_)
             if (stream.parser.expire(now)) drain(stream, on_frame);
     }
     std::optional<TimePoint> deadline() const noexcept;
-    /// The bus is gone: nothing waits for its rest any more.
+    /// The bus is gone: unfinished frames are given up.
     template <class OnFrame>
     void finish(OnFrame on_frame) {
         for (Stream& stream : streams_) {
@@ -130,7 +130,7 @@ private:
     struct Stream {
         std::uint32_t id;
         std::uint8_t source;
-        std::uint64_t used;    // the higher, the later
+        std::uint64_t used;    // a larger number was used later
         ano::FrameParser parser;
     };
 
@@ -168,7 +168,7 @@ private:
     std::size_t max_data_;
     std::vector<Stream> streams_;
     std::uint64_t uses_ = 0;
-    ReceiveCounters refused_;    // what belongs to no stream
+    ReceiveCounters refused_;    // frames that belong to no stream
 };
 
 }    // namespace anogate

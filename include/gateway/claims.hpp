@@ -1,4 +1,4 @@
-// Who may have an address that another holds: its holder is asked first.
+// Decides who gets an address when a device claims one that another holds: the holder is asked first.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -12,29 +12,29 @@
 
 namespace anogate {
 
-/// Where a device speaks, as the Router knows it.
+/// Where a device is heard, as far as the Router knows.
 enum class Speaks : std::uint8_t {
     somewhere,
-    at_home,      // where it was first
-    elsewhere,    // it has moved, or claims to; or one does who takes its name
+    at_home,      // where it was heard first
+    elsewhere,    // it has moved, or somebody else uses its address
 };
 
-/// The tests that are under way, one an address at the most: questions to the holder, then silence. Constant time but for
-/// take(), no allocation.
+/// The tests under way, at most one for an address: questions to the holder, and a verdict when it stays silent. Constant time,
+/// except take(); no allocation.
 class Claims {
 public:
     struct Pace {
         unsigned questions = 3;
         ano::Duration answer_within = std::chrono::seconds{1};     // after each question
-        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, from begin to begin
-        /// Who looks later than this after the last question was not listening: it asks once more.
+        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, begin to begin
+        /// When the loop looks later than this after the last question, it may have missed the answer: it asks once more.
         ano::Duration late = std::chrono::milliseconds{500};
     };
 
     Claims() = default;
     explicit Claims(const Pace& pace) : pace_{pace} {}
 
-    /// A test begins, and its first question is due now. False: one is under way, or the last began too lately.
+    /// Begins a test, whose first question is due now. False: one is under way, or the last began too recently.
     bool begin(std::uint8_t address, ChannelId claimant, ano::TimePoint now) noexcept {
         Test& test = tests_[address];
         if (under_way_[address] || now < test.next_at) return false;
@@ -44,25 +44,25 @@ public:
         return true;
     }
     bool is_under_way(std::uint8_t address) const noexcept { return under_way_[address]; }
-    /// Whose claim it is; of a test that is under way.
+    /// Who claims the address; only for a test that is under way.
     ChannelId claimant(std::uint8_t address) const noexcept { return tests_[address].claimant; }
-    /// Without a verdict, or with that of others.
+    /// Ends the test of an address.
     void end(std::uint8_t address) noexcept {
         under_way_.reset(address);
         if (under_way_.none()) earliest_ = ano::TimePoint::max();
     }
 
-    /// Something may be due.
+    /// Whether something may be due.
     bool is_due(ano::TimePoint now) const noexcept { return now >= earliest_; }
     /// When to look next; nothing: there is no test.
     std::optional<ano::TimePoint> next() const noexcept { return under_way_.none() ? std::nullopt : std::optional{earliest_}; }
 
     struct Due {
         std::uint8_t address = 0;
-        bool silent = false;    // the test ends here; else the holder is to be asked
+        bool silent = false;    // the test ends: the holder was silent; otherwise the holder is to be asked
         ChannelId claimant{};
     };
-    /// What is due, one after the other.
+    /// The next action that is due, if any.
     std::optional<Due> take(ano::TimePoint now) noexcept {
         if (!is_due(now)) return std::nullopt;
         earliest_ = ano::TimePoint::max();
@@ -95,7 +95,7 @@ private:
     Pace pace_;
     std::array<Test, 256> tests_{};
     std::bitset<256> under_way_;
-    ano::TimePoint earliest_ = ano::TimePoint::max();    // of what is due, or before
+    ano::TimePoint earliest_ = ano::TimePoint::max();    // when something is due at the earliest; may be too early
 };
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// What is counted, under the names that every output uses. A counter is a row here and nowhere else.
+// The counters, with the names that every output uses. A new counter is a field and a row here.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -17,7 +17,7 @@ struct ReceiveCounters {
     std::uint64_t expired{};          // candidates whose end never came
     std::uint64_t denied_in{};        // refused by a filter or by `allow`
     std::uint64_t inhibited{};        // kept off by a switch
-    std::uint64_t looped{};           // what went round, come back
+    std::uint64_t looped{};           // came back around a ring
     std::uint64_t duplicate{};        // came by another member of the group already
     std::uint64_t no_route{};         // good frames that had no taker
 };
@@ -26,7 +26,7 @@ struct ReceiveCounters {
 struct SendCounters {
     std::uint64_t frames_out{};
     std::uint64_t bytes_out{};
-    std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices choke on them
+    std::uint64_t empty_out{};      // of frames_out, those with LEN 0: older devices lose such a frame and the next
     std::uint64_t superseded{};     // replaced by a newer one of its kind
     std::uint64_t queue_full{};     // gave way to newer frames
     std::uint64_t stale{};          // waited longer than its age limit
@@ -39,7 +39,7 @@ struct SendCounters {
     std::uint64_t offered{};        // every frame that was to leave by this channel
 };
 
-/// What the tunnel did, and what it refused for which cause.
+/// Counters of the tunnel: what it carried, and what it refused, by cause.
 struct TunnelCounters {
     std::uint64_t out{};          // datagrams that left for tunnel frames of devices
     std::uint64_t in{};           // datagrams from the network of which something was taken

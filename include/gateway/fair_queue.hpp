@@ -1,6 +1,6 @@
-// The frames of one class, of which each sender has its share: deficit round robin by the channel a frame came by, and
-// below that by S_ADDR, so that a peer which forges 250 addresses has the share of one peer, and hosts, which are all 0xFE,
-// have one each.
+// The frames of one class, with a fair share for each sender: deficit round robin by the channel a frame came by, and
+// below that by S_ADDR. So a peer that forges 250 addresses has the share of one peer, and several hosts that all have the
+// address 0xFE have a share each.
 //
 // Flow:    queue.push(i, from, source)
 //          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // what would leave, in order
@@ -17,16 +17,16 @@
 
 namespace anogate {
 
-/// The gateway itself, where a channel is named as the one that a frame came by.
+/// Stands for the gateway itself as the channel that a frame came by.
 inline constexpr ChannelId ourselves{max_channels};
 
-/// Of one sender first in, first out, but that a frame which `overtakes` leaves before the others, one for one with them.
-/// A channel that has not waited lately leaves first. Neither throws nor allocates after construction; constant time a
+/// Frames of one sender leave in order, except that frames which `overtake` leave before the others, in turns with them.
+/// A channel that had nothing waiting lately leaves first. Neither throws nor allocates after construction; constant time a
 /// frame, amortised over its bytes.
 class FairQueue {
 public:
-    /// `frames`, of which at most `max_frames` wait here, outlives it. Who waits with others sends `quantum` bytes in
-    /// turn, above 0, and the rest of the frame that has begun within.
+    /// `frames`, of which at most `max_frames` wait here, must outlive this. Where several wait, each sends `quantum` bytes
+    /// (above 0) in its turn, and the rest of the frame that has begun within them.
     FairQueue(WaitingFrame* frames, std::size_t max_frames, std::int32_t quantum);
 
     /// The frame has its size, and whether it overtakes.
@@ -39,7 +39,7 @@ public:
         ++count_;
         if (shared_) grow(f, frames_[i].size);
     }
-    /// Takes out a frame, wherever it stands; while a plan is made, only next_planned().
+    /// Removes a frame from wherever it is; while a plan is being made, only next_planned().
     void remove(FrameIndex i) noexcept {
         const WaitingFrame& frame = frames_[i];
         Node& flow = nodes_[frame.flow];
@@ -51,15 +51,15 @@ public:
     }
     /// What leaves next; no_frame when none waits.
     FrameIndex next() noexcept { return shared_ ? next_of_many<false>() : first(nodes_[sole].now); }
-    /// Takes out next(), for which its sender pays.
+    /// Removes next(); it is charged to the turn of its sender.
     void take() noexcept {
         const FrameIndex i = next();
         pay<false>(i);
         remove(i);
     }
 
-    /// Whether they leave in the order in which they came: one sender, of whom nothing overtakes. Then take_front() takes
-    /// what take() would, and others follow front() as their `in_flow` says.
+    /// Whether frames leave in the order in which they came: there is one sender, and nothing overtakes. Then take_front() is
+    /// the same as take(), and the frames behind front() follow by `in_flow`.
     bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
     FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
     void take_front() noexcept {
@@ -81,12 +81,12 @@ public:
         skip(nodes_[frames_[i].flow].planned, i);
     }
 
-    /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. Not empty. Where
-    /// more than some wait, the most among those looked at.
+    /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. The queue must not be
+    /// empty. Where many wait, only some of them are looked at.
     FrameIndex gives_way() noexcept;
     /// The channel that a waiting frame came by.
     ChannelId channel_of(FrameIndex i) const noexcept { return static_cast<ChannelId>(nodes_[frames_[i].flow].key >> 8); }
-    /// The frames of one sender among which `i` stands: those that overtake, or the others.
+    /// The list of its sender that holds `i`: the frames that overtake, or the others.
     const FrameList& line_of(FrameIndex i) const noexcept {
         const Node& flow = nodes_[frames_[i].flow];
         return frames_[i].overtakes ? flow.now.overtaking : flow.now.rest;
@@ -98,33 +98,33 @@ public:
     void clear() noexcept;
 
 private:
-    // What takes turns stands in a tree: the root, below it channels, below them the flows of their senders. As long as
-    // nobody but one sender waits, there is only its flow, the `sole` one.
+    // Turns are kept in a tree: the root, below it channels, below them the flows of their senders. While only one
+    // sender waits, there is only its flow, the `sole` one.
     using Number = std::uint32_t;
     static constexpr Number nobody = UINT32_MAX;
     static constexpr Number root = 0;
     static constexpr Number sole = 1;
     static constexpr Number first_channel = 2;
-    static constexpr std::size_t channels = max_channels + 1;    // and ourselves
+    static constexpr std::size_t channels = max_channels + 1;    // and the gateway itself
     static constexpr Number first_flow = first_channel + channels;
     static constexpr std::size_t bucket_count = 256;
 
-    // What sending changes: as it is, and as it would be after what is planned.
+    // The state that sending changes, kept twice: as it is now, and as it will be after the plan.
     struct State {
         std::int32_t balance;    // bytes it may still send in this turn
-        std::uint32_t bytes;     // that wait
-        Number turn;             // below a channel, or the root: whose turn it is
-        bool overtook;           // the frame that left last, others of this sender
+        std::uint32_t bytes;     // waiting
+        Number turn;             // for a channel or the root: the child whose turn it is
+        bool overtook;           // the frame that left last overtook others of this sender
         FrameList overtaking, rest;
     };
     struct Node {
         State now;
         State planned;    // valid when `plan` is that of the queue
         std::uint64_t plan;
-        Neighbours in_ring;    // in the order of their turns, round and round
+        Neighbours in_ring;    // a ring, in the order of turns
         Number parent;
-        Number chained;       // flows: the next of its bucket, or of the free ones
-        Number longest;       // below a channel, or the root: that had the most bytes when looked at last
+        Number chained;       // flows: the next in its bucket, or the next free one
+        Number longest;       // for a channel or the root: the child that had the most bytes at the last look
         std::uint32_t key;    // flows: channel and address
     };
 
@@ -133,7 +133,7 @@ private:
         const bool other = flow.overtaking.first == no_frame || (flow.overtook && flow.rest.first != no_frame);
         return other ? flow.rest.first : flow.overtaking.first;
     }
-    // The first of its line is behind us.
+    // Removes a frame from its list, if it is the first there.
     void skip(State& flow, FrameIndex i) noexcept {
         FrameList& in = line(flow, frames_[i].overtakes);
         if (in.first == i) in.first = frames_[i].in_flow.behind;
@@ -187,7 +187,7 @@ private:
     bool shared_ = false;         // more than one sender has waited since it was last empty
     std::size_t count_ = 0;
     std::size_t bytes_ = 0;
-    std::uint64_t plan_ = 1;            // no node has this one before it is looked at
+    std::uint64_t plan_ = 1;            // nodes get the number of a plan when they are first used in it
     std::bitset<channels> enrolled_;    // channels that have a turn
     std::array<Number, bucket_count> buckets_;
 };

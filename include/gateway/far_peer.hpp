@@ -1,5 +1,5 @@
-// What a peer outside our networks may be sent before it has shown that it gets it: 8 bytes with a forged source must not bring a
-// stream to whom that source belongs.
+// What a peer outside our networks may be sent before it has shown that it receives it: a datagram of 8 bytes with a forged
+// source must not cause a stream to the owner of that address.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -16,7 +16,7 @@ using ano::Duration;
 using ano::TimePoint;
 
 /// It shows it by acknowledging (0x00) a frame that it was sent, or by two answers (0xE3) to questions of ours. Each question
-/// comes from another address, chosen by chance, to which the answer must go: who forges a source does not see it.
+/// comes from another randomly chosen address, to which the answer must go: an attacker with a forged source does not see it.
 class FarPeer {
 public:
     static constexpr Duration window = std::chrono::seconds{10};
@@ -24,25 +24,25 @@ public:
     static constexpr Duration answer_within = std::chrono::seconds{3};
     static constexpr Duration acknowledged_within = std::chrono::seconds{10};
     static constexpr int answers_needed = 2;
-    static constexpr int max_wrong_acknowledgements = 4;    // in a window; those behind them count for nothing
+    static constexpr int max_wrong_acknowledgements = 4;    // in a window; later ones are ignored
 
     using Question = std::array<std::uint8_t, ano::overhead + 3>;
 
     explicit FarPeer(TimePoint now) : window_began_{now} {}
 
-    /// A datagram of it.
+    /// A datagram came from it.
     void came(std::size_t bytes, TimePoint now) noexcept;
-    /// Bytes that it may be sent now.
+    /// How many bytes may be sent to it now.
     std::size_t allowance(TimePoint now) noexcept;
     void left(std::size_t bytes) noexcept { out_ += bytes; }
 
     /// 0xE0 0, when it is time to ask and the allowance has room for it: once a window, and again at once after a right answer.
     std::optional<Question> question(const std::function<std::uint64_t()>& random, TimePoint now);
-    /// A frame leaves for it.
+    /// A frame is being sent to it.
     void sent(ano::FrameView frame, TimePoint now) noexcept;
-    /// A frame of it. True: an answer to a question of ours, for nobody else.
+    /// A frame came from it. True: it is an answer to a question of ours, and is not forwarded.
     bool heard(ano::FrameView frame, TimePoint now) noexcept;
-    /// It gets what it is sent.
+    /// Whether it has shown that it receives what is sent to it.
     bool is_there() const noexcept { return is_there_; }
 
 private:
@@ -50,7 +50,7 @@ private:
         std::uint8_t id = 0;
         ano::Checks checks{};
         TimePoint at{};
-        bool waits = false;    // for its acknowledgement
+        bool waits = false;    // an acknowledgement is expected
     };
 
     void roll(TimePoint now) noexcept;

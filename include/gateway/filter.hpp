@@ -1,4 +1,4 @@
-// Which frames a link takes or gives, and how often.
+// Which frames a link receives and sends, and how often.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -21,8 +21,8 @@ struct ByteRange {
     bool operator==(const ByteRange&) const = default;
 };
 
-/// What can be configured under `receive` and `send`. An empty list of what is allowed allows all; what is denied is
-/// denied whatever allows it.
+/// What can be configured under `receive` and `send`. An empty `allow` allows everything; `deny` comes
+/// before `allow`.
 struct FilterSettings {
     std::vector<ByteRange> allow, deny;    // of the frame's id
     std::vector<ByteRange> allow_sources, deny_sources;
@@ -37,14 +37,14 @@ struct LimitRule {
     bool operator==(const LimitRule&) const = default;
 };
 
-/// What a link takes and gives.
+/// The rules of a link.
 struct RuleSettings {
     FilterSettings receive, send;
-    std::vector<LimitRule> limit;    // of what leaves; an id has one at the most
+    std::vector<LimitRule> limit;    // for frames that leave; at most one for an id
     bool operator==(const RuleSettings&) const = default;
 };
 
-/// Three look-ups a frame. A link without a filter has none, rather than one that passes all.
+/// Three look-ups a frame. A link without filters has no object of this class, instead of one that passes everything.
 class Filter {
 public:
     explicit Filter(const FilterSettings& settings)
@@ -73,8 +73,8 @@ private:
     Set ids_, sources_, destinations_;
 };
 
-/// At most so many frames a second of an id, spaced: one that comes sooner than 1/rate after the last that passed does
-/// not pass, however long it was quiet before.
+/// Limits the frames a second of an id, evenly spaced: a frame that comes sooner than 1/rate after the last that passed does
+/// not pass; a pause before does not allow a burst.
 class Limit {
 public:
     /// `per_second` frames of `id`, above 0.
@@ -99,7 +99,7 @@ private:
     }();
 };
 
-/// The rules of one link. A link without any has none of these, rather than one that passes all.
+/// Applies the rules of one link. A link without rules has no object of this class, instead of one that passes everything.
 class Rules {
 public:
     /// `sends_empty`: whether frames without DATA leave.
@@ -112,8 +112,8 @@ public:
     }
 
     bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
-    /// nullptr: it may leave; else the cause that keeps it back. A frame that goes to several channels of the link is one
-    /// for its limits: `number` tells which frame of the gateway it is, above 0.
+    /// nullptr: it may leave; otherwise the counter of why not. A frame that goes to several channels of the link counts once
+    /// for its limits: `number`, above 0, is the number of the frame in the gateway.
     std::uint64_t SendCounters::*refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;

@@ -1,4 +1,4 @@
-// When to speak first on a link whose other end says nothing until it was spoken to.
+// When to send first on a link whose other end sends nothing before it has received something.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
@@ -13,8 +13,8 @@
 
 namespace anogate {
 
-/// One link's. A question for the device info, as a host asks it, while nothing comes in: not in the first second after
-/// the link came up or after the last frame, for a boot loader listens then, and not while a firmware update may be
+/// For one link. Asks for the device info, as a host would, while nothing comes in: not in the first second after
+/// the link came up or after the last frame, when a boot loader may listen, and not while a firmware update may be
 /// under way.
 class Hello {
 public:

@@ -1,4 +1,4 @@
-// What a person at night needs to be told about a link, from its counters. README, "Troubleshooting".
+// What is wrong with a link, and what to do, told from its counters. README, "Troubleshooting".
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/counters.hpp>
@@ -10,11 +10,11 @@
 
 namespace anogate {
 
-/// A source on this link that another one, of another group, brings as well, or another peer of it.
+/// A source that is heard on this link and on a link of another group, or from two peers of this link.
 enum class SharedSource : std::uint8_t {
     none,
-    one_device,     // on two cables, as far as is known
-    two_devices,    // with one id
+    one_device,     // on two cables, as far as can be told
+    two_devices,    // with the same id
     two_peers,      // of this link
 };
 
@@ -43,9 +43,9 @@ struct LinkFigures {
     std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
 };
 
-/// One sentence at the most, the most telling; empty when there is nothing to say.
+/// At most one sentence, the most important one; empty when all is well.
 std::string hint(const LinkFigures& link);
-/// The same without silence, which comes and goes on a link where all is well.
+/// The same without hints of silence, which is normal now and then on a good link.
 std::string hint_of_trouble(const LinkFigures& link);
 
 }    // namespace anogate

@@ -1,4 +1,5 @@
-// IP addresses, networks and endpoints as values. Text in, text out; no names, no sockets.
+// IP addresses, networks and endpoints as values, read from text and written as text. No host names, no sockets; the name of an
+// interface may stand behind a link-local address.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -40,12 +41,12 @@ struct Endpoint {
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
-/// An endpoint as a person writes it. The interface of a link-local address is kept by its name: whether there is such an
-/// interface, and what number it has, changes with every plug. `address.scope` is 0.
+/// An endpoint as it is configured. The interface of a link-local address is kept by name, for interfaces come and go, and their
+/// numbers change. `address.scope` is 0.
 struct EndpointSpec : Endpoint {
     std::string interface {};    // 1 to 15 bytes, or its number; empty for none
 
-    /// As Endpoint::parse(), whether or not there is such an interface now.
+    /// As Endpoint::parse(), but the interface need not exist now.
     static std::optional<EndpointSpec> parse(std::string_view text);
     std::string text() const;
     friend bool operator==(const EndpointSpec&, const EndpointSpec&) = default;

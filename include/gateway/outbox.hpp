@@ -24,10 +24,10 @@ namespace anogate {
 
 class InFlight;
 
-/// Urgent frames leave first, then telemetry, then bulk, but each class that waits keeps a tenth of the bytes, whatever the
-/// mix. Within a class each channel by which frames come has its share, and there each sender; of one sender first in, first
-/// out, but that sticks overtake. A frame of which a part has left is never dropped but by close(). Neither throws nor
-/// allocates after construction; constant time a frame, amortised over its bytes.
+/// Urgent frames leave first, then telemetry, then bulk, but each class that waits gets at least a tenth of the bytes.
+/// Within a class, each channel by which frames come has the same share, and within a channel each sender. Frames of one sender
+/// leave in the order in which they came, except that sticks overtake. A frame of which a part has left is dropped by close()
+/// only. Neither throws nor allocates after construction; constant time a frame, amortised over its bytes.
 class Outbox {
 public:
     struct Options {
@@ -37,17 +37,17 @@ public:
     };
     explicit Outbox(const Options& options);
 
-    /// A frame to leave, that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
-    /// full, the oldest of who has most waiting gives way, in the lowest class that has more than is kept for each: a tenth
-    /// of the room, or one frame of up to a quarter. That may be the frame itself.
+    /// Queues a frame that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
+    /// the queue is full, the oldest frame of the sender with the most bytes waiting is dropped, in the lowest class that has more
+    /// than is reserved for each class: a tenth of the room, or one frame of up to a quarter. That may be the frame itself.
     void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
-    /// The same for a frame of the lowest class that never grows stale.
+    /// The same for a frame of the lowest class that is never dropped as stale.
     void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
-    /// Whether a frame of this age is to leave no more.
+    /// Whether a frame of this age must not be sent any more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
-    /// The clock by which ages are told has stood still for `time`, though it passed: all that waits is that much older.
+    /// The clock that ages are measured by did not count `time` (the machine was suspended): all that waits is that much older.
     void grow_older(ano::Duration time) noexcept;
-    /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
+    /// Counts a frame that was refused before it was queued, for `cause` (limited, denied_out, link_down).
     void refuse(std::uint64_t SendCounters::*cause) noexcept {
         ++counters_.offered;
         ++(counters_.*cause);
@@ -59,8 +59,8 @@ public:
         bool urgent = false;
     };
     Next next(ano::TimePoint now) noexcept;
-    /// What leaves next, in order, one piece a frame; the first piece is the rest of a frame when a part of it has
-    /// left. Drops what is stale at `now`. At most `budget` bytes, never a part of a frame that has not begun. Returns
+    /// The frames that leave next, in order, one piece each; the first piece is the rest of a frame when a part of it has
+    /// left. Drops frames that are stale at `now`. At most `budget` bytes; a frame that has not begun is given whole or not at all. Returns
     /// how many pieces were filled in; they stay valid until the next call of another member.
     std::size_t gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now = ano::TimePoint::min(),
                        std::size_t budget = SIZE_MAX) noexcept;
@@ -68,9 +68,9 @@ public:
     void sent(std::size_t bytes) noexcept;
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
-    /// The first frame of what gather() gave can't be sent, for `cause`. Not for one that has begun to leave.
+    /// The first frame of what gather() gave can't be sent, for `cause`. Must not be called for a frame that has begun to leave.
     void drop_frame(std::uint64_t SendCounters::*cause) noexcept;
-    /// The wire takes no more for now: until nothing waits, newer frames replace those they may replace.
+    /// The wire takes no more for now: until nothing waits, newer frames replace older ones of their kind.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
     /// The wire is there. An outbox starts closed.
@@ -78,7 +78,7 @@ public:
     /// The wire is gone: what waits is counted link_down.
     void close() noexcept;
 
-    /// `in_flight` is told of every frame that waits, leaves or is dropped, but of none by close(). It lives as long.
+    /// `in_flight` is told of every frame that is queued, leaves or is dropped, except by close(). It must live as long.
     void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
 
     void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
@@ -112,8 +112,8 @@ private:
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
     void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
-    // The queue of everything that waits, when it leaves in the order in which it came: then nothing has to be chosen, which
-    // is so wherever a line keeps up. nullptr: not so.
+    // When everything that waits leaves in the order in which it came, the queue that holds it, else nullptr. Then nothing has
+    // to be chosen; that is usual where a line keeps up.
     FairQueue* in_order() noexcept {
         const bool one_class = waiting_classes_ != 0 && (waiting_classes_ & (waiting_classes_ - 1)) == 0;
         FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
@@ -142,17 +142,17 @@ private:
     std::uint32_t waiting_classes_ = 0;    // a bit for each
     ClassShares shares_;
     FrameList in_arena_ = no_frames;                 // every frame, in the order of its bytes
-    std::array<FrameList, bucket_count> buckets_;    // what may be replaced, by hash, oldest first
+    std::array<FrameList, bucket_count> buckets_;    // frames that may be replaced, by hash, oldest first
 
-    Index begun_ = none;             // the frame of which a part has left; it stands in no queue
+    Index begun_ = none;             // the frame of which a part has left; it is not in a queue
     std::size_t partly_sent_ = 0;    // and how much of it has
     std::size_t frames_ = 0;
     std::size_t bytes_ = 0;
     std::uint64_t pushed_ = 0;
     bool open_ = false;
     bool congested_ = false;
-    InFlight* in_flight_ = nullptr;    // nobody needs to know
-    ano::TimePoint gathered_at_{};     // what leaves, leaves then
+    InFlight* in_flight_ = nullptr;    // nullptr: nobody is told
+    ano::TimePoint gathered_at_{};     // the time at which frames leave
     SendCounters counters_;
 };
 

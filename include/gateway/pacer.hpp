@@ -20,8 +20,8 @@ constexpr std::uint32_t uart_rate(std::uint32_t baud, bool parity, unsigned stop
     return std::max(baud / (9u + (parity ? 1u : 0u) + stop_bits), 1u);
 }
 
-/// A clock of the line: when it will have put everything on the wire that it was given. Serves a UART at its line rate
-/// and any link with a `rate`. A call that comes late finds an idle line, never a saved-up burst.
+/// Keeps the time when the line will have sent everything that it was given. Serves a UART at its line rate
+/// and any link with a `rate`. Unused time is not saved: after a pause the line is idle, no burst is allowed.
 class Pacer {
 public:
     struct Options {
@@ -45,25 +45,25 @@ public:
     }
     /// When allowance() is next above 0 for `size` bytes, if nothing is sent before.
     constexpr ano::TimePoint next_at(std::size_t size) const noexcept {
-        if (done_at_ == ano::TimePoint::min()) return done_at_;    // nothing was ever given
+        if (done_at_ == ano::TimePoint::min()) return done_at_;    // nothing has been sent yet
         const ano::Duration ahead = std::max(ano::Duration::zero(), options_.latency - time_of(size));
         return done_at_ - std::min(ahead, options_.latency / 2);
     }
     /// The driver took `bytes` at `now`.
     constexpr void sent(std::size_t bytes, ano::TimePoint now) noexcept { done_at_ = now + ahead_of(now) + time_of(bytes); }
     /// The driver still holds `unsent` bytes at `now`: a line that is slower than its rate, or stopped by flow control.
-    /// That it holds less than expected says nothing: behind it there may be another buffer.
+    /// When it holds less than expected, nothing is changed: there may be another buffer behind it.
     constexpr void correct(std::size_t unsent, ano::TimePoint now) noexcept {
         done_at_ = std::max(now + ahead_of(now), now + time_of(unsent));
     }
-    /// What was given is gone with the wire.
+    /// The wire is gone, and with it what was given.
     constexpr void reset() noexcept {
         done_at_ = seen_ = ano::TimePoint::min();
         spent_ = false;
     }
 
 private:
-    // A clock that went back takes the line's clock with it.
+    // When the clock was set back, the line's time is set back too.
     constexpr ano::Duration ahead_of(ano::TimePoint now) noexcept {
         if (now < seen_ && done_at_ > now) done_at_ -= std::min(seen_ - now, done_at_ - now);
         seen_ = now;

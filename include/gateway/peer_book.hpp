@@ -22,7 +22,7 @@ namespace anogate {
 using ano::Duration;
 using ano::TimePoint;
 
-/// Knows no sockets and no channels but by their numbers. Constant time a frame; no allocation.
+/// Knows channels by their numbers only, and no sockets. Constant time a frame; no allocation.
 class PeerBook {
 public:
     struct Options {
@@ -31,40 +31,42 @@ public:
         std::size_t max_of_address = max_channels;    // loopback excepted
     };
 
-    /// A host of our own networks may listen for so long without a word.
+    /// A host in our own networks may listen this long without sending anything.
     static constexpr Duration listener_stays = std::chrono::hours{1};
-    /// So many silent ones of an address: a program that starts anew has another port, and what goes to the old one is lost.
+    /// The most silent hosts of one address: a program that starts again has another port, and frames to the old port are lost.
     static constexpr std::size_t max_silent_of_address = 2;
-    /// So many refusals with no frame of the peer between them, the first and the last so far apart, and nothing listens there.
+    /// After this many refusals with no frame of the peer between them, the first and the last this far apart, nothing listens there.
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
 
-    /// What is said within so long is one exchange.
+    /// Frames within this time belong to one exchange.
     static constexpr Duration exchange = std::chrono::seconds{1};
 
     explicit PeerBook(const Options& options) : options_{options} {}
 
     struct Place {
         bool free = false;
-        std::optional<ChannelId> gives_way;    // for it to be free
+        std::optional<ChannelId> gives_way;    // the peer that must be closed first
     };
-    /// Whether a stranger may become a peer. One that has come once does not drive out who was heard within the timeout or came
-    /// more than once; one that comes again, an exchange later, drives out who is silent, or came once from an address that keeps as
-    /// many places as its own gets. Of an address that has all its places, one of its own gives way. Programs of this machine drive out each other, the longest silent first.
+    /// Whether a stranger may become a peer. A stranger that has come once does not take the place of a peer that was heard within
+    /// the timeout or came more than once. One that comes again, in a later exchange, takes the place of a silent peer, or of one
+    /// that came once from an address that keeps at least as many places as the stranger's address would have. Of an address that
+    /// has all its places, one of its own peers gives way. Programs of this machine take places from each other, the longest
+    /// silent first.
     Place place_for(const Endpoint& stranger, TimePoint now);
 
-    /// `near`: it is in a network of our interfaces. It counts as heard: the frame that it is here for may come a moment later.
+    /// `near`: it is in a network of our interfaces. It counts as heard from now on: its first frame may be reported a little later.
     void add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now);
     void remove(ChannelId id) { used_.erase(id); }
     void clear() { used_.clear(); }
 
     void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
-    /// ICMP: nothing listens at the port. Returns whether it is overdue by that.
+    /// ICMP reported that nothing listens at the port. Returns whether the peer is overdue now.
     bool refused(ChannelId id, TimePoint now) noexcept;
 
-    /// Who is to be forgotten now.
+    /// The peers that are to be forgotten now.
     ChannelSet overdue(TimePoint now) const noexcept;
-    /// When somebody may be overdue next, if nobody is heard until then; TimePoint::max(): never.
+    /// When a peer may be overdue next, if none is heard until then; TimePoint::max(): never.
     TimePoint next_look(TimePoint now) const noexcept;
 
     ChannelSet peers() const noexcept { return used_; }
@@ -73,16 +75,16 @@ private:
     struct Peer {
         Endpoint endpoint;
         bool near = false;
-        bool is_host = false;    // it brought a frame of one
+        bool is_host = false;    // it sent a frame of a host
         TimePoint heard_at{};
         TimePoint exchange_began{};
         bool came_again = false;       // more than one exchange
-        std::uint32_t refusals = 0;    // since it was heard
+        std::uint32_t refusals = 0;    // since it was last heard
         TimePoint first_refused_at{};
-        bool is_gone = false;    // the refusals say so
+        bool is_gone = false;    // by its refusals
     };
 
-    // A stranger that found no place.
+    // A stranger for whom there was no place.
     struct Knock {
         Endpoint endpoint;
         TimePoint first{};
@@ -106,7 +108,7 @@ private:
     std::array<Knock, max_knocks> knocks_;
 };
 
-/// No datagram with such a source makes a peer: broadcast and multicast addresses, none, and port 0. `own`: our networks.
+/// Whether a source address can't be a peer's: broadcast, multicast, 0.0.0.0, or port 0. `own`: our networks.
 bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept;
 
 }    // namespace anogate

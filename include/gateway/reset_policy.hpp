@@ -1,4 +1,4 @@
-// When a device is reset: when somebody asks, or when its link has been silent too long; once a minute at most.
+// When a device is reset: on request, or when its link has been silent too long; at most once a minute.
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,20 +11,20 @@ class ResetPolicy {
 public:
     static constexpr ano::Duration apart = std::chrono::minutes{1};
 
-    /// `silent_for`: nothing when silence is no reason. Silence counts from `start`.
+    /// `silent_for`: nothing when silence is not a reason. Silence counts from `start`.
     constexpr ResetPolicy(std::optional<ano::Duration> silent_for, ano::TimePoint start) noexcept
         : silent_for_{silent_for}, heard_{start} {}
 
     /// A good frame came by the link.
     constexpr void heard(ano::TimePoint now) noexcept { heard_ = now; }
-    /// The reset was pulsed. The device has all of silent_for to say something again.
+    /// The reset was pulsed. The device has the whole of silent_for to send something again.
     constexpr void pulsed(ano::TimePoint now) noexcept { heard_ = pulsed_ = now, was_pulsed_ = true; }
 
-    /// A pulse may begin.
+    /// Whether a pulse may begin.
     constexpr bool may_pulse(ano::TimePoint now) const noexcept { return !was_pulsed_ || now >= pulsed_ + apart; }
     constexpr ano::TimePoint may_pulse_at() const noexcept { return was_pulsed_ ? pulsed_ + apart : ano::TimePoint{}; }
 
-    /// When silence will have lasted long enough, as far as it is known now; nothing when silence is no reason.
+    /// When the silence will have lasted long enough, if nothing is heard until then; nothing when silence is not a reason.
     constexpr std::optional<ano::TimePoint> due() const noexcept {
         if (!silent_for_) return std::nullopt;
         return std::max(heard_ + *silent_for_, may_pulse_at());

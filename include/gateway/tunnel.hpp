@@ -1,5 +1,5 @@
 // 0xB1 and 0xB2: frames of the protocol inside frames of the protocol, carried over IP (protocol text, section 4;
-// config/README.md, "Tunnel"). Bytes in, bytes out: who sends and receives them is another's business.
+// config/README.md, "Tunnel"). Bytes in, bytes out; TunnelLink sends and receives them.
 //
 // Out:    tunnel.takes(frame)                    // came by one of `links`
 //         tunnel.out(frame, …) → Datagram        // to send
@@ -29,7 +29,7 @@ inline constexpr std::size_t max_datagram = 65507;                              
 
 constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
 
-/// What stands before the inner frames.
+/// The part of DATA before the inner frames.
 struct TunnelHead {
     IpAddress source;
     IpAddress destination;
@@ -47,13 +47,13 @@ struct TunnelContent {
 /// addresses: they are those of `network`.
 std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept;
 
-/// Walks the frames inside a tunnel frame. It ends at the first byte that begins no whole good frame: nothing is searched
-/// for behind it, or a damaged tunnel frame inside would be opened.
+/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a whole good frame: searching behind it
+/// could open a tunnel frame that stands, damaged, inside.
 class InnerFrames {
 public:
     explicit InnerFrames(std::span<const std::uint8_t> inner) noexcept : rest_{inner}, empty_{inner.empty()} {}
     std::optional<ano::FrameView> next() noexcept;
-    /// After next() returned nothing: all of it was whole good frames, one at the least.
+    /// After next() returned nothing: the content was whole good frames only, at least one.
     bool good() const noexcept { return rest_.empty() && !empty_; }
 
 private:
@@ -80,7 +80,7 @@ private:
 
     ano::Room<std::uint8_t> buffer_;
     std::size_t end_ = 0;
-    std::size_t most_ = 0;    // end_ may be
+    std::size_t most_ = 0;    // the limit of end_
 };
 
 /// The decisions: what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
@@ -89,9 +89,9 @@ public:
     /// Whether an inner frame may go on: the filters, limits and switches of the link it came by.
     using Passes = std::function<bool(ano::FrameView)>;
     using Take = std::function<void(ano::FrameView)>;
-    /// What is asked of the machine.
+    /// Questions to the machine.
     struct Environment {
-        /// Our address, as one at `there` knows it, or for 0.0.0.0, in general; nothing when no way leads there.
+        /// Our address towards `there`, or for 0.0.0.0 the usual one; nothing when no route leads there.
         std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
         /// The gateway itself listens on this port.
         std::function<bool(std::uint16_t port)> is_own_port;
@@ -100,39 +100,39 @@ public:
     /// `own_id`: the gateway's; 0: none.
     Tunnel(TunnelSettings settings, std::uint8_t own_id, Environment environment);
 
-    /// The port that is open, and what port 0 in a tunnel frame means.
+    /// The port that is open; port 0 in a tunnel frame stands for it.
     void set_port(std::uint16_t port) noexcept { port_ = port; }
     /// The networks of our interfaces as they are now, loopback included.
     void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
 
-    /// A tunnel frame to us, when it came by one of `links`: it ends here, whatever becomes of it.
+    /// Whether this is a tunnel frame for us that came by one of `links`: then it is not forwarded, also when it is refused.
     bool takes(ano::FrameView frame) const noexcept;
 
     struct Datagram {
         Endpoint to;
-        std::span<const std::uint8_t> bytes;    // until the next call of out()
+        std::span<const std::uint8_t> bytes;    // valid until the next call of out()
     };
     /// What leaves for a tunnel frame of a device; nothing: refused and counted, or nothing in it passed.
     std::optional<Datagram> out(ano::FrameView frame, const Passes& passes);
-    /// What became of it.
+    /// The result of sending it.
     void sent() noexcept { ++counters_.out; }
     void refuse(std::uint64_t TunnelCounters::*cause) noexcept { ++(counters_.*cause); }
 
-    /// May `sender` put anything in? Counted if not.
+    /// Whether `sender` may send to the tunnel; counted when not.
     bool admits(const Endpoint& sender);
-    /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. What
-    /// the frame says of its source is not believed. True: something was inside.
+    /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. The
+    /// source address in the frame is not used. True: something was inside.
     bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
     /// Something of a datagram was taken.
     void came_in() noexcept { ++counters_.in; }
 
-    /// The place in the settings of the rule for what `sender` sends, if one matches.
+    /// The index in the settings of the first rule that matches `sender`, if any.
     std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
     /// Starts a tunnel frame for the frames of one datagram; false: refused and counted. `max_data` is that of the rule's link.
     bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
-    /// Adds a frame; hands on to `send` the tunnel frame that is full before it.
+    /// Adds a frame. When it does not fit, the tunnel frame so far is given to `send` first.
     void add_to_wrap(ano::FrameView frame, const Take& send);
-    /// Hands on what is left.
+    /// Gives the last tunnel frame to `send`.
     void end_wrap(const Take& send);
 
     const TunnelSettings& settings() const noexcept { return settings_; }

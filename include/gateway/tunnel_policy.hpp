@@ -7,9 +7,9 @@
 
 namespace anogate {
 
-/// An ordinary host is allowed by the networks of `allow`, or when there are none, by those of our interfaces. What is no
-/// ordinary host must be listed as what it is: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a
-/// broadcast address or one of our own by itself (/32). 0.0.0.0/8 (on Linux a way to ourselves) and 240.0.0.0/4 never.
+/// An ordinary host is allowed by the networks of `allow`, or when there are none, by those of our interfaces. Other addresses
+/// must be listed as such: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
+/// or one of our own as a single address (/32). 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
 class TunnelPolicy {
 public:
     explicit TunnelPolicy(const TunnelSettings& settings) : allow_{settings.allow} {}
@@ -18,7 +18,7 @@ public:
     void set_networks(std::vector<Network> networks) { networks_ = std::move(networks); }
 
     bool allows(const IpAddress& address) const noexcept;
-    /// It is the address of an interface of ours, or leads back to this machine.
+    /// Whether it is the address of an interface of ours, or otherwise leads to this machine.
     bool is_own(const IpAddress& address) const noexcept;
 
 private:
@@ -28,8 +28,7 @@ private:
     std::vector<Network> networks_;
 };
 
-/// The first network of `allow` that lists loopback as what it is, or one of the addresses of our interfaces in `own`;
-/// nullptr: none does.
+/// The first network of `allow` that allows loopback, or one of the addresses of our interfaces in `own`; nullptr when none does.
 const Network* listed_loopback(const std::vector<Network>& allow) noexcept;
 const Network* listed_own(const std::vector<Network>& allow, const std::vector<Network>& own) noexcept;
 

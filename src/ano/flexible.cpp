@@ -15,7 +15,7 @@ bool is_name(std::string_view name) noexcept {
     return !name.empty() && std::none_of(name.begin(), name.end(), wrong);
 }
 
-// 0.01 is meant as a hundredth: dividing by 100 gives the nearest number, multiplying by 0.01 does not.
+// A scale of 0.01 means a hundredth: dividing by 100 gives the nearest double, multiplying by 0.01 does not.
 Scale scale_of(double factor) noexcept {
     const double inverse = std::round(1 / factor);
     if (std::abs(factor) < 1 && std::abs(inverse * factor - 1) < 1e-12) return {inverse, 1};

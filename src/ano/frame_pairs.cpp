@@ -7,18 +7,18 @@
 namespace ano {
 namespace {
 
-// LEN of two frames inside a third is less than that of the third by this much, each: one byte stands before them, one
-// behind.
+// Two frames inside a third: the LEN of each is at least this much less than that of the third, for one byte stands before
+// them and one behind.
 constexpr std::size_t shorter_at_least = overhead + 2;
 
-// Most places are of no interest: they are passed by the word.
+// Most places hold nothing: they are skipped a machine word at a time.
 std::uint64_t load_word(const void* from) noexcept {
     std::uint64_t word;
     std::memcpy(&word, from, sizeof word);
     return word;
 }
 
-// The highest bit of each of eight bytes that is HEAD; the first byte is the lowest.
+// Of eight bytes, the highest bit of each that is HEAD; the first byte is the lowest.
 std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
     constexpr std::uint64_t ones = 0x0101010101010101;
     constexpr std::uint64_t low = 0x7F * ones;
@@ -29,12 +29,12 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 
 }    // namespace
 
-// What is asked for stands in less than a largest frame, and its candidates end less than one behind that.
+// A search covers less than one largest frame, and its candidates end less than one largest frame behind that.
 FramePairs::FramePairs(std::size_t max_data)
     : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
       ends_{mask_ + 1},
       nexts_{mask_ + 1},
-      forgotten_{0 - static_cast<Place>(mask_) - 1} {}    // a whole round back: the first search clears the ring
+      forgotten_{0 - static_cast<Place>(mask_) - 1} {}    // one ring length back, so that the first search clears the ring
 
 bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
@@ -63,7 +63,7 @@ void FramePairs::forget_until(Place place) noexcept {
     }
 }
 
-// False: the credit does not suffice. Nothing may be judged before all headers are noted.
+// False: the credit does not suffice. No candidate may be checked before all headers are noted.
 bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
     const std::size_t longest = data_length(bytes.data() + waiting);
@@ -107,7 +107,7 @@ void FramePairs::check_until(Place end, Place behind, std::span<const std::uint8
     }
 }
 
-// Those that begin at `behind` or before are of no use any more, and their bytes may be gone.
+// Candidates that begin at `behind` or before are no longer needed, and their bytes may be gone.
 void FramePairs::check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     const auto sum_place = static_cast<std::size_t>(end - origin_) - 2;
     std::uint16_t good = 0;

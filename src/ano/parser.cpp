@@ -11,8 +11,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t read_room = 4096;
-constexpr std::size_t sums_ahead = 1024;    // more than was asked for: the next candidate will ask again
-constexpr std::size_t sums_slack = 64;      // so close behind a refused candidate the next one is likely to be refused
+constexpr std::size_t sums_ahead = 1024;    // bytes summed beyond those that were needed: the next candidate will need them
+constexpr std::size_t sums_slack = 64;      // a candidate this close behind a refused one is likely to be refused too
 constexpr Duration datagram_patience = 100ms;
 constexpr Duration overdue_unknown_rate = 1s;
 constexpr Duration overdue_grace = 200ms;
@@ -23,8 +23,8 @@ constexpr unsigned v7_header_size = 4;
 constexpr std::size_t v7_bytes_per_commit = 64;
 
 constexpr std::size_t block = 64;
-constexpr std::size_t length_of_heads = head << 8 | head;    // what LEN says where it is two HEADs
-constexpr int worth_a_block = 16;    // so many candidates of one LEN are cheaper to refuse together than one by one
+constexpr std::size_t length_of_heads = head << 8 | head;    // LEN where its two bytes are HEADs
+constexpr int worth_a_block = 16;    // from this many candidates of one LEN on, refusing them together is cheaper than one by one
 constexpr std::uint64_t ones = 0x0101010101010101;
 
 inline std::uint64_t load_word(const std::uint8_t* bytes) noexcept {
@@ -61,7 +61,7 @@ inline std::size_t find_head(const std::uint8_t* bytes, std::size_t at, std::siz
 
 }    // namespace
 
-// Twice the largest frame: what is moved to the front is never more than what came in since the last move.
+// Twice the largest frame: never more bytes are moved to the front than have come in since the last move.
 FrameParser::FrameParser(Options options)
     : options_{options},
       capacity_{2 * (overhead + std::min(options.max_data, max_len)) + read_room},
@@ -92,7 +92,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     assert(n <= capacity_ - end_);
     if (n == 0) return;
     end_ += n;
-    std::memset(buffer_.get() + end_, 0, block);    // is looked at with the last bytes, and must hold something
+    std::memset(buffer_.get() + end_, 0, block);    // is read together with the last bytes, and must be initialised
     counters_.bytes_in += n;
     last_arrival_ = now;
     none_behind_ = false;
@@ -156,7 +156,7 @@ bool FrameParser::expire(TimePoint now) noexcept {
         }
         none_behind_ = true;
     }
-    // While bytes still come, what stands behind this candidate may be a frame on its way.
+    // While bytes still come, a candidate behind this one may be a good frame on its way: only this one is given up.
     if (overdue) barrier_ = quiet ? first_not_overdue(now) : pos_ + 1;
     return overdue;
 }
@@ -167,8 +167,8 @@ std::optional<TimePoint> FrameParser::deadline() const noexcept {
     return none_behind_ ? overdue : std::min(overdue, last_arrival_ + options_.quiet);
 }
 
-// The next HEAD from `from` on, end_ if there is none; but candidates that their LEN or the sums at hand refuse are
-// passed over and counted right away, since crafted input may have one at every byte.
+// The next HEAD from `from` on, or end_. Candidates that are refused by their LEN or by the sums made so far are
+// skipped and counted here, since crafted input may have one at every byte.
 std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     const std::uint8_t* const bytes = buffer_.get();
     const std::uint8_t* const sums = sums_.sums();
@@ -178,7 +178,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // where SC must stand before
     const std::size_t last = sums_end - std::min(sums_end, header_size);
     const std::uint8_t* const gaps_behind = gaps + std::min(sums_end, header_size);
-    std::uint64_t passed = 0;    // counted by the block: what most have in common costs nothing each
+    std::uint64_t passed = 0;    // counted a block at a time, so that the common case costs nothing per candidate
     std::uint64_t too_long = 0;
     const auto stop_at = [&](std::size_t at) {
         counters_.bad_check += passed - too_long;
@@ -218,8 +218,8 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     return stop_at(find_head(bytes, from, end_));
 }
 
-// The next three are kept out of the loop above, which they slow down. Of `candidates` in the block at `from`, whose
-// LEN is two HEADs, those that are refused; none where one by one is cheaper or where the sums at hand end too early.
+// The next three functions are not inlined into the loop above, which they would slow down. Of `candidates` in the block at
+// `from`, whose LEN is two HEADs, those that are refused; none where one by one is cheaper or where the sums end too early.
 [[gnu::noinline]] std::uint64_t FrameParser::refused_together(std::uint64_t candidates, std::size_t from,
                                                               std::size_t sums_end) const noexcept {
     if (std::popcount(candidates) < worth_a_block) return 0;
@@ -234,7 +234,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
                                          : counters_.bad_check) += static_cast<unsigned>(std::popcount(heads));
 }
 
-// Asked when the first check holds, which is rare.
+// Called when the first check holds, which is rare.
 [[gnu::noinline]] bool FrameParser::add_is_wrong(std::size_t at, std::size_t to) const noexcept {
     return sums_.add(at, to) != buffer_[to + 1];
 }
@@ -263,9 +263,9 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     return false;
 }
 
-// Whether an incomplete candidate is refused before its rest is there: nothing that was heard makes it credible, and two
-// good frames stand in a row behind its first byte. Where headers are a flood it is not: the search would cost more than
-// the frames it finds.
+// Whether an incomplete candidate is refused before its rest is there: it is not credible by what was heard, and two
+// good frames stand in a row behind its first byte. In a flood of headers it is not refused: the search would cost more than
+// the frames it finds are worth.
 [[gnu::noinline]] bool FrameParser::gives_way(std::size_t at) noexcept {
     if (end_ - at <= overhead || counters_.frames_in == 0 || !pairs_.can_look()) return false;
     if (heard_.makes_credible(buffer_.get() + at)) return false;
@@ -273,7 +273,7 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
     return pairs_.stand_behind(at, {buffer_.get(), end_}, sums_, heard_);
 }
 
-// For every byte behind a candidate that waits, since any may be asked for again.
+// Sums every byte behind a waiting candidate, since any may be needed again.
 void FrameParser::sum_up_from(std::size_t at) noexcept {
     if (at > sums_.end()) sums_.begin(at);
     sums_.extend({buffer_.get(), end_}, end_);
@@ -288,8 +288,8 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     return 0;
 }
 
-// Among what stands behind the waiting candidate, where there is no good frame. It came at last_arrival_ at the latest:
-// no more than that is known of it.
+// The next candidate behind the waiting one, where there is no good frame. It came at last_arrival_ at the latest; more is not
+// known of its time.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
     std::size_t at = pos_;
     do at = find_head(buffer_.get(), at + 1, end_);

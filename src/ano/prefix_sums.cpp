@@ -7,7 +7,7 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t stride = 256;    // a byte at a time would cost more than the sums
+constexpr std::size_t stride = 256;    // extending them a byte at a time would cost more than the sums themselves
 constexpr std::size_t width = 16;
 
 // Two lanes of eight bytes. A sum within a lane takes three shifts; what goes from lane to lane is a number on its own, so

@@ -107,8 +107,8 @@ private:
         if (given.contains("type") && given["type"].is_string()) {
             const auto& word = given["type"].get_ref<const std::string&>();
             const auto it = std::find(type_names.begin(), type_names.end(), word);
-            // What is no type of the protocol is refused here, with the nearest; what is none of a flexible frame,
-            // there.
+            // A word that is not a type of the protocol is refused here, with the nearest type; a type that flexible
+            // frames can't have is refused by FlexibleLayouts.
             if (it == type_names.end())
                 fault(pointer + "/type", "unknown type " + in_quotes(word) + did_you_mean(word, type_names) + "; " +
                                              std::string{text_of(FlexibleLayouts::Fault::type)});

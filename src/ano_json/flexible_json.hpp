@@ -13,7 +13,7 @@ namespace ano {
 
 /// Adds the layouts of `array`, which stands at `pointer`, to `layouts`: `id` (0xF1 to 0xFA, or the name), `source`
 /// (only frames from there; left out: from anywhere), `fields` with `name`, `type`, and optionally `scale` (value =
-/// what is on the wire × scale, default 1) and `unit`. Every fault is told; a layout with one is left out.
+/// what is on the wire × scale, default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
 std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
 
 }    // namespace ano

@@ -15,7 +15,7 @@ namespace {
 
 using Data = std::vector<std::uint8_t>;
 
-constexpr unsigned first_predefined = 200;    // addresses from here on say who bears them
+constexpr unsigned first_predefined = 200;    // addresses from here on have a predefined meaning
 
 // Thrown inside this file only.
 [[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
@@ -83,7 +83,7 @@ std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherw
     return std::get<std::uint8_t>(address);
 }
 
-/// A number, or the word for one.
+/// A number, or the word that stands for it.
 std::optional<Number> number_for(const Field& f, const Json& json, ValueType7 seven) {
     if (const auto number = number_of(json)) return number;
     if (!json.is_string()) return std::nullopt;
@@ -185,7 +185,7 @@ private:
         return std::move(std::get<TypedValues>(values));
     }
 
-    // The value of a parameter: not shorter than its type, as far as that is known.
+    // The value of a parameter: not shorter than its type, where the type is known.
     void put_value(const Field& f, const Json& json, const Json& given) {
         const TypedValues value = bytes(f, json);
         std::optional<Type> type;
@@ -281,8 +281,8 @@ std::vector<std::string_view> names_in(std::span<const Field> fields) {
     std::vector<std::string_view> names;
     for (const Field& f : fields) {
         names.push_back(f.name);
-        if (f.type == Type::frames) names.push_back("data");       // what is no whole frame
-        if (f.role == Role::value) names.push_back("par_type");    // which type it has
+        if (f.type == Type::frames) names.push_back("data");       // bytes that are not a whole frame
+        if (f.role == Role::value) names.push_back("par_type");    // the type of the value
     }
     return names;
 }
@@ -302,7 +302,7 @@ bool knows_words(const Message& row, const Json& given, ValueType7 seven) {
     return true;
 }
 
-// A word that no layout knows which has all the fields.
+// The fault for a word that is known in no layout that has all the fields.
 void fail_for_word(std::span<const Message> layouts, const Json& given, ValueType7 seven) {
     for (const auto& [key, value] : given.items()) {
         std::vector<std::string_view> words;
@@ -368,7 +368,7 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
         if (layouts.size() > 1 && !knows_words(row, given, options.value_type_7)) continue;
         Data data = reader.encode(row.fields(), row.element(), row.fixed_size, given);
         const Message* const taken = select_layout(layouts, data);
-        if (taken == &row) return data;    // else a mode was given that is another layout's
+        if (taken == &row) return data;    // otherwise a mode was given that belongs to another layout
         looks_otherwise = looks_otherwise || row.variant.by_look || (taken != nullptr && taken->variant.by_look);
     }
     if (looks_otherwise) fail("", name + " would be read in another layout with these values: give its data");

@@ -2,8 +2,8 @@
 //
 //   {"from": 220, "to": 254, "id": 3, "name": "euler", "fields": {"rol": 1.23, ...}, "extra": "hex", "data": "hex"}
 //
-// `extra` is what stands behind the layout. `data` stands alone when the frame has no known layout, and beside `fields`
-// where they can't give the bytes back exactly; it wins when encoding, so every frame survives the way there and back.
+// `extra` are the bytes behind the layout. `data` stands alone when the frame has no known layout, and beside `fields`
+// where they can't give the bytes back exactly; when both are given, `data` is encoded, so every frame comes back unchanged.
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/frame.hpp>
@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 struct JsonOptions {
     const FlexibleLayouts* flexible = nullptr;    // layouts of flexible messages
     Encoding encoding = Encoding::utf8;           // of text on the wire
-    ValueType7 value_type_7 = ValueType7::f32;    // among words for types of a command's values
+    ValueType7 value_type_7 = ValueType7::f32;    // for the words for the types of a command's values
 };
 
 /// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
@@ -37,21 +37,21 @@ struct JsonFault {
 };
 
 /// The whole frame, HEAD to AC. `from` is 254 and `to` is 255 where not given; `name` or `id` must be. In place of a
-/// number there may be a text that says one as C would ("0xDC"), or the word for it ("airborne", "flight controller").
-/// `value` of a parameter and `values` of a command may be typed: "f32:1.5", "u16:100,i32:-5". A `value` that devices
-/// would take for more bytes than it has is refused; `par_type` beside it says which type it has and is not sent. The keys
-/// `time` and `link` of a tap are passed over.
+/// number there may be a number as text, written as in C ("0xDC"), or the word for it ("airborne", "flight controller").
+/// `value` of a parameter and `values` of a command may be typed: "f32:1.5", "u16:100,i32:-5". A `value` with fewer bytes
+/// than devices would read is refused; `par_type` beside it tells its type and is not sent. The keys
+/// `time` and `link`, which `monitor` adds, are ignored.
 std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options = {});
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).
-/// `source` is looked at for flexible messages only.
+/// `source` is used for flexible messages only.
 std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
                                                                   const JsonOptions& options = {});
 
-/// The address that `word` is, as a number or as who bears it ("host", "flight controller"); else a fault.
+/// The address that `word` stands for: a number, or a name ("host", "flight controller"); otherwise a fault.
 std::variant<std::uint8_t, JsonFault> address_called(std::string_view word);
 
-/// The id of the message that is called so, or of the number that `word` is; else a fault with the nearest name.
+/// The id that `word` stands for: the name of a message, or a number; otherwise a fault with the nearest name.
 std::variant<std::uint8_t, JsonFault> message_id(std::string_view word);
 
 }    // namespace ano

@@ -27,7 +27,7 @@ public:
         for (const Field& f : reading_.fields()) write(f, json);
         return json;
     }
-    /// The fields hold a null whose bytes they can't tell.
+    /// The fields hold a null from which the bytes can't be restored.
     bool lossy() const noexcept { return lossy_; }
 
 private:
@@ -90,7 +90,7 @@ private:
         return text;
     }
 
-    // What is no whole frame stands beside them, as `data`.
+    // Bytes that are not a whole frame are given beside the frames, as `data`.
     void write_frames(Bytes bytes, Json& json) {
         Json frames = Json::array();
         std::string rest;
@@ -110,7 +110,7 @@ bool is_tunnel(const Reading& reading) noexcept {
     return !reading.fields().empty() && reading.fields().back().type == Type::frames;
 }
 
-// Judged as a reader without our options would encode it.
+// Compared with what a reader without our options would encode.
 bool gives_back(const Json& json, FrameView frame, const JsonOptions& options) {
     const auto again = frame_from_json(json, {options.flexible, Encoding::utf8});
     const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&again);

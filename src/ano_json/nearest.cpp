@@ -6,12 +6,12 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t max_word = 64;    // nobody mistypes longer ones; keeps hostile input cheap
-constexpr std::size_t min_part = 3;     // letters of a word that say which is meant
+constexpr std::size_t max_word = 64;    // longer words are not typed by hand; the limit keeps hostile input cheap
+constexpr std::size_t min_part = 3;     // so many letters of a word are enough to tell which is meant
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Letters added, left out, changed, or two swapped.
+/// The number of edits: a letter added, left out or changed, or two swapped.
 std::size_t edits(std::string_view a, std::string_view b) {
     std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
@@ -47,7 +47,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
         if (candidate.size() > max_word) continue;
         const std::size_t count = edits(word, candidate);
         if (count > fewest || count * 2 > candidate.size()) continue;
-        // Of two that are as near, the one that was not written to its end ("of": off, not on); else the first.
+        // Of two that are equally near, the one that `word` is the beginning of ("of": off, not on); otherwise the first.
         const bool begun = candidate.starts_with(word) && !best.starts_with(word);
         if (count == fewest && !best.empty() && !begun) continue;
         best = candidate;

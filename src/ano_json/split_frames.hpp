@@ -1,4 +1,4 @@
-// The frames that stand in a piece of memory, and what stands between them.
+// The frames in a piece of memory, and the bytes between them.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -9,15 +9,15 @@
 
 namespace ano {
 
-/// Calls `on_frame(FrameView)` for each good frame and `on_gap(offset, bytes)` for what belongs to none, in the order
-/// in which they stand. Linear time.
+/// Calls `on_frame(FrameView)` for each good frame and `on_gap(offset, bytes)` for bytes that belong to no frame, in their
+/// order in memory. Linear time.
 template <class OnFrame, class OnGap>
 void split_frames(std::span<const std::uint8_t> bytes, OnFrame&& on_frame, OnGap&& on_gap) {
     FrameParser::Options options;
     options.max_data = std::min(bytes.size(), max_len);
     FrameParser parser{options};
     std::size_t put_in = 0;
-    std::size_t at = 0;      // end of what was told
+    std::size_t at = 0;      // end of what was reported
     std::size_t good = 0;    // bytes of good frames
     const auto gap_until = [&](std::size_t end) {
         if (end > at) on_gap(at, bytes.subspan(at, end - at));

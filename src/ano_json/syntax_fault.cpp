@@ -31,13 +31,13 @@ std::string word_at(std::string_view text, std::size_t at) {
     return word;
 }
 
-/// As other languages write it, and our own command line.
+/// Words of other languages, and of our own command line.
 bool is_truth_value(std::string_view word) {
     constexpr std::string_view words[]{"true", "false", "yes", "no", "on", "off"};
     return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-/// `text` up to and with `byte` is what was read until something was not expected.
+/// `text`, up to and including `byte`, was read until something unexpected came.
 std::string_view slip(std::string_view text, std::size_t byte, std::string_view message) {
     const std::string_view read = text.substr(0, byte);
     if (text.find_first_not_of(space) == text.npos) return "there is nothing in it";

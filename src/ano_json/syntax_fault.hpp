@@ -1,4 +1,4 @@
-// What is wrong in text that is no JSON.
+// What is wrong in text that is not JSON.
 #pragma once
 #include <exception>
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace ano {
 
-/// "line 3, column 5: syntax error …; expected ']' (is a comma missing before it?)": what the library says of `text`, and the
-/// slip that mostly makes it, where it can be told. `error` is what parsing `text` by nlohmann::json threw.
+/// "line 3, column 5: syntax error …; expected ']' (is a comma missing before it?)": the message of the library for `text`, and
+/// the likely mistake, where it can be recognised. `error` is what nlohmann::json threw when it parsed `text`.
 std::string syntax_fault(std::string_view text, const std::exception& error);
 
 }    // namespace ano

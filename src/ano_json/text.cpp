@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";    // U+FFFD
 
-// Bytes of the UTF-8 character that `text` begins with; 0 when it begins with none. `bad` is then how many bytes of it
-// can't be the beginning of another one.
+// Bytes of the UTF-8 character that `text` begins with; 0 when it does not begin with one. `bad` is then how many bytes
+// of it can't be the beginning of another character.
 std::size_t utf8_length(std::string_view text, std::size_t& bad) {
     const auto at = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
     bad = 1;
@@ -23,7 +23,7 @@ std::size_t utf8_length(std::string_view text, std::size_t& bad) {
     if (first < 0x80) return 1;
     if (first < 0xC2 || first > 0xF4) return 0;
     const std::size_t length = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-    // Overlong forms, surrogates and what is above U+10FFFF show in the second byte.
+    // Overlong forms, surrogates and numbers above U+10FFFF are recognised by the second byte.
     std::uint8_t low = 0x80;
     std::uint8_t high = 0xBF;
     if (first == 0xE0) low = 0xA0;
@@ -48,7 +48,7 @@ public:
     Converter(const Converter&) = delete;
     Converter& operator=(const Converter&) = delete;
 
-    // Converts what it can to the end of `out` and removes it from `in`. False: `in` begins with what it can't convert.
+    // Converts what it can to the end of `out` and removes it from `in`. False: the beginning of `in` can't be converted.
     bool convert(std::string_view& in, std::string& out) {
         while (true) {
             std::array<char, 512> room;
@@ -70,8 +70,8 @@ private:
     iconv_t handle_;
 };
 
-// It is not UTF-8, and all of it is GBK. Text whose last character is cut off, as a field of fixed size does, is still
-// UTF-8 when it has other characters of several bytes.
+// True: it is not UTF-8, and all of it is GBK. Text whose last character is cut off, as happens in a field of fixed size, is
+// still UTF-8 when it has other characters of several bytes.
 bool looks_like_gbk(std::string_view text) {
     bool has_others = false;
     std::string_view rest = text;
@@ -174,7 +174,7 @@ std::string in_quotes(std::string_view text, char mark) {
         } else if (byte < 0x20 || byte == 0x7F) {
             std::snprintf(code.data(), code.size(), "\\u%04x", byte);
             out += code.data();
-        } else if (byte == 0xC2 && next < 0xA0) {    // U+0080 to U+009F: terminals obey them too
+        } else if (byte == 0xC2 && next < 0xA0) {    // U+0080 to U+009F: control characters for terminals too
             std::snprintf(code.data(), code.size(), "\\u%04x", next);
             out += code.data();
             ++i;

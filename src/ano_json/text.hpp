@@ -10,14 +10,14 @@
 
 namespace ano {
 
-/// What text on the wire is written in.
+/// The encoding of text on the wire.
 enum class Encoding : std::uint8_t {
     utf8,
     gbk,
-    automatic,    // each text by its look: GBK where it is GBK and not UTF-8. Written as UTF-8
+    automatic,    // read as GBK where it is valid GBK and not valid UTF-8, otherwise as UTF-8; written as UTF-8
 };
 
-/// Valid UTF-8, with U+FFFD for what is not text in `encoding`. Throws std::runtime_error when the system can't convert
+/// Valid UTF-8, with U+FFFD for bytes that are not text in `encoding`. Throws std::runtime_error when the system can't convert
 /// it (`automatic` takes it for UTF-8 then).
 std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
 /// `text` in `encoding`; nothing when it is not UTF-8 or has characters `encoding` lacks. Throws as to_utf8() does.
@@ -31,7 +31,7 @@ std::string number_text(double value);
 /// The double that prints as `value` does: 0.1 for 0.1f. It is `value` again as a float.
 double widened(float value);
 
-/// Within quotation marks, for people: what a terminal would obey is escaped.
+/// In quotation marks, for people to read: control characters are escaped.
 std::string in_quotes(std::string_view text, char mark = '\'');
 
 }    // namespace ano

@@ -12,7 +12,7 @@
 namespace ano {
 namespace {
 
-constexpr std::size_t max_values = 8;    // command_info tells the types of so many
+constexpr std::size_t max_values = 8;    // command_info has the types of that many
 constexpr std::array<std::string_view, 11> words{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "string"};
 constexpr std::size_t string_word = 10;
 

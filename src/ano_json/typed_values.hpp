@@ -1,4 +1,4 @@
-// Values whose type stands before them, as people write the bytes of a command or a parameter: "u16:100,i32:-5".
+// Values with their types, as people write the bytes of a command or a parameter: "u16:100,i32:-5".
 #pragma once
 #include <ano/schema.hpp>
 #include <ano_json/text.hpp>
@@ -16,11 +16,11 @@ struct TypedValues {
     std::vector<Type> types;
 };
 
-/// Whether `text` is meant to be typed values, not hex digits.
+/// Whether `text` looks like typed values, not like hex digits.
 inline bool is_typed(std::string_view text) noexcept { return text.find(':') != text.npos; }
 
 /// Numbers of the types u8 to f64, packed; `role` is Role::values (up to 8 of them) or Role::value (one, which may also be
-/// "string:TEXT", in `encoding`). Else what is wrong, in a clause.
+/// "string:TEXT", in `encoding`). Otherwise what is wrong, in a clause.
 std::variant<TypedValues, std::string> typed_values(std::string_view text, Role role, Encoding encoding);
 
 }    // namespace ano

@@ -14,14 +14,14 @@ namespace ano {
 /// The word for `value` of `field`: "airborne"; empty when it has none.
 std::string_view word_of(const Field& field, std::uint64_t value, ValueType7 seven) noexcept;
 
-/// The value that `word` stands for in `field`, the first where several share it. Capitals don't count, and '_' and '-'
-/// are as good as a space: "restore_defaults".
+/// The value that `word` stands for in `field`, the first where several share it. Upper and lower case are the same, and '_' and
+/// '-' stand for a space: "restore_defaults".
 std::optional<std::uint32_t> value_called(const Field& field, std::string_view word, ValueType7 seven) noexcept;
 
 /// All words of `field`, each once, in the order of the table.
 std::vector<std::string_view> words_of(const Field& field, ValueType7 seven);
 
-/// Whether two words are one to value_called().
+/// Whether value_called() takes the two words for the same.
 bool is_same_word(std::string_view a, std::string_view b) noexcept;
 
 /// What the wire type of `field` can carry: "i16, -327.68 to 327.67 °".

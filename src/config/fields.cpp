@@ -45,7 +45,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         const std::string_view interface = text.substr(percent + 1, end - percent - 1);
         const auto plain = Endpoint::parse(std::string{text.substr(0, percent)}.append(text.substr(end)));
         if (plain && plain->address.is_link_local())
-            return "'" + shown + "': " + in_quotes(interface) + " is no name of a network interface";
+            return "'" + shown + "': " + in_quotes(interface) + " is not the name of a network interface";
         if (plain) return "'" + shown + "': only a link-local address (fe80::...) takes an interface";
     }
     const std::size_t colon = text.rfind(':');

@@ -92,7 +92,7 @@ std::string placeholder(const KeyFacts& key) {
 std::string unknown_key(std::string_view name, std::span<const KeyFacts* const> keys, std::string_view kind) {
     if (kind == "can" && (name == "bitrate" || name == "dbitrate" || name == "baud"))
         return in_quotes(name) +
-               " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+               " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
     std::vector<std::string_view> usable;
     std::string owners;
     for (const KeyFacts* key : keys) {

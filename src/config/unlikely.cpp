@@ -21,8 +21,8 @@ std::string fault_of_device(const std::string& device) {
         return what + " is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name";
     const bool port = device.starts_with("tty") || device.starts_with("serial") || device.starts_with("usb-") ||
                       device.starts_with("rfcomm") || device.starts_with("dev/");
-    if (port) return what + " is no path of a port (did you mean '" + path_of(device) + "'?)";
-    if (device.find('/') == device.npos) return what + " is no path of a port, such as /dev/ttyUSB0";
+    if (port) return what + " is not the path of a port (did you mean '" + path_of(device) + "'?)";
+    if (device.find('/') == device.npos) return what + " is not the path of a port, such as /dev/ttyUSB0";
     const std::size_t colon = device.rfind(':');
     if (colon != device.npos && parse_number(device.substr(colon + 1)))
         return what + " ends with a number (did you mean '" + device.substr(0, colon) +

@@ -369,7 +369,7 @@ private:
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
         if (link == links_.end()) return;
         if (link->kind != "serial")
-            error(origin, "link", "'link' " + in_quotes(line.link) + " is no serial port: rs485 is for those");
+            error(origin, "link", "'link' " + in_quotes(line.link) + " is not a serial port: rs485 is for those");
         else if (link->serial.flow != FlowControl::none || link->serial.rts)
             error(origin, "link", "'link' " + in_quotes(line.link) + " uses the RTS line by 'flow' or 'rts', which rs485 needs");
     }

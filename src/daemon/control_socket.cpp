@@ -27,7 +27,7 @@ std::string fault_of_socket(const std::string& path, const Runner& runner) {
     const std::string instead = " (give another path by --control, or --control none)";
     std::error_code ec;
     const fs::file_status there = fs::symlink_status(path, ec);
-    if (fs::exists(there) && !fs::is_socket(there)) return path + ": exists and is no socket" + instead;
+    if (fs::exists(there) && !fs::is_socket(there)) return path + ": exists and is not a socket" + instead;
     fs::path folder = folder_of(path);
     if (!fs::exists(folder, ec) && !ec) {
         if (!is_own_folder(folder, runner.runtime_dir)) return path + ": there is no folder " + folder.string() + instead;

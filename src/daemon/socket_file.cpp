@@ -80,7 +80,7 @@ SocketFile::Outcome SocketFile::make_room(const std::string& path) {
     }, around{};
     const UniqueFd there = look_at(folder_, name_, info);
     if (!there) return {};
-    if (!S_ISSOCK(info.st_mode)) return {path + ": exists and is no socket (give another path by --control)"};
+    if (!S_ISSOCK(info.st_mode)) return {path + ": exists and is not a socket (give another path by --control)"};
     if (is_alive(there)) return {path + in_use, true};
     const bool in_our_folder = ::fstat(folder_.fd(), &around) == 0 && around.st_uid == ::geteuid();
     if (info.st_uid != ::geteuid() && !in_our_folder)

@@ -20,10 +20,10 @@ struct FrameCount {
 };
 FrameCount frame_count(const Gateway& gateway);
 
-/// Hints for the log, for those who look at nothing else: each once while its link is up.
+/// The hints that are written to the log: each once while its link is up.
 class HintLog {
 public:
-    /// One line for each hint that was not told yet.
+    /// One line for each hint that was not written yet.
     std::vector<std::string> news(Gateway& gateway);
 
 private:

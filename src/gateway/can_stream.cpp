@@ -20,7 +20,7 @@ std::string hex(std::uint32_t number) {
     return text;
 }
 
-/// In hex, unless it looks as if the 0x of its digits was forgotten.
+/// In hex; in decimal with a suggestion where the 0x seems to have been forgotten.
 std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
     const std::string digits = std::to_string(base);
     const std::uint64_t meant = std::stoull(digits, nullptr, 16);
@@ -101,8 +101,8 @@ CanStreams::Stream* CanStreams::find(std::uint32_t id) noexcept {
     return nullptr;
 }
 
-// An id that was not heard before, or is forgotten, starts with the start of a V8 frame: noise under ever new ids can't push
-// out those who are in the middle of one.
+// A new id is only accepted with the beginning of a V8 frame, so that noise with ever new ids can't take the places of ids that
+// are in the middle of a frame.
 bool CanStreams::begins_stream(std::uint32_t id, std::span<const std::uint8_t> data) noexcept {
     if (!data.empty() && data[0] == ano::head && ids_.source(id)) return true;
     refused_.bytes_in += data.size();

@@ -6,7 +6,7 @@
 namespace anogate {
 namespace {
 
-// How many are looked at for the longest: 250 forged addresses must not make push() slow.
+// How many senders are compared for the most bytes waiting: 250 forged addresses must not make push() slow.
 constexpr int max_search = 16;
 
 }    // namespace
@@ -51,8 +51,8 @@ FairQueue::Number FairQueue::new_flow(std::uint32_t key) noexcept {
     return n;
 }
 
-// A flow gets its turn behind the others of its channel, a channel before all others: who sends now and then does not wait
-// for those who always do.
+// A new flow gets its turn behind the others of its channel, a new channel before all others: a channel that sends now and then
+// does not wait for those that always send.
 void FairQueue::enrol(Number flow) noexcept {
     const std::uint32_t from = nodes_[flow].key >> 8;
     const Number channel = first_channel + from;
@@ -144,8 +144,8 @@ FrameIndex FairQueue::next_of_many() noexcept {
 template FrameIndex FairQueue::next_of_many<false>() noexcept;
 template FrameIndex FairQueue::next_of_many<true>() noexcept;
 
-// A channel of which nothing waits keeps its place until its turn comes and it owes nothing: or it would be new with every
-// frame, and leave first with each.
+// A channel with nothing waiting keeps its place until its turn comes and its balance is not negative. Otherwise it would be
+// new with every frame, and each would leave first.
 template <bool planned>
 FairQueue::Number FairQueue::in_turn(Number ring) noexcept {
     for (;;) {

@@ -5,7 +5,7 @@
 namespace anogate {
 namespace {
 
-// User devices may have these; a port's would be taken for the port.
+// Addresses of user devices; a port id would be taken for the port.
 constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_address = 199;
 
 bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }

@@ -7,10 +7,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t enough_bytes = 64;     // to tell that no frame is among them
-constexpr std::uint64_t enough_frames = 20;    // to speak of a share
-constexpr std::uint64_t enough_long = 5;       // among good frames, where noise would damage others as well
-constexpr ano::Duration patience = 3s;         // shorter silences are no news
+constexpr std::uint64_t enough_bytes = 64;     // so many without a frame are enough for a hint
+constexpr std::uint64_t enough_frames = 20;    // so many are enough for a share of them
+constexpr std::uint64_t enough_long = 5;       // among good frames: noise would damage others as well
+constexpr ano::Duration patience = 3s;         // shorter silences are normal
 constexpr ano::Duration still = 2s;            // bytes younger than that still come
 
 std::string seconds(ano::Duration d) {
@@ -22,7 +22,7 @@ std::string hex(std::uint8_t address) {
     return {'0', 'x', digits[address >> 4], digits[address & 15]};
 }
 
-// For a link to a device that may be waiting for the same.
+// For a link to a device that may itself wait to be spoken to.
 std::string or_hello(const LinkFigures& link) {
     const bool device = link.kind == "serial" || link.kind == "udp" || link.kind == "can";
     return link.waits_to_hear && device && !link.for_hosts ? " (some speak only when spoken to: try hello=on)" : "";
@@ -36,7 +36,7 @@ std::string nothing_at_all(const LinkFigures& link) {
     return {};
 }
 
-/// For how long bytes have come in the place of frames that came before; nothing: they have not.
+/// For how long bytes have come without frames, on a link that had frames before; nothing: that is not so.
 std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     if (link.received.frames_in == 0 || link.skipped_since < enough_bytes) return std::nullopt;
     if (!link.bytes_ago || *link.bytes_ago >= still) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     return without >= patience ? std::optional{without} : std::nullopt;
 }
 
-// The time changes from look to look: where a hint is told once, it has none.
+// The time changes with every look: a hint that is reported once is written without it.
 std::string garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
     std::string text = "bytes but no frames ";
     text += with_time ? "for " : "any more";
@@ -79,7 +79,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     if (link.sent.held_back > 0) return "a peer outside our networks gets little until it answers: name its network in `trusted`";
     if (link.listens && link.channels == 0 && in.denied_in > 0)
         return "senders outside `allow` were refused: add their network to `allow`";
-    if (!link.ring_back.empty()) return ring(link);    // whose copies look like one device on two links
+    if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
     if (link.shared == SharedSource::two_peers) return "two peers speak as one device: `conflicts` in the status says who";

@@ -25,7 +25,7 @@ std::optional<Number> number(std::string_view text, Number most) {
     return value;
 }
 
-// As the kernel has it.
+// In the form of the kernel.
 bool names_interface(std::string_view text) noexcept {
     return !text.empty() && text.size() < IF_NAMESIZE && text != "." && text != ".." &&
            std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' ' || c == '/' || c == ':' || c == 0x7F; });

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t urgent = static_cast<std::size_t>(TrafficClass::urgent);
 
-// Of how many bytes senders take turns, by class. Urgent frames one by one: less than the least frame.
+// The bytes of a turn, by class. Urgent frames take turns one by one: their number is below the smallest frame.
 constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 256};
 
-// How many frames of one bucket are looked at: an attacker's choice of addresses must not make push() slow.
+// How many frames of one bucket are looked at: addresses chosen by an attacker must not make push() slow.
 constexpr int max_search = 16;
 
 std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
@@ -156,7 +156,7 @@ void Outbox::sent_frame() noexcept {
 }
 
 void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
-    assert(frames_ > 0 && begun_ == none);    // the receiver would take what follows for the rest of it
+    assert(frames_ > 0 && begun_ == none);    // otherwise the receiver would take the next frame for the rest of this one
     ++(counters_.*cause);
     const Index i = take_first();
     if (in_flight_) in_flight_->dropped(view(i));
@@ -177,9 +177,9 @@ void Outbox::close() noexcept {
     congested_ = false;
 }
 
-// Takes out the newest frame of this key that came by the same channel, and returns its turn; else UINT64_MAX. One whose
-// turn has come, since all of its sender that waited when its kind began to wait has left, is not replaced: or a kind that
-// comes often would go to the end for ever.
+// Removes the newest frame of this key that came by the same channel, and returns its turn; UINT64_MAX when there is none. A
+// frame is not replaced when its turn has come: when all frames of its sender have left that waited when its kind began to
+// wait. Otherwise a kind that comes often would be moved to the end again and again, and never leave.
 std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     const auto same = [&](Index i) { return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from; };
     Index i = bucket(key, from).last;
@@ -193,7 +193,7 @@ std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     return turn;
 }
 
-// False: the frame itself has to go. One that has begun to leave stands above the bound when nothing else is left to
+// False: the new frame itself is dropped. A frame that has begun to leave may exceed the bound when nothing else is left to
 // drop.
 bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     const std::size_t begun = begun_ != none ? entries_[begun_].size : 0;
@@ -210,8 +210,8 @@ bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     return true;
 }
 
-// Which class drops a frame for one of the class `own`: the lowest that has more than is kept for it. `entitled`: what is
-// kept for `own` is not yet used, and higher classes give way as well.
+// The class that drops a frame for one of the class `own`: the lowest that has more than is reserved for it. `entitled`: what
+// is reserved for `own` is not used up, so that higher classes give way as well.
 std::size_t Outbox::gives_way(std::size_t own, bool entitled) const noexcept {
     for (std::size_t t = traffic_classes; t-- > (entitled ? 0 : own);)
         if (t == own ? !entitled && !queues_[t].empty() : has_more(queues_[t])) return t;
@@ -252,7 +252,7 @@ void Outbox::leave_bucket(Index i) noexcept {
     unlink<&WaitingFrame::in_bucket>(entries_.get(), bucket(entry.key, queues_[entry.traffic].channel_of(i)), i);
 }
 
-// `i` stands in no queue any more.
+// `i` is no longer in a queue.
 void Outbox::release(Index i) noexcept {
     unlink<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     bytes_ -= entries_[i].size;
@@ -285,7 +285,7 @@ Outbox::Schedule Outbox::plan(ano::TimePoint now) noexcept {
     return plan;
 }
 
-// What the class sends next, without what is stale.
+// The next frame of the class that is not stale.
 void Outbox::look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept {
     Index i = queues_[traffic].next_planned();
     for (; i != none && entries_[i].stale_at <= now.time_since_epoch(); i = queues_[traffic].next_planned())

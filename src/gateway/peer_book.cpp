@@ -32,7 +32,7 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
     return count;
 }
 
-// An address has few rows here too, or one would keep all others from being remembered.
+// An address has few rows here too, so that one address can't take the places of all others.
 bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
     Knock* oldest = &knocks_[0];
     Knock* oldest_of_address = nullptr;
@@ -90,7 +90,7 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
     if (p.is_gone) return true;
     if (!is_silent(p, now)) return false;
     if (!may_listen(p) || now >= max_stay(p)) return true;
-    std::size_t later = 0;    // silent ones of its address, heard after it
+    std::size_t later = 0;    // silent peers of its address that were heard later
     for (const ChannelId other : used_) {
         const Peer& o = peer(other);
         if (o.endpoint.address != p.endpoint.address || o.is_gone || !may_listen(o) || !is_silent(o, now)) continue;

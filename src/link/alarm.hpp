@@ -1,4 +1,4 @@
-// Everything that waits for a time waits on one timer: the process wakes once for all that is due about then.
+// Many alarms on one timer: the process wakes once for all alarms that are due at about the same time.
 #pragma once
 #include <ano/time.hpp>
 #include <link/asio.hpp>

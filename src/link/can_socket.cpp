@@ -83,7 +83,7 @@ std::string can_interface_fault(const CanSettings& can) {
     const UniqueFd any{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     ifreq request = request_for(name);
     if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);
-    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return name + " is no CAN interface";
+    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return name + " is not a CAN interface";
     if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return can_error_text(can, errno);
     if ((request.ifr_flags & IFF_UP) == 0) return can_error_text(can, ENETDOWN);
     if (can_bus_is_off(name)) return name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back";

@@ -45,7 +45,7 @@ std::string fault_of_folder(const fs::path& path) {
     const fs::file_type there = fs::status(folder, ec).type();
     if (is_own(folder) || there == fs::file_type::directory || there == fs::file_type::none || there == fs::file_type::unknown)
         return {};
-    return there == fs::file_type::not_found ? "there is no folder " + folder.string() : folder.string() + " is no folder";
+    return there == fs::file_type::not_found ? "there is no folder " + folder.string() : folder.string() + " is not a folder";
 }
 
 bool is_taken(const fs::path& path) {

@@ -33,7 +33,7 @@ TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> 
       wrap_to_{std::move(wrap_to)} {}
 
 void TunnelLink::carry(Channel& from, ano::FrameView frame) {
-    look_around(context().host.now());
+    refresh_networks(context().host.now());
     host_.learn(from, frame);
     const auto passes = [&](ano::FrameView inner) {
         if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner) || !host_.passes_loop_guard(from, inner, id()))
@@ -54,7 +54,7 @@ void TunnelLink::carry(Channel& from, ano::FrameView frame) {
 void TunnelLink::opened(const Endpoint& local) { tunnel_.set_port(local.port); }
 
 bool TunnelLink::allowed(const Endpoint& sender, TimePoint now) {
-    look_around(now);
+    refresh_networks(now);
     if (!tunnel_.admits(sender)) return false;
     before_stranger_ = tunnel_.counters();
     return true;
@@ -69,7 +69,7 @@ bool TunnelLink::welcomes(const Endpoint& sender, ano::FrameView frame) {
 
 void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     if (!is_tunnel_frame(frame)) return pass_on(channel, sender, frame);
-    look_around(context().host.now());
+    refresh_networks(context().host.now());
     if (!host_.admit(channel, frame)) return;
     tunnel_.in(frame, sender.address, [&](ano::FrameView inner) { pass_on(channel, sender, inner); });
 }
@@ -86,7 +86,7 @@ void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender
     if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.admit_unopened(channel, frame)) return;
     if (!host_.passes_loop_guard(channel, frame, to.link) || !host_.may_leave(to.link, frame)) return;
     if (!wrapping_) {
-        look_around(context().host.now());
+        refresh_networks(context().host.now());
         if (!tunnel_.begin_wrap(rule, to.max_data, sender)) {
             cannot_wrap_ = true;
             return;
@@ -103,7 +103,7 @@ void TunnelLink::delivered() {
     took_ = cannot_wrap_ = false;
 }
 
-void TunnelLink::look_around(TimePoint now) {
+void TunnelLink::refresh_networks(TimePoint now) {
     if (looked_at_ != TimePoint{} && now - looked_at_ < look_again) return;
     looked_at_ = now;
     last_way_.reset();

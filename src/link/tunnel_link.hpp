@@ -59,7 +59,7 @@ private:
 
     void pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame);
     void wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame);
-    void look_around(TimePoint now);
+    void refresh_networks(TimePoint now);
     std::optional<IpAddress> our_address(const IpAddress& there);
 
     struct Way {

@@ -1,4 +1,4 @@
-// What a byte costs from the read to the frame: good frames, noise, and input crafted to be slow. Crafted input should
+// The cost of a byte from the read to the frame: good frames, noise, and input crafted to be slow. Crafted input should
 // not cost more than twice what good frames of 21 bytes cost. Input goes in by reads of 4096 bytes, the copy included.
 #include <ano/parser.hpp>
 #include <support/crafted.hpp>

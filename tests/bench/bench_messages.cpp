@@ -1,5 +1,5 @@
-// Decoding by the table beside the same by hand: a packed struct for code that knows its message, a walk over a table
-// of offsets for code that does not.
+// Decoding by the table compared with code written by hand: a packed struct where the message is known when compiling, a loop
+// over a table of offsets where it is not.
 #include <benchmark/benchmark.h>
 #include <ano/reading.hpp>
 #include <ano/typed.hpp>
@@ -18,7 +18,7 @@ struct [[gnu::packed]] Inertial {
     std::uint8_t shock_sta;
 };
 
-// Many different frames, so that nothing is known when compiling.
+// Many different frames, so that the compiler can't know their content.
 std::vector<std::array<std::uint8_t, overhead + sizeof(Inertial)>> frames() {
     std::vector<std::array<std::uint8_t, overhead + sizeof(Inertial)>> all(256);
     for (std::size_t i = 0; i < all.size(); ++i) {

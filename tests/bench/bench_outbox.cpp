@@ -1,4 +1,4 @@
-// What a frame costs between the router and the wire: light traffic, a line that is always full, and state that is replaced.
+// The cost of a frame between the router and the wire: light traffic, a line that is always full, and state that is replaced.
 #include <gateway/outbox.hpp>
 
 #include <support/bytes.hpp>
@@ -54,7 +54,7 @@ void full(benchmark::State& state) {
 }
 BENCHMARK(full);
 
-// The same, of eight senders on four channels, as on a port that everybody's telemetry leaves by.
+// The same with eight senders on four channels, as on a port by which all telemetry leaves.
 void of_many(benchmark::State& state) {
     const auto offered = static_cast<std::size_t>(state.range(0));
     const auto taken = static_cast<std::size_t>(state.range(1));

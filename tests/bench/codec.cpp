@@ -43,7 +43,7 @@ Results results_of(const std::string& filter) {
     return std::move(collector.results);
 }
 
-// Of good frames, the % that are in time; a value a seed, the worst of three rates and two drivers.
+// The % of good frames that are in time; one value for each seed, the worst of three rates and two drivers.
 std::vector<double> in_time(support::Noise noise) {
     std::vector<double> shares;
     for (std::uint64_t seed = 1; seed <= 9; ++seed) {

@@ -1,4 +1,4 @@
-// A process that forwards, anogated or a bare loop, and the sockets where what it sends arrives.
+// A process that forwards, anogated or a bare loop, and the sockets that receive what it sends.
 #pragma once
 #include "gateway_process.hpp"
 #include "talking_ptys.hpp"

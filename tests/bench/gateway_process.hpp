@@ -8,7 +8,7 @@ namespace bench {
 
 class GatewayProcess {
 public:
-    /// `program LINK...`, behind the words of `tracer` if any; returns when its status answers.
+    /// Runs `program LINK...`, under `tracer` if given; returns when it answers for its status.
     GatewayProcess(const std::string& program, const std::vector<std::string>& arguments,
                    const std::vector<std::string>& tracer = {});
 
@@ -22,7 +22,7 @@ private:
         std::string path;
         ~Folder();
     };
-    Folder folder_;    // outlives what runs in it
+    Folder folder_;    // must be destroyed after what runs in it
     Child child_;
 };
 

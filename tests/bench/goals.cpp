@@ -1,5 +1,5 @@
-// Measures what anogate promises, beside the least that the same work can cost, side by side in short rounds: what else
-// the machine does meets both. Prints a table in Markdown. Exit status 1: a goal is missed.
+// Measures the goals of anogate, and beside each the least that the same work can cost, in turns of short rounds, so that other
+// load on the machine affects both. Prints a table in Markdown. Exit status 1: a goal is missed.
 // Usage: goals PATH-TO-anogated [NAME...]
 #include "goals.hpp"
 

@@ -1,4 +1,4 @@
-// What anogated costs when nothing happens, and how often it bothers the system when much does.
+// What anogated costs when nothing happens, and how many system calls it makes under load.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -13,7 +13,7 @@ namespace bench {
 
 using namespace std::chrono_literals;
 
-// With all that may make a link wait: devices absent, an address that no interface has, a terminal that nobody opened.
+// With all reasons for a link to wait: absent devices, an address that no interface has, a terminal that nobody opened.
 void measure_idle(Run& run) {
     const std::string path = "/tmp/anogate-bench-" + std::to_string(::getpid());
     const GatewayProcess gateway{run.anogated,

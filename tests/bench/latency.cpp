@@ -1,4 +1,4 @@
-// How long light traffic takes through each, in turn.
+// The latency of light traffic through anogated and through a bare loop, in turns.
 #include "forwarder.hpp"
 #include "goals.hpp"
 
@@ -24,7 +24,7 @@ std::optional<double> travel_time(const Socket& sender, const Socket& taker, std
     return std::chrono::duration<double, std::micro>(steady_clock::now() - sent).count();
 }
 
-// Only those that are measured: this thread asks all the time, and would hold up the kernel's own threads.
+// Real-time priority only for the measured processes: this thread polls without pause, and would block kernel threads.
 Forwarder undisturbed(const std::function<Forwarder()>& start) {
     const Undisturbed undisturbed;
     return start();

@@ -22,7 +22,7 @@ constexpr auto measured = 3s;
 
 std::uint64_t now() { return static_cast<std::uint64_t>(steady_clock::now().time_since_epoch() / 1ns); }
 
-// How old the frames are that leave the line, in ms: their DATA says when they were sent.
+// The age of the frames that leave the line, in ms: their DATA holds the time when they were sent.
 class Ages {
 public:
     void note(ano::FrameView frame) {

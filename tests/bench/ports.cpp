@@ -1,4 +1,4 @@
-// Many serial ports that are full.
+// Many serial ports at their full rate.
 #include "forwarder.hpp"
 #include "goals.hpp"
 

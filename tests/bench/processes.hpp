@@ -36,8 +36,8 @@ private:
 /// The measuring process and its threads stay on the first processor.
 void stay_on_first_processor();
 
-/// While it lives, its thread and the processes and threads that this one starts meanwhile, those for good, are not
-/// held up by others, where the system permits that: what is measured is the program, not what else the machine does.
+/// While it lives, its thread has real-time priority, where the system permits that; processes and threads that are started
+/// meanwhile keep it. So other load on the machine does not affect the measurement.
 class Undisturbed {
 public:
     Undisturbed();
@@ -46,7 +46,7 @@ public:
     Undisturbed& operator=(const Undisturbed&) = delete;
 };
 
-/// A word in shared memory, to count in a fork and read outside.
+/// A counter in shared memory, for a fork to count and its parent to read.
 std::uint64_t* shared_word();
 
 }    // namespace bench

@@ -33,7 +33,7 @@ SlowLine::~SlowLine() {
     ::close(fd_);
 }
 
-// What there was no byte for in time is lost: a line does not catch up.
+// Time in which no byte was there is lost: a line does not catch up.
 void SlowLine::run() {
     const auto begin = steady_clock::now();
     double missed = 0;

@@ -7,7 +7,7 @@
 namespace bench {
 namespace {
 
-// Three digits that mean something, thousands apart.
+// Three significant digits, with separators for thousands.
 std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.*f", value == 0 || value >= 100 ? 0 : value < 1 ? 3 : value < 10 ? 2 : 1, value);

@@ -1,4 +1,4 @@
-// What was measured beside what, and whether the goal is met.
+// The table of results, with what each is compared with, and whether the goal is met.
 #pragma once
 #include <string>
 #include <vector>

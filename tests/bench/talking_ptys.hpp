@@ -1,4 +1,4 @@
-// Pseudo-terminals whose other ends are devices that talk without a pause.
+// Pseudo-terminals whose other ends are devices that send without a pause.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace bench {
 
 class TalkingPtys {
 public:
-    /// Each of `count` devices sends whole frames to `destination`, `rate` bytes/s, a millisecond's worth at a time,
-    /// cut wherever it falls; rate 0: as much as is taken. The devices' addresses count up from 0x43.
+    /// Each of `count` devices sends whole frames to `destination`, `rate` bytes/s, in writes of a millisecond's bytes, which may
+    /// cut a frame anywhere; rate 0: as much as is taken. The devices' addresses count up from 0x43.
     TalkingPtys(std::size_t count, std::uint8_t destination, std::size_t rate);
     ~TalkingPtys();
     TalkingPtys(const TalkingPtys&) = delete;
@@ -20,7 +20,7 @@ public:
     /// What to open to hear device `i`.
     const std::string& path(std::size_t i) const { return devices_[i].path; }
     void start();
-    /// Ends behind a whole frame of each.
+    /// Stops each behind a whole frame.
     void stop();
     /// Sent by all of them since the beginning. Valid when stopped.
     std::uint64_t frames() const noexcept;

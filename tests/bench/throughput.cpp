@@ -1,4 +1,4 @@
-// What a frame costs while as much comes in as is taken: the forwarding process's own CPU time.
+// The cost of a frame at full load: CPU time of the forwarding process.
 #include "forwarder.hpp"
 #include "goals.hpp"
 

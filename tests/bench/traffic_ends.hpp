@@ -1,4 +1,4 @@
-// The ends of the traffic: who offers frames as fast as it can, who takes them, and the bare loops between.
+// Sender and receiver of the traffic, and the bare loops that are compared with anogated.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -29,7 +29,7 @@ public:
     std::uint16_t port() const noexcept { return port_; }
     std::string text() const { return "127.0.0.1:" + std::to_string(port_); }
     void connect(std::uint16_t port);
-    /// To whom it is connected.
+    /// The peer it is connected to.
     void send(std::span<const std::uint8_t> bytes) const;
     /// Takes datagrams up to the one of these `bytes`; false when it did not come in time. Asks without a pause, so that only
     /// the sender's way is measured.
@@ -66,7 +66,7 @@ private:
     std::thread thread_;
 };
 
-/// The yardstick: reads datagrams in batches from `in` and sends each of them to every one of `out`, or, when `pack` is
+/// What anogated is compared with: reads datagrams in batches from `in` and sends each of them to every one of `out`, or, when `pack` is
 /// not 0, joined into datagrams of up to `pack` bytes. Neither parses nor routes. Counts frames sent; never returns.
 [[noreturn]] void bare_loop(int in, const std::vector<int>& out, std::size_t pack, std::uint64_t* frames);
 

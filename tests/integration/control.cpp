@@ -163,7 +163,7 @@ TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
     const TempDir other;
     std::ofstream{other / "file"} << "precious";
     Daemon second{ANOGATED, other / "file", {"sim:fc"}};
-    EXPECT_TRUE(second.until_says("file: exists and is no socket (give another path by --control")) << second.output();
+    EXPECT_TRUE(second.until_says("file: exists and is not a socket (give another path by --control")) << second.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 
@@ -198,7 +198,8 @@ TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
 TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "precious";
-    for (const auto& [path, words] : {std::pair{"file", "exists and is no socket"}, {"rnu/control.sock", "there is no folder"}}) {
+    for (const auto& [path, words] :
+         {std::pair{"file", "exists and is not a socket"}, {"rnu/control.sock", "there is no folder"}}) {
         Daemon daemon{ANOGATED, dir / path, {"sim:fc"}};
         EXPECT_EQ(daemon.wait(), 78);
         EXPECT_TRUE(daemon.output().starts_with("anogated: --control: " + (dir / path) + ": " + words)) << daemon.output();

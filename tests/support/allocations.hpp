@@ -1,4 +1,4 @@
-// Counts what is allocated. Replaces operator new for the whole program: include it in one source of it only.
+// Counts allocations. Replaces operator new for the whole program: include it in one source of it only.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,14 +11,14 @@ inline std::uint64_t allocations = 0;
 
 }    // namespace support
 
-// Out of line: where GCC sees through one of a pair, it takes malloc and delete for mismatched.
+// Not inline: GCC would see malloc in one and delete in another place, and warn of a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
     ++support::allocations;
     if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
     throw std::bad_alloc{};
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-// What the standard's memory resources ask for.
+// Called by the memory resources of the standard library.
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
     ++support::allocations;
     const auto to = static_cast<std::size_t>(alignment);

@@ -1,4 +1,4 @@
-// FrameParser and ReferenceParser side by side: what is done to one is done to the other, and any difference is told.
+// FrameParser and ReferenceParser side by side: both get the same calls, and the first difference is reported.
 #pragma once
 #include <support/reference_parser.hpp>
 
@@ -57,7 +57,7 @@ private:
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.data(), n, room.data());
             parser_.commit(n, now);
-            reference_.put({bytes.data(), bytes.data() + n}, now);    // what was there when may decide
+            reference_.put({bytes.data(), bytes.data() + n}, now);    // the result may depend on when which bytes were there
             bytes = bytes.subspan(n);
             drain();
         }

@@ -1,4 +1,4 @@
-// Whole frames as bytes that own themselves, for tests.
+// Whole frames as vectors of bytes, for tests.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -18,7 +18,7 @@ inline Bytes frame(std::uint8_t source, std::uint8_t destination, std::uint8_t i
     return bytes;
 }
 
-/// "AB FE FF": what the hex digits say.
+/// The bytes of hex digits: "AB FE FF".
 inline Bytes hex(std::string_view text) {
     Bytes bytes;
     const auto digit = [](char c) { return c <= '9' ? c - '0' : (c | 0x20) - 'a' + 10; };
@@ -35,8 +35,8 @@ inline Bytes operator+(Bytes a, const Bytes& b) {
     return a;
 }
 
-/// The frames that `stream` consists of; `rest` is what follows the last whole one. Nothing is skipped: bytes that are no
-/// frame end the list, and are the rest.
+/// The frames that `stream` consists of; `rest` is what follows the last whole one. Nothing is skipped: bytes that are not
+/// a frame end the list, and are the rest.
 struct Split {
     std::vector<Bytes> frames;
     Bytes rest;

@@ -1,4 +1,4 @@
-// Work in a process of its own, which is ended with its handle.
+// Work in a process of its own, which is killed when its handle is destroyed.
 #pragma once
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -26,7 +26,7 @@ public:
     Child& operator=(const Child&) = delete;
 
     pid_t pid() const { return pid_; }
-    /// Its exit status; 128 and the signal when one ended it.
+    /// Its exit status; 128 + the signal when a signal ended it.
     int wait() {
         int status = 0;
         ::waitpid(pid_, &status, 0);

@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// Appends some of itself; asked again until there is enough.
+/// Appends some bytes; called again until there are enough.
 using Piece = std::function<void(Bytes&, Random&)>;
 
 struct Crafted {
@@ -33,7 +33,7 @@ inline Piece headers_of_any_length(std::size_t heads, std::size_t largest) {
     };
 }
 
-/// A header every `step` bytes, and all their frames end where a run of `run` bytes ends.
+/// A header every `step` bytes; the frames of all of them end where the run of `run` bytes ends.
 inline Piece headers_that_just_fit(std::size_t step, std::size_t run) {
     return [=](Bytes& input, Random&) {
         Bytes bytes(run, 0);
@@ -47,8 +47,8 @@ inline Piece headers_that_just_fit(std::size_t step, std::size_t run) {
     };
 }
 
-/// `piece` where 0xAB, 0 and 0xA7 have been heard; in front of each `run` bytes of it a header from 0x77, which has not, of
-/// the largest frame: as long as that waits, two frames in a row are looked for in what follows.
+/// Copies of `piece`, after good frames of the sources 0xAB, 0 and 0xA7. In front of each `run` bytes stands a header of the
+/// largest frame from 0x77, which was not heard: while it waits for its rest, two frames in a row are searched for behind it.
 inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size_t max_data) {
     return [=, next = std::size_t{0}](Bytes& input, Random& random) mutable {
         if (input.empty()) {
@@ -67,7 +67,7 @@ inline Piece behind_false_headers(const Piece& piece, std::size_t run, std::size
     };
 }
 
-/// Good frames that never stand in a row.
+/// Good frames, but never two in a row.
 inline void lonely_frames(Bytes& input, Random&) {
     const Bytes lonely = frame(0, 0xFF, 0xE0, {1, 0, 0});
     input.insert(input.end(), lonely.begin(), lonely.end());

@@ -1,5 +1,4 @@
-// The system calls by which frames leave, in the test program's own hands: it takes the place of libc's, and does what a kernel
-// may do but seldom does. Include it in one file of a program.
+// Replaces the system calls by which frames leave, so that a test can make them do what a kernel may do but seldom does. Include it in one file of a program.
 #pragma once
 #include <sys/socket.h>
 #include <sys/syscall.h>

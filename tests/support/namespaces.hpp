@@ -1,4 +1,4 @@
-// Machines of their own for the network: namespaces joined by veth, made with iproute2 and gone with the test, however it ends.
+// Network namespaces, joined by veth, that stand for machines: made with iproute2, and gone with the test, however it ends.
 #pragma once
 #include <fcntl.h>
 #include <sched.h>
@@ -14,7 +14,7 @@ namespace support {
 /// False: the command failed.
 inline bool run_ip(const std::string& arguments) { return std::system(("ip " + arguments + " >/dev/null 2>&1").c_str()) == 0; }
 
-/// This thread is in the namespace of `fd` as long as this lives; the sockets and processes it makes stay there.
+/// While this object lives, the thread is in the namespace of `fd`; the sockets and processes it makes stay there.
 class Inside {
 public:
     explicit Inside(int fd) : home_{::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)} {
@@ -35,7 +35,7 @@ private:
     int home_;
 };
 
-/// A namespace without a name: it lives by our descriptor, so none outlives the test, whatever fails.
+/// A namespace without a name: only our descriptor keeps it, so it never outlives the test.
 class Namespace {
 public:
     Namespace() : fd_{make()} { ip("link set lo up"); }
@@ -80,7 +80,7 @@ private:
     Descriptor fd_;
 };
 
-/// Why there can be none here; empty: there can.
+/// Why namespaces are not possible here; empty: they are.
 inline std::string no_namespaces() {
     if (::getuid() != 0) return "network namespaces need root";
     if (!run_ip("-V")) return "network namespaces need the command ip (Debian package iproute2)";

@@ -1,4 +1,4 @@
-// A network of the test's own: interfaces and addresses come and go here without touching the machine's.
+// A network of the test's own: its interfaces and addresses are not those of the machine.
 #pragma once
 #include <fcntl.h>
 #include <sched.h>
@@ -8,7 +8,7 @@
 
 namespace support {
 
-/// The calling thread, and every socket and process it makes, is inside until this ends. Needs root and the program `ip`.
+/// The calling thread, and every socket and process it makes, is inside until the destructor. Needs root and the program `ip`.
 class NetworkNamespace {
 public:
     NetworkNamespace() : before_{::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC)} {

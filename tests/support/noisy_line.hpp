@@ -1,5 +1,5 @@
-// A serial line that is full of telemetry and brings false headers, as arithmetic: how late its good frames come out of
-// the parser. Time is a number, the seed is fixed.
+// Simulates a serial line that is full of telemetry and has false headers, and measures how late good frames come out of
+// the parser. Time is simulated, the seed is fixed.
 #pragma once
 #include <ano/parser.hpp>
 #include <support/bytes.hpp>
@@ -14,9 +14,9 @@
 namespace support {
 
 enum class Noise {
-    random_headers,         // HEAD and five random bytes: most claim more than max_data
+    random_headers,         // HEAD and five random bytes: mostly LEN is above max_data
     headers_to_max_data,    // the same, but LEN is 0 to max_data
-    flipped_len,            // one bit of LEN of a telemetry frame turned over
+    flipped_len,            // one bit of LEN of a telemetry frame flipped
 };
 
 struct NoisyLine {
@@ -43,7 +43,7 @@ namespace noisy_line {
 
 struct Sent {
     Bytes bytes;
-    std::size_t end;    // in the stream
+    std::size_t end;    // place in the stream
 };
 
 struct Stream {
@@ -51,7 +51,7 @@ struct Stream {
     std::vector<Sent> good;
 };
 
-// What a flight controller and an optical flow sensor send; in each the number of the frame.
+// What a flight controller and an optical flow sensor send; each frame holds its number.
 inline Bytes telemetry(std::size_t number) {
     struct Kind {
         std::uint8_t source, id;
@@ -109,7 +109,7 @@ inline Delays delays_on(const NoisyLine& line) {
             const auto is_it = [&](const noisy_line::Sent& s) { return std::ranges::equal(frame->bytes(), s.bytes); };
             const auto from = stream.good.begin() + static_cast<std::ptrdiff_t>(next);
             const auto found = std::find_if(from, stream.good.end(), is_it);
-            if (found == stream.good.end()) continue;    // noise that is a frame
+            if (found == stream.good.end()) continue;    // noise that happens to be a frame
             const Seconds delay = now.time_since_epoch() - time_of(found->end);
             delays.lost += static_cast<std::size_t>(found - from);
             delays.in_time += delay <= Seconds{0.020} + 2 * time_of(found->bytes.size());

@@ -1,4 +1,4 @@
-// A private network, and an open one where somebody uses its addresses.
+// A private network, and an open one in which a stranger uses the addresses of the private one.
 #pragma once
 #include "namespaces.hpp"
 #include "running_gateway.hpp"
@@ -12,7 +12,7 @@
 
 namespace support {
 
-/// wg0 leads from the vehicle to the ground, wifi0 to the stranger; the kernel is no help.
+/// wg0 leads from the vehicle to the ground, wifi0 to the stranger; the kernel does not filter by source address.
 struct OpenNetworkBeside {
     Namespace vehicle, ground, stranger;
 
@@ -26,12 +26,12 @@ struct OpenNetworkBeside {
             std::ofstream{std::string{"/proc/sys/net/ipv4/conf/"} + one + "/rp_filter"} << 0;
     }
     void join_ground() { vehicle.join(ground, "wg0", "10.77.0.1/24", "10.77.0.2/24"); }
-    /// The vehicle's; it is to be run inside.
+    /// The vehicle's namespace; the gateway is to run in it.
     std::unique_ptr<RunningGateway> gateway(const std::vector<anogate::LinkSettings>& links) {
         const Inside inside{vehicle};
         return std::make_unique<RunningGateway>(settings_of(links));
     }
-    /// The ground station, or the stranger under its address.
+    /// A socket of the ground station, or of the stranger with the same address.
     std::unique_ptr<UdpPeer> at(const Namespace& space, const std::string& local = "10.77.0.2:0") {
         const Inside inside{space};
         return std::make_unique<UdpPeer>(local);
@@ -48,7 +48,7 @@ struct OpenNetworkBeside {
             << (bound ? "bound: " : "not bound: ") << daemon.link("ground").dump();
         EXPECT_EQ(daemon.count("ground", "frames_in"), heard) << "the stranger's datagrams were there first";
     }
-    /// wg0 goes and comes, and the link "ground", which is bound to it, with it.
+    /// Removes wg0 and makes it anew; the link "ground", which is bound to it, goes down and up.
     void expect_ground_to_follow(RunningGateway& daemon) {
         ASSERT_TRUE(daemon.until_up("ground"));
         vehicle.ip("link delete wg0");

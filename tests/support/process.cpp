@@ -81,7 +81,7 @@ bool Process::is_running() {
     return !status_;
 }
 int Process::wait(std::chrono::steady_clock::duration limit) {
-    // ThreadSanitizer of clang 14 takes a signal from the kernel now and then and never hands it on.
+    // ThreadSanitizer of clang 14 sometimes takes a signal from the kernel and never delivers it.
     auto again = std::chrono::steady_clock::now();
     wait_until(
         [&] {

@@ -1,4 +1,4 @@
-// The real program as a process, ended with its handle, and the socket it answers on.
+// The real program as a process, killed when its handle is destroyed, and the socket it answers on.
 #pragma once
 #include "wait.hpp"
 
@@ -31,12 +31,12 @@ public:
     pid_t pid() const { return pid_; }
     void signal(int number) const { ::kill(pid_, last_signal_ = number); }
     bool is_running();
-    /// Its exit status, 128 and the signal that ended it, or -1 when it still runs after `limit`.
+    /// Its exit status, 128 + the signal that ended it, or -1 when it still runs after `limit`.
     int wait(std::chrono::steady_clock::duration limit = patience);
     /// What it has written so far, standard output and error.
     const std::string& output();
     bool until_says(const std::string& words, std::chrono::steady_clock::duration limit = patience);
-    /// A field of /proc/PID/status, its number.
+    /// The number in a field of /proc/PID/status.
     long proc_status(const std::string& field) const;
 
 private:

@@ -1,5 +1,5 @@
-// Finds the frames as the protocol text and the rules of resynchronisation tell it, one sentence after the other, with
-// no thought for cost. FrameParser must find the same.
+// Finds the frames exactly by the protocol text and the rules of resynchronisation, simply written and slow.
+// FrameParser must find the same.
 #pragma once
 #include <ano/parser.hpp>
 
@@ -46,7 +46,7 @@ public:
             if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
                 give_up_before(behind);
             } else if (now >= overdue_at(at_, since_)) {
-                // Of a candidate that shows only now, it is known that it came with the last byte at the latest.
+                // When this candidate came is not known: with the last byte at the latest.
                 std::size_t next = at_ + 1;
                 while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_))) ++next;
                 give_up_before(next);
@@ -93,11 +93,11 @@ private:
         return !has_fixed_length(id, bytes_[at_ + 6]) || length_at(at_) <= max_size_[id];
     }
 
-    // A look is paid with 32 bytes of good frames; 65536 may be saved.
+    // A look costs the credit of 32 bytes of good frames; the credit is at most 65536.
     bool can_look() const { return credit_ >= 32; }
 
-    // When a header is first looked at it is decided whether its frame counts: its source has been heard, and it and another
-    // end before the frame that waits.
+    // The first look at a header decides whether its frame counts: its source has been heard, and it and another
+    // frame end before the frame that waits.
     bool two_good_frames_behind() {
         for (std::size_t at = at_ + 1; at + 6 <= bytes_.size(); ++at) {
             if (bytes_[at] != 0xAB || counts_.count(at) > 0) continue;
@@ -122,7 +122,7 @@ private:
         return 0;
     }
 
-    // What begins before `place` waits no longer.
+    // Candidates that begin before `place` no longer wait.
     void give_up_before(std::size_t place) {
         given_up_ = place;
         look();
@@ -155,7 +155,7 @@ private:
                     drop();
                     break;
                 }
-                // To give way costs a look as well.
+                // Giving way costs a look as well.
                 if (waiting() > 8 && !sources_.empty() && !credible() && can_look() && two_good_frames_behind() && can_look()) {
                     credit_ -= 32;
                     drop();
@@ -177,8 +177,8 @@ private:
 
     ano::FrameParser::Options options_;
     Bytes bytes_;                 // all that ever came
-    std::size_t at_ = 0;          // what stands before is skipped or part of a good frame
-    std::size_t given_up_ = 0;    // what begins before this has no rest to wait for
+    std::size_t at_ = 0;          // the bytes before are skipped or part of a good frame
+    std::size_t given_up_ = 0;    // candidates that begin before this do not wait for their rest
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};

@@ -1,4 +1,4 @@
-// A way between two programs that takes its time, in each direction its own, and may fail without a word.
+// A connection between two programs with a delay, which may differ by direction, that may fail without notice.
 #pragma once
 #include "udp_peer.hpp"
 

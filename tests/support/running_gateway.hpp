@@ -30,7 +30,7 @@ public:
 
     /// Runs the loop until `holds` does; false when it does not within `limit`.
     bool until(const std::function<bool()>& holds, anogate::Duration limit = patience);
-    /// Runs the loop for a time: only for what must not happen meanwhile.
+    /// Runs the loop for a time: only to show that something does not happen meanwhile.
     void run_for(anogate::Duration time);
     bool until_up(const std::string& name);
     bool until_waiting(const std::string& name);
@@ -40,13 +40,13 @@ public:
 
     nlohmann::json status();
     nlohmann::json link(const std::string& name);
-    /// A counter of a link. Many tests ask after every frame: no detour by the status, where what is counted is known.
+    /// A counter of a link, read directly: the status as JSON would be too slow for tests that ask after every frame.
     std::uint64_t count(const std::string& name, const std::string& counter);
     std::uint16_t port(const std::string& name);
-    /// What the status knows of an address; null when nothing.
+    /// The entry of an address in the status; null when there is none.
     nlohmann::json route(const std::string& address);
 
-    /// The law of the counters: what was offered to a channel and is not accounted for, waits.
+    /// The invariant of the counters: what was offered to a channel and is in no other counter is `waiting`.
     bool counters_add_up();
 
 private:

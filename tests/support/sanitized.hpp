@@ -1,4 +1,4 @@
-// Whether a sanitizer watches: it takes memory of its own, and every step takes longer.
+// Whether the program is built with a sanitizer, which needs memory of its own and makes everything slower.
 #pragma once
 
 namespace support {

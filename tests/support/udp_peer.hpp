@@ -1,4 +1,4 @@
-// A UDP socket as a ground station would have one; its port is the kernel's choice.
+// A UDP socket as a ground station would have one; the kernel chooses its port.
 #pragma once
 #include "bytes.hpp"
 #include "settings.hpp"

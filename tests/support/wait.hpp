@@ -1,4 +1,4 @@
-// Waits for a thing to happen, never for a time to pass.
+// Waits until a condition holds, never for a fixed time.
 #pragma once
 #include <chrono>
 #include <functional>
@@ -9,7 +9,7 @@ namespace support {
 /// Long enough for any loaded machine; a test that comes near it has failed.
 inline constexpr std::chrono::seconds patience{10};
 
-/// Asks `holds` until it does or `limit` is over; what it said last. `pause` runs between two questions.
+/// Calls `holds` until it returns true or `limit` is over; returns its last result. `pause` runs between two calls.
 template <class Pause>
 bool wait_until(const std::function<bool()>& holds, std::chrono::steady_clock::duration limit, Pause pause) {
     const auto end = std::chrono::steady_clock::now() + limit;

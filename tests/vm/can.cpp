@@ -408,7 +408,7 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
 
 TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {
     RunningGateway gateway{loop, {"can:lo", app.link("app")}};
-    EXPECT_EQ(gateway.link("lo")["error"], "lo is no CAN interface");
+    EXPECT_EQ(gateway.link("lo")["error"], "lo is not a CAN interface");
 }
 
 TEST_F(Can, absent_interfaces_cost_few_wake_ups) {

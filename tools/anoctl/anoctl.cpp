@@ -36,7 +36,7 @@ std::string commands() {
     return all;
 }
 
-void name_the_stranger(int argc, const char* const* argv) {
+void reject_unknown_command(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
     if (std::string_view{argv[1]} == "--json") throw UsageError{"--json is for a command" + commands()};
     if (argv[1][0] == '-') return;
@@ -48,7 +48,7 @@ void name_the_stranger(int argc, const char* const* argv) {
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
-/// --json before the subcommand is meant for it; "help decode" is "decode --help".
+/// Moves --json behind the subcommand, and turns "help decode" into "decode --help".
 std::vector<const char*> as_meant(int argc, const char* const* argv) {
     std::vector<const char*> words{argv, argv + argc};
     if (argc > 1 && std::string_view{argv[1]} == "help") {
@@ -63,7 +63,7 @@ std::vector<const char*> as_meant(int argc, const char* const* argv) {
     return words;
 }
 
-/// What the parser of options says, in our words.
+/// The message for an error of the parser of options.
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     const std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
@@ -112,7 +112,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         return code;
     };
     try {
-        name_the_stranger(argc, argv);
+        reject_unknown_command(argc, argv);
         app.parse(argc, argv);
         for (const auto& [options, run] : runs) {
             if (!options->parsed()) continue;
@@ -127,7 +127,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        // --id and its like take every word behind them, the link too.
+        // --id and similar options take every word behind them, the link too.
         const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options"
                                                                   : "NAME is missing";
         complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : missing, usage);

@@ -1,4 +1,4 @@
-// The command-line tool: one file a subcommand, one row in the table of subcommands.
+// The command-line tool: each subcommand is one file and one row in the table of subcommands.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,8 +15,8 @@ namespace anoctl {
 
 enum Exit : int {
     fine = 0,
-    failed = 1,    // the work: nothing decoded, no answer, refused
-    usage = 2,
+    failed = 1,    // the work failed: nothing decoded, no answer, refused
+    usage = 2,     // a usage error
 };
 
 /// Where a subcommand reads and writes.
@@ -24,12 +24,12 @@ struct Streams {
     int in;    // a file descriptor: live input is read as it comes
     std::ostream& out;
     std::ostream& err;
-    bool terminal = false;          // `out` is one: columns
+    bool terminal = false;          // `out` is a terminal: write columns
     bool color = false;             // and colours
-    bool in_is_terminal = false;    // somebody would have to type
+    bool in_is_terminal = false;    // the input would have to be typed
 };
 
-/// What the user gave can't be meant: one line on `err`, exit 2.
+/// A usage error: one line on `err`, exit 2.
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -56,11 +56,11 @@ std::span<const Subcommand> subcommands() noexcept;
 /// The id of a message by name or number. Throws UsageError, with `where` before what is wrong.
 std::uint8_t message_id_of(const std::string& word, const std::string& where = {});
 
-/// Whether a terminal is to be written to in colour, by what the environment says (null: nothing). NO_COLOR that is not
-/// empty, and a terminal without abilities, mean no.
+/// Whether to write to a terminal in colour, by these variables of the environment (null: not set). No when NO_COLOR is set
+/// and not empty, or when the terminal has no abilities ("dumb").
 bool wants_color(const char* no_color, const char* term) noexcept;
 
-/// The whole program but for its process. Returns what it exits with.
+/// The whole program, without its process. Returns the exit status.
 int run(int argc, const char* const* argv, Streams& streams);
 
 }    // namespace anoctl

@@ -28,11 +28,11 @@ namespace {
 using namespace ano;
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::size_t max_kept = 1 << 20;    // of bytes that are not told yet: of a longer gap only its length is told
+constexpr std::size_t max_kept = 1 << 20;    // bytes that are not reported yet: of a longer gap only the length is reported
 
 std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
-/// Shows frames as their bytes come in, and what stands between them.
+/// Shows frames as their bytes come in, and the bytes between them.
 class Decoder {
 public:
     Decoder(Streams& streams, const FrameOptions& options)
@@ -53,7 +53,7 @@ public:
             show();
         }
     }
-    /// Bytes, or hex text, as they come, until there are no more or nobody takes what is shown.
+    /// Reads bytes, or hex text, as they come, until there are no more or the output can no longer be written.
     void read_all(int fd, const std::string& name) {
         std::vector<std::uint8_t> buffer(65536);
         BytesOrText input;
@@ -75,7 +75,7 @@ public:
             if (n == 0) return;
         }
     }
-    /// The end of the input. Returns what to exit with.
+    /// The end of the input. Returns the exit status.
     int finish() {
         parser_.finish();
         show();
@@ -85,12 +85,12 @@ public:
         if (parser_.counters().frames_in == 0 && !no_hex_.empty())
             complain()
                 << no_hex_
-                << " is no hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
+                << " is not hex text (a byte is two digits; spaces and commas may stand between), so all was read as raw bytes\n";
         return damaged_ || parser_.counters().frames_in == 0 ? failed : fine;
     }
 
 private:
-    // False: nothing came, but a candidate that held frames back was given up.
+    // False: no bytes came, but a candidate that held frames back was given up.
     bool wait_for_input(int fd) {
         const auto deadline = parser_.deadline();
         if (!deadline) return true;
@@ -147,7 +147,7 @@ private:
     std::ostream& begin_complaint(std::uint64_t bytes) {
         return complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
     }
-    /// Why bytes are no frame. `beside_frames`: wrong check bytes were told already.
+    /// Why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
     const char* cause(bool beside_frames) const {
         const ParserCounters& now = parser_.counters();
         if (now.v7_frames > before_.v7_frames) return "frames of protocol version 7 (0xAA) among them";
@@ -177,13 +177,13 @@ private:
     bool json_;
     FramePrinter printer_;
     FrameParser parser_;
-    std::uint64_t told_ = 0;    // everything before this offset was told
+    std::uint64_t told_ = 0;    // everything before this offset was reported
     std::uint64_t good_ = 0;    // bytes of good frames
     ParserCounters before_;     // at the last gap
     bool damaged_ = false;
-    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, those that are not told yet among them
+    std::vector<std::uint8_t> kept_;    // the bytes from kept_at_ on, among them those that are not reported yet
     std::uint64_t kept_at_ = 0;
-    std::string no_hex_;    // where text was read as bytes
+    std::string no_hex_;    // set where text was read as raw bytes
 };
 
 struct Decode {
@@ -214,7 +214,7 @@ private:
         const std::unique_ptr<const int, void (*)(const int*)> closer{&fd, [](const int* p) { close(*p); }};
         decoder.read_all(fd, path);
     }
-    /// `c` is the first of `word` that can't stand in hex text.
+    /// `c` is the first character of `word` that is not allowed in hex text.
     static std::string neither(const std::string& word, char c) {
         const bool separates = std::string_view{":-;_"}.find(c) != std::string_view::npos;
         if (separates && word.find_first_not_of("0123456789abcdefABCDEF:-;_") == word.npos)

@@ -17,7 +17,7 @@ namespace {
 
 using namespace ano;
 
-// The values with which the layout is taken, else the documented range, else what the type carries.
+// The values that select the layout, otherwise the documented range, otherwise the range of the type.
 std::string range_text(const Field& f) {
     if (f.selects && f.selects->first == f.selects->last) return std::to_string(f.selects->first);
     if (f.selects) return std::to_string(f.selects->first) + " to " + std::to_string(f.selects->last);

@@ -26,7 +26,7 @@ namespace {
 
 using namespace ano;
 
-constexpr std::size_t max_line = 1 << 20;    // what the largest frame needs, several times
+constexpr std::size_t max_line = 1 << 20;    // several times what the largest frame needs
 
 /// The lines of standard input, each as soon as it is whole.
 class Lines {
@@ -72,7 +72,7 @@ private:
     int fd_;
     std::string text_;
     std::size_t begin_ = 0;    // of the next line
-    std::size_t seen_ = 0;     // it does not end before
+    std::size_t seen_ = 0;     // the line does not end before this
     std::size_t number_ = 0;
 };
 
@@ -110,7 +110,7 @@ private:
             if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
             const std::string where = "line " + std::to_string(lines.number());
             const Json json = parsed(line, where);
-            if (json.is_object() && json.contains("fault")) continue;    // what `decode` could not take for a frame
+            if (json.is_object() && json.contains("fault")) continue;    // bytes in which `decode` found no frame
             write(streams, encoded(json, options, where + ": "));
             if (!lines.one_waits()) streams.out.flush();
         }

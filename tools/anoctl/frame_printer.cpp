@@ -65,7 +65,7 @@ std::string shown(const Json& given, const Field* field) {
 
 const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
 
-// " (airborne)", or nothing; of the types of a command's values, those that it has.
+// " (airborne)", or nothing; for the types of a command's values, those that are used.
 std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) {
     std::string words;
     const auto add = [&](const Json& number) {

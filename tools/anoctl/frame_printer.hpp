@@ -14,15 +14,15 @@ namespace anoctl {
 /// The options of every subcommand that shows or makes frames.
 struct FrameOptions {
     bool json = false;
-    std::optional<ano::Encoding> encoding;          // automatic when nobody says
-    std::optional<ano::ValueType7> value_type_7;    // f32 when nobody says
+    std::optional<ano::Encoding> encoding;          // nothing: automatic
+    std::optional<ano::ValueType7> value_type_7;    // nothing: f32
     std::string config;                             // where the layouts of flexible messages come from
 
-    /// `self` lives as long as the run.
+    /// `self` must live as long as the run.
     static void add(CLI::App& options, FrameOptions& self);
     /// Throws UsageError when `config` can't be read.
     ano::FlexibleLayouts layouts() const;
-    /// For frames; `layouts` lives as long.
+    /// For reading and writing frames; `layouts` must live as long as the result.
     ano::JsonOptions json_options(const ano::FlexibleLayouts& layouts) const {
         return {&layouts, encoding.value_or(ano::Encoding::automatic), value_type_7.value_or(ano::ValueType7::f32)};
     }

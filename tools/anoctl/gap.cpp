@@ -14,7 +14,7 @@ std::size_t frame_size(Bytes bytes) {
     return size <= bytes.size() ? size : 0;
 }
 
-/// Where the longest row of frames begins that ends where `gap` does.
+/// The begin of the longest sequence of frames that ends where `gap` ends.
 std::size_t last_row(Bytes gap) {
     std::vector<bool> in_row(gap.size() + 1);
     in_row[gap.size()] = true;

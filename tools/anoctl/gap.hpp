@@ -9,14 +9,14 @@
 
 namespace anoctl {
 
-/// Some bytes of a gap. With `right`, a frame whose LEN fits and whose check bytes would have to be these.
+/// A part of a gap. With `right`: a frame whose LEN fits, and the check bytes that it would have to have.
 struct GapPart {
     std::span<const std::uint8_t> bytes;
     std::optional<ano::Checks> right;
 };
 
-/// All of `gap`, in order. A frame with wrong check bytes is known where the gap begins, behind another one, and where it
-/// reaches to the end of the gap; what begins elsewhere may be anything.
+/// All of `gap`, in order. A frame with wrong check bytes is recognised at the beginning of the gap, behind another one, and where
+/// it ends where the gap ends; elsewhere a HEAD may be any byte.
 std::vector<GapPart> parts_of(std::span<const std::uint8_t> gap);
 
 }    // namespace anoctl

@@ -7,7 +7,7 @@
 namespace anoctl {
 namespace {
 
-constexpr std::size_t max_held = 1 << 20;    // nobody writes so much text before the first frame
+constexpr std::size_t max_held = 1 << 20;    // text before the first frame is not expected to be this long
 
 constexpr std::string_view mark = "\xEF\xBB\xBF";    // Windows editors put it before a text
 
@@ -18,7 +18,7 @@ int digit(char c) noexcept {
     return -1;
 }
 
-/// What people write has no control characters; of what is not ASCII nothing can be said.
+/// Text has no control characters; bytes that are not ASCII may be text or not.
 bool is_of_text(std::uint8_t c) noexcept { return (c >= ' ' && c != 0x7F) || (c >= '\t' && c <= '\r'); }
 
 }    // namespace

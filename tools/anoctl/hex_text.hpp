@@ -13,7 +13,7 @@ namespace anoctl {
 /// a byte as well. A UTF-8 byte order mark before all of it is skipped. Takes text in pieces.
 class HexText {
 public:
-    /// Appends to `bytes` what `text` says. False: it is something else; what stands before that was appended.
+    /// Appends the bytes of `text` to `bytes`. False: something in it is not hex text; what stands before that was appended.
     bool read(std::string_view text, std::vector<std::uint8_t>& bytes);
     /// The end of the text. False: half a byte is left.
     bool finish(std::vector<std::uint8_t>& bytes);
@@ -26,7 +26,7 @@ private:
 
     std::size_t mark_ = 0;      // how much of the UTF-8 byte order mark was read, which may stand first
     int high_ = -1;             // a digit that waits for its second; -1: none
-    std::size_t digits_ = 0;    // of this word
+    std::size_t digits_ = 0;    // in this word so far
     bool prefixed_ = false;     // this word began with 0x
     std::size_t line_ = 1;
 };
@@ -34,17 +34,17 @@ private:
 /// All of `text`; nothing when it is anything else.
 std::optional<std::vector<std::uint8_t>> from_hex_text(std::string_view text);
 
-/// Input that is raw bytes or hex text. It is text when nothing else is in it: known at the end, or as soon as it has begun
-/// with AB and 7 more bytes. Raw bytes with a frame are never mistaken, for 0xAB is not a character of hex text.
+/// Input that is raw bytes or hex text. It is hex text when it contains nothing else, which is known at the end, or after the
+/// text of AB and 7 more bytes. Raw bytes with a frame are never taken for text, for 0xAB is not a character of hex text.
 class BytesOrText {
 public:
-    /// The bytes that `piece` brings, after those that were held back until it was known what they are.
+    /// The bytes of `piece`, after those that were held back while it was not known what the input is.
     std::span<const std::uint8_t> read(std::span<const std::uint8_t> piece);
     /// The end of the input: the bytes that were still held back.
     std::span<const std::uint8_t> finish();
-    /// Text went over into something else, in this line; 0: it did not.
+    /// The line in which hex text ended and something else began; 0: it did not.
     std::size_t bad_line() const noexcept { return bad_line_; }
-    /// The line where text turned out to be no hex text and was read as raw bytes; 0: that was none, or no text at all.
+    /// The line in which text turned out not to be hex text, so that it was read as raw bytes; 0: it is hex text, or not text.
     std::size_t raw_line() const noexcept { return raw_line_; }
 
 private:
@@ -54,8 +54,8 @@ private:
 
     Kind kind_ = Kind::unknown;
     HexText text_;
-    std::vector<std::uint8_t> held_;     // as it came, while unknown
-    std::vector<std::uint8_t> bytes_;    // what the text says
+    std::vector<std::uint8_t> held_;     // as it came, while it is not known what the input is
+    std::vector<std::uint8_t> bytes_;    // the bytes of the text
     std::size_t bad_line_ = 0;
     std::size_t raw_line_ = 0;
 };

@@ -1,4 +1,4 @@
-// The rows as a Lua table, and the engine that walks it.
+// The rows as a Lua table, and the Lua code that reads it.
 #include "reference.hpp"
 
 #include <ano/messages.hpp>
@@ -324,7 +324,7 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
     for (const Message& row : messages) write_row(out, row);
-    // The layout of a source is asked before the one for all.
+    // The layout of one source comes before the layout for all sources.
     for (const bool with_source : {true, false})
         for (const FlexibleLayout& layout : flexible.all())
             if (layout.source().has_value() == with_source) write_layout(out, layout);

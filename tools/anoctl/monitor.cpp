@@ -40,7 +40,7 @@ constexpr char how_to_watch[] =
 
 using IdSet = std::bitset<256>;
 
-// Keys of a link that say what is sent, or what a gateway does with what came.
+// Keys of a link that concern sending, or what a gateway does with received frames.
 bool matters_to_a_listener(std::string_view key) {
     constexpr std::string_view others[]{"id",   "hello",   "flood", "broadcast", "group",   "present_as",   "queue",   "rate",
                                         "pace", "latency", "pack",  "mtu",       "trusted", "max_data_out", "required"};
@@ -66,7 +66,7 @@ struct Filter {
     bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
 };
 
-/// The one link's gateway: shows what it receives, sends nothing.
+/// The host of the one link: shows what it receives, sends nothing.
 class Monitor final : public LinkHost {
 public:
     Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
@@ -149,7 +149,7 @@ private:
         return loop_;
     }
 
-    // What a gateway's status would say of the link; after the first frame, only when something is wrong.
+    // The hint that a gateway's status would have; after the first frame, only when something is wrong.
     void look_later() {
         look_.expires_after(look_every);
         look_.async_wait([this](error_code ec) {
@@ -188,7 +188,7 @@ private:
     static std::string text_of(const std::string& text) { return text; }
     static std::string text_of(std::int64_t number) { return std::to_string(number); }
 
-    // A link is not closed while it calls us.
+    // A link must not be closed while it calls us.
     void finish_soon() {
         if (done_) return;
         done_ = true;
@@ -222,7 +222,7 @@ private:
     std::vector<std::unique_ptr<Channel>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
-    LoopWatch loop_;    // not asked how old a frame is
+    LoopWatch loop_;    // needed by links; the age of a frame is not used here
     asio::steady_timer look_{io_};
     std::string hint_;
     bool up_ = false;
@@ -250,7 +250,7 @@ struct MonitorOptions {
     }
 
 private:
-    // What an option says, else the link.
+    // The option, otherwise the key of the link.
     FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
         if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;

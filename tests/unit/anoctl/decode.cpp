@@ -209,7 +209,7 @@ TEST(Decode, says_which_character_is_not_hex) {
 TEST(Decode, says_when_text_was_read_as_raw_bytes) {
     const auto words = anoctl({"decode", "-"}, "AB FE\nsome words\n");
     EXPECT_EQ(words.exit, 1);
-    EXPECT_NE(words.err.find("anoctl: standard input: line 2 is no hex text"), std::string::npos) << words.err;
+    EXPECT_NE(words.err.find("anoctl: standard input: line 2 is not hex text"), std::string::npos) << words.err;
     EXPECT_EQ(anoctl({"decode", "-"}, "some words\n" + raw(log_hex)).err.find("no hex text"), std::string::npos)
         << "frames were in it";
     EXPECT_EQ(anoctl({"decode", "-"}, std::string("\1\2\3", 3)).err.find("no hex text"), std::string::npos) << "no text";

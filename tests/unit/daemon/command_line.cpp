@@ -110,7 +110,7 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     EXPECT_EQ(warnings("pty:" + there + "/none/app"), "anogated: LINK 'pty:" + there + "/none/app': warning: 'path' '" + there +
                                                           "/none/app': there is no folder " + there +
                                                           "/none: it is waited for, not made\n");
-    EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is no folder"), std::string::npos);
+    EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is not a folder"), std::string::npos);
     EXPECT_NE(warnings("pty:" + file).find("something else is there"), std::string::npos);
     EXPECT_EQ(warnings("pty:" + there + "/app"), "");
     EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";

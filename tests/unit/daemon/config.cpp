@@ -730,7 +730,7 @@ TEST(ConfigGpio, a_use_needs_what_it_works_on) {
     EXPECT_EQ(fault(R"({"line": "x", "use": "power"})"), "");
     EXPECT_EQ(fault(R"({"line": "x", "use": "inhibit", "link": "ground"})"), "");
     EXPECT_EQ(fault(R"({"line": "x", "use": "rs485", "link": "fc"})"),
-              "/gpio/0/link: 'link' 'fc' is no serial port: rs485 is for those\n");
+              "/gpio/0/link: 'link' 'fc' is not a serial port: rs485 is for those\n");
 }
 
 TEST(ConfigGpio, when_is_a_silence) {

@@ -51,8 +51,8 @@ TEST(ControlSocket, a_path_where_none_can_be_is_told) {
     EXPECT_EQ(fault_of_socket(here + "/xdg/anogaet/c.sock", runner),
               here + "/xdg/anogaet/c.sock: there is no folder " + here + "/xdg/anogaet" + instead);
     const std::string file = folder.write("file", "precious");
-    EXPECT_EQ(fault_of_socket(file, runner), file + ": exists and is no socket" + instead);
-    EXPECT_EQ(fault_of_socket(here, runner), here + ": exists and is no socket" + instead);
+    EXPECT_EQ(fault_of_socket(file, runner), file + ": exists and is not a socket" + instead);
+    EXPECT_EQ(fault_of_socket(here, runner), here + ": exists and is not a socket" + instead);
     EXPECT_EQ(fault_of_socket(file + "/c.sock", runner), file + "/c.sock: Not a directory" + instead);
     if (::geteuid() == 0) return;
     EXPECT_EQ(fault_of_socket("/etc/c.sock", runner), "/etc/c.sock: Permission denied" + instead);

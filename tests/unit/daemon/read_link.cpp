@@ -35,22 +35,24 @@ TEST(LinkText, of_great_length_is_told_in_short_lines) {
 }
 
 TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
-    EXPECT_EQ(fault_of("serial:ttyUSB0"), "'device' 'ttyUSB0' is no path of a port (did you mean '/dev/ttyUSB0'?)");
-    EXPECT_EQ(fault_of("serial:dev/ttyS0,baud=9600"), "'device' 'dev/ttyS0' is no path of a port (did you mean '/dev/ttyS0'?)");
-    EXPECT_EQ(fault_of("serial:usb-FTDI_x-if00-port0"),
-              "'device' 'usb-FTDI_x-if00-port0' is no path of a port (did you mean '/dev/serial/by-id/usb-FTDI_x-if00-port0'?)");
-    EXPECT_EQ(fault_of("serial:COM3"), "'device' 'COM3' is no path of a port, such as /dev/ttyUSB0");
+    EXPECT_EQ(fault_of("serial:ttyUSB0"), "'device' 'ttyUSB0' is not the path of a port (did you mean '/dev/ttyUSB0'?)");
+    EXPECT_EQ(fault_of("serial:dev/ttyS0,baud=9600"),
+              "'device' 'dev/ttyS0' is not the path of a port (did you mean '/dev/ttyS0'?)");
+    EXPECT_EQ(
+        fault_of("serial:usb-FTDI_x-if00-port0"),
+        "'device' 'usb-FTDI_x-if00-port0' is not the path of a port (did you mean '/dev/serial/by-id/usb-FTDI_x-if00-port0'?)");
+    EXPECT_EQ(fault_of("serial:COM3"), "'device' 'COM3' is not the path of a port, such as /dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:/dev/x:500000"),
               "'device' '/dev/x:500000' ends with a number (did you mean '/dev/x' with baud=500000?)");
     EXPECT_EQ(fault_of("serial:ttyUSB0:500000"),
-              "'device' 'ttyUSB0:500000' is no path of a port (did you mean '/dev/ttyUSB0:500000'?)");
+              "'device' 'ttyUSB0:500000' is not the path of a port (did you mean '/dev/ttyUSB0:500000'?)");
     for (const std::string device : {"/dev/ttyUSB*", "/dev/ttyUSB?", "/dev/ttyUSB[01]"})
         EXPECT_EQ(fault_of("serial:" + device),
                   "'device' '" + device +
                       "' is a pattern, and a link is one port: name it as /dev/serial/by-id/ does, it keeps that name");
     EXPECT_EQ(fault_of("can:can*"), "'interface' 'can*' is a pattern, and a link is one interface, such as can0");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "ttyAMA0"}]})"),
-              "/links/0/device: 'device' 'ttyAMA0' is no path of a port (did you mean '/dev/ttyAMA0'?)\n");
+              "/links/0/device: 'device' 'ttyAMA0' is not the path of a port (did you mean '/dev/ttyAMA0'?)\n");
     for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
                                      "/dev/serial/by-path/platform-x-usb-0:1:1.0", "./here", "a/b", "/dev/ttyUSB0"})
         EXPECT_EQ(link_of("serial:" + device).serial.device, device);
@@ -64,7 +66,7 @@ TEST(LinkText, a_full_width_separator_is_named) {
 
 TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
     const std::string told =
-        " is no key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+        " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
     EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
     EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "dbitrate": 2000000}]})"),
@@ -346,8 +348,8 @@ TEST(LinkText, addresses_are_not_host_names) {
 }
 
 TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
-    EXPECT_EQ(fault_of("udp:[fe80::1%no such]:5"), "'[fe80::1%no such]:5': 'no such' is no name of a network interface");
-    EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': '' is no name of a network interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1%no such]:5"), "'[fe80::1%no such]:5': 'no such' is not the name of a network interface");
+    EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': '' is not the name of a network interface");
     EXPECT_EQ(faults_of({"udp:[fe80::1%wlan9]:5"}), "") << "it may come yet";
     EXPECT_EQ(faults_of({"udp-listen:[fe80::1%wlan8]:5", "udp-listen:[fe80::1%wlan9]:5"}), "");
     EXPECT_EQ(fault_of("udp:[2001:db8::7%lo]:5"),
