@@ -1,4 +1,4 @@
-// anoctl between two pipes: what it is given goes on at once, and it ends when nobody takes it.
+// anoctl between two pipes: input is passed on at once, and it ends when nobody reads its output.
 #include <support/bytes.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -86,7 +86,7 @@ TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
     }
 }
 
-// What anoctl writes to a terminal. `no_color` is what NO_COLOR holds; null: there is none.
+// What anoctl writes to a terminal. `no_color` is what NO_COLOR holds; null: it is not set.
 std::string on_a_terminal(const char* no_color) {
     int terminal = -1;
     const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);

@@ -23,7 +23,7 @@ std::uint32_t number_of(const Bytes& frame) {
     return static_cast<std::uint32_t>(frame[6] | frame[7] << 8 | frame[8] << 16 | frame[9] << 24);
 }
 
-/// Nothing but whole frames, each later than the one before.
+/// Only whole frames, each later than the one before.
 testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& count, std::uint32_t& last) {
     const Split heard = split(stream);
     if (!heard.rest.empty()) return testing::AssertionFailure() << heard.rest.size() << " bytes that are no frame";
@@ -38,7 +38,7 @@ testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& co
     return testing::AssertionSuccess();
 }
 
-// As fast as the reader takes it: the pace of a line is another matter.
+// As fast as the reader takes it, without pacing.
 LinkSettings unpaced(const std::string& name, const std::string& device) {
     LinkSettings link = serial(name, device);
     link.serial.pace = Pace::off;

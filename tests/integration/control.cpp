@@ -33,7 +33,8 @@ protected:
     /// Frames still go from peer to peer.
     bool forwards() {
         const auto before = b.heard().size();
-        a.send(daemon.port("ground"), frame(0xFE, 0xFF, 0xE0, {0, ++question, 0}));    // the same again may be a loop
+        a.send(daemon.port("ground"),
+               frame(0xFE, 0xFF, 0xE0, {0, ++question, 0}));    // the same bytes again could count as a loop
         return wait_until([&] { return b.heard().size() > before; });
     }
 
@@ -107,7 +108,7 @@ TEST_F(ControlSocket, slow_and_silent_clients_disturb_nobody) {
     }
     EXPECT_TRUE(forwards());
     EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
-    // One that asks much and never reads the answers.
+    // A client that asks much and never reads the answers.
     const int greedy = connect_unix(socket);
     ::fcntl(greedy, F_SETFL, O_NONBLOCK);
     std::string many;
@@ -204,7 +205,7 @@ TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
         EXPECT_EQ(daemon.wait(), 78);
         EXPECT_TRUE(daemon.output().starts_with("anogated: --control: " + (dir / path) + ": " + words)) << daemon.output();
     }
-    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // where even root can make none, which shows by trying
+    Daemon nowhere{ANOGATED, "/proc/control.sock", {"sim:fc"}};    // where even root can't make a socket; only trying shows it
     EXPECT_EQ(nowhere.wait(), 78);
     EXPECT_NE(nowhere.output().find("--control: /proc/control.sock: "), std::string::npos) << nowhere.output();
     EXPECT_TRUE(std::filesystem::is_regular_file(dir / "file"));

@@ -1,4 +1,4 @@
-// The real program as a process: how it starts, runs, is told and ends.
+// The real program as a process: its start, its run, signals, and its end.
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
@@ -186,7 +186,7 @@ TEST(Daemon, says_in_the_log_what_the_hints_say) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-// The log lines that have these words.
+// The log lines that contain these words.
 std::string line_with(const std::string& words, const std::string& output) {
     const std::size_t at = output.find(words);
     if (at == std::string::npos) return {};
@@ -243,7 +243,7 @@ TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-// Root on a machine where nothing is installed: all is well, and so no line says otherwise.
+// Root on a machine where nothing is installed: all is well, so there is no warning.
 TEST(Daemon, a_first_run_by_root_warns_of_nothing) {
     const TempDir dir;
     std::filesystem::permissions(dir.path(), std::filesystem::perms{0755});    // as /run/anogate is
@@ -339,7 +339,7 @@ TEST(Daemon, an_end_that_is_asked_for_while_it_waits_for_its_configuration_is_a_
     const std::string config = dir / "config";
     ASSERT_EQ(::mkfifo(config.c_str(), 0600), 0);
     Process daemon{ANOGATED, {"--config", config, "--control", dir / "control"}};
-    int writer = -1;    // there is one as soon as it reads
+    int writer = -1;    // it can be opened as soon as the daemon reads
     ASSERT_TRUE(wait_until([&] { return (writer = ::open(config.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) >= 0; }));
     for (const int signal : {SIGHUP, SIGUSR1, SIGTERM}) daemon.signal(signal);
     EXPECT_EQ(daemon.wait(), 0) << daemon.output();
@@ -439,7 +439,7 @@ TEST(Daemon, sleeps_when_there_is_nothing_to_do) {
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(wait_until([&] { return daemon.count("ground", "frames_in") == 1; }));
-    std::this_thread::sleep_for(2s);    // retries reach their slow pace; what is measured is a rate
+    std::this_thread::sleep_for(2s);    // until retries have reached their longest pause; a rate is measured
     const long before = daemon.proc_status("voluntary_ctxt_switches");
     std::this_thread::sleep_for(5s);
     EXPECT_LE(daemon.proc_status("voluntary_ctxt_switches") - before, 3 * 5 + 2);

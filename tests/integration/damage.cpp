@@ -21,7 +21,7 @@ struct Pair {
         daemon.emplace(settings_of({a_link, b_link}));
         if (!daemon->until_up("a") || !daemon->until_up("b")) throw std::runtime_error{"no ptys"};
     }
-    /// Everything is taken in; b is read meanwhile.
+    /// Waits until everything is read; reads b meanwhile.
     bool say(std::span<const std::uint8_t> bytes) {
         said += bytes.size();
         return daemon->until(

@@ -33,7 +33,7 @@ constexpr std::uint8_t sources[] = {0x60, 0x70, 0x80, 0x90, 0xA0, 0xB0, 0xC0, 0x
 // Urgent, telemetry that newer ones replace, and bulk.
 constexpr std::uint8_t ids[] = {0xC0, 0xE1, 0x41, 0x01, 0x03, 0x0D, 0xA0, 0xF1, 0xB5};
 
-// DATA is a number and what follows from it: whoever reads it knows whether it is whole.
+// DATA is a number and bytes computed from it, so that a reader can check that it is whole.
 std::size_t fill(std::uint8_t* data, std::uint32_t number) {
     const std::size_t size = 4 + number * 2654435761u % 29;
     std::memcpy(data, &number, 4);
@@ -127,7 +127,7 @@ protected:
         const std::size_t size = fill(data, number);
         const bool whole = frame.data().size() == size && std::memcmp(frame.data().data(), data, size) == 0;
         ASSERT_TRUE(whole) << "altered on the way";
-        const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // of one sender they alone overtake
+        const bool sticks = frame.id() == 0x40 || frame.id() == 0x41;    // the only ones that overtake others of the same sender
         const auto traffic = sticks ? anogate::traffic_classes : static_cast<std::size_t>(anogate::policy_of(frame.id()).traffic);
         const std::size_t receiver = static_cast<std::size_t>(&at - ends);
         std::uint32_t& last = last_number[receiver][frame.source()][frame.destination()][traffic];
@@ -152,7 +152,7 @@ protected:
     std::unique_ptr<RunningGateway> daemon;
     std::uint32_t next_number = 1;
     std::uint64_t sent = 0, received = 0;
-    std::uint64_t by_chance = 0;    // noise and what follows it: both checks hold once in 65,536 times
+    std::uint64_t by_chance = 0;    // frames made of noise: both checks hold by chance once in 65,536 times
     std::uint32_t last_number[count][256][256][anogate::traffic_classes + 1]{};
 };
 
@@ -169,7 +169,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
         daemon->io().restart();
         daemon->io().poll();
         for (End& end : ends)
-            if (!random.one_in(4)) hear(end);    // readers that are late now and then
+            if (!random.one_in(4)) hear(end);    // readers are sometimes late
         if (HasFatalFailure()) return;
         if (++rounds % 10'000 == 0 && !daemon->counters_add_up()) FAIL() << "after " << rounds << " rounds";
     }
@@ -184,7 +184,7 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
     }));
     EXPECT_TRUE(daemon->counters_add_up());
     EXPECT_LE(by_chance, sent / 100'000);
-    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // a port comes back by the clock, frames do not
+    EXPECT_GT(received, sent / 10) << "or nothing was tested";    // ports come back by the clock, not by the number of frames
     RecordProperty("received", std::to_string(received));
 }
 

@@ -1,4 +1,4 @@
-// SIGTERM at any moment: the program ends. ANOGATE_ENDS=10000 tries so many, half of them as they come and half at the moment when
+// SIGTERM at any moment: the program ends. ANOGATE_ENDS=10000 tries that often, half of them at random times and half when
 // the timer of hints is due, 3 s after the start.
 #include <support/random.hpp>
 #include <support/temp_dir.hpp>
@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto patience = 20s;
 
-/// The program in a process of its own, which costs a fork and no more. `environment` is as NAME=VALUE.
+/// The program in a forked process, without exec. `environment` has the form NAME=VALUE.
 pid_t start(const std::string& control, const std::vector<std::string>& environment) {
     const pid_t pid = ::fork();
     if (pid != 0) return pid;
@@ -45,7 +45,7 @@ pid_t start(const std::string& control, const std::vector<std::string>& environm
     ::_exit(anogate::run_program(static_cast<int>(argv.size()), argv.data()));
 }
 
-/// It ended, in order or before there was any, within `patience` of the signal.
+/// Whether it ended within `patience` of the signal, in order, or before it could handle signals.
 bool ends(pid_t pid) {
     const auto limit = Clock::now() + patience;
     int status = 0;
@@ -64,7 +64,7 @@ unsigned asked(unsigned usual) {
     return number ? static_cast<unsigned>(std::atoi(number)) / 2 : usual;
 }
 
-// A watchdog of 50 us is due all the time, and what is due just when it is stopped is the difficult case.
+// A watchdog of 50 us is always due: a timer that is due at the moment when it is stopped is the difficult case.
 TEST(Ends, whenever_the_signal_comes) {
     const support::TempDir dir;
     support::Random random{1};
@@ -79,7 +79,7 @@ TEST(Ends, whenever_the_signal_comes) {
     EXPECT_EQ(lost, 0u) << "of " << tries;
 }
 
-/// What systemd would hear, so that the start is known to the tenth of a millisecond.
+/// The messages to systemd, by which the time of the start is known to a tenth of a millisecond.
 class Starts {
 public:
     explicit Starts(const std::string& path) : fd_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {

@@ -1,5 +1,5 @@
-// Whatever a kernel answers when frames are to leave: only whole frames leave, in order, none twice, and every one that was
-// offered is accounted for.
+// Whatever the kernel answers to writes: only whole frames leave, in order, none twice, and every frame that was
+// offered is counted.
 #include <support/failing_calls.hpp>
 #include <support/pty_device.hpp>
 #include <support/random.hpp>
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using namespace support;
 using anogate::LinkSettings;
 
-// Of many lengths, all of one class and never replaced: what leaves, leaves in order.
+// Frames of many lengths, all of one class and never replaced, so that they leave in order.
 Bytes numbered(std::uint32_t n) {
     Bytes data(4 + n % 40, 0xAB);
     for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::uint8_t>(n >> 8 * i);
@@ -44,7 +44,7 @@ protected:
     ~Faults() override { fate_of_writev = fate_of_sendmmsg = nullptr; }
     void start(LinkSettings to) {
         to.name = "to";
-        to.age.telemetry = 1min;    // only what the kernel does is to count
+        to.age.telemetry = 1min;    // so that frames are dropped only for what the kernel does
         daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), udp_listen("air")}));
         ASSERT_TRUE(daemon->until_up("to") && daemon->until_up("air"));
         in(1);    // and now the peer is known
@@ -131,7 +131,7 @@ TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_begins_with_a_wh
     }
     EXPECT_GE(count("link_down"), 4u * 5);
     EXPECT_TRUE(daemon->counters_add_up());
-    // The terminal lives on in the device: torn frames are in what it heard, and each is followed by whole ones.
+    // The device keeps the terminal: it has received torn frames, each followed by whole ones.
     std::size_t whole = 0;
     ano::FrameParser parser{{}};
     const Bytes all = device.heard();

@@ -24,7 +24,7 @@ LinkSettings speaking(LinkSettings link, anogate::Duration interval = 2s) {
     link.hello = interval;
     return link;
 }
-// What it takes, and not the hello, which would come between.
+// Without the hello of the profile, whose frames would come between.
 LinkSettings of_vendor(LinkSettings link) {
     link.profile = anogate::Profile::vendor;
     link.hello = 0s;
@@ -73,7 +73,7 @@ TEST_F(Hello, is_not_said_after_a_firmware_frame_to_the_link_or_from_it_nor_wher
     apart.broadcast = apart.flood = false;
     RunningGateway gateway{speaking(serial("fc", fc.path())), speaking(serial("radio", radio.path())), apart};
     ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("radio") && gateway.until_up("gps"));
-    fc.write(frame(0xDC, 0x32, 0xF0, {0, 0x10, 0x10}));    // to nobody known: it goes to the radio
+    fc.write(frame(0xDC, 0x32, 0xF0, {0, 0x10, 0x10}));    // to an unknown address: it goes to the radio
     ASSERT_TRUE(gateway.until([&] { return !radio.heard().empty(); }));
     gateway.run_for(1300ms);
     EXPECT_EQ(hellos(), 0u);

@@ -1,4 +1,4 @@
-// A log that takes nothing: a pipe that nobody reads, a terminal that was stopped, a file whose disk hangs. The gateway goes on, and ends.
+// A log that can't be written: a pipe that nobody reads, a stopped terminal, a file whose disk hangs. The gateway goes on, and can end.
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
@@ -23,7 +23,7 @@ using namespace support;
 // Not the program: without it, and with AddressSanitizer, it ends.
 constexpr char no_end_with_it[] = "a program that ThreadSanitizer watches does not end while a thread of it hangs in a write";
 
-/// A pipe with a name, full from the start.
+/// A named pipe that is full from the start.
 class FullPipe {
 public:
     explicit FullPipe(std::string path) : path_{std::move(path)} {
@@ -94,7 +94,7 @@ public:
     void ends() {
         const auto begin = std::chrono::steady_clock::now();
         EXPECT_TRUE(wait_until([&] {
-            daemon.signal(SIGTERM);    // more than one changes nothing
+            daemon.signal(SIGTERM);    // several signals are the same as one
             return !daemon.is_running();
         }));
         EXPECT_EQ(daemon.wait(), 0);
@@ -151,7 +151,7 @@ TEST(BlockedLog, a_terminal_that_stays_stopped_holds_up_no_end) {
     joined.ends();
 }
 
-// A terminal in the place of a file: it is there, and writing to it waits as it does on a disk that hangs.
+// A terminal in the place of a file: it exists, and writing to it blocks as on a disk that hangs.
 TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
     if (thread_sanitized) GTEST_SKIP() << no_end_with_it;
     const TempDir dir;
@@ -161,7 +161,7 @@ TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
     joined.ends();
 }
 
-// Who opens a file that another has a lease on waits until it is given back.
+// Opening a file on which another process has a lease blocks until the lease is given back.
 TEST(BlockedLog, a_file_that_cannot_be_opened_yet_holds_up_nothing) {
     const TempDir dir;
     const std::string path = dir / "file";

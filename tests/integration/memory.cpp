@@ -23,16 +23,16 @@ namespace {
 
 using namespace support;
 
-constexpr int places = 16;    // max_peers, unless said otherwise
+constexpr int places = 16;    // the default of max_peers
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
-// Strangers of whom each sends from a port of its own, once, and takes the place of another.
+// Strangers, each with a port of its own, that send once and take the place of another.
 class Strangers {
 public:
     explicit Strangers(const Daemon& daemon) : daemon_{daemon}, ground_{daemon.port("ground")}, air_{daemon.port("air")} {}
 
-    // Each is there before the next one comes, and is sent what a vehicle says. Now and then somebody looks at the status, which
-    // takes memory between that of peers.
+    // Each becomes a peer before the next one comes, and is sent telemetry. Now and then the status is read, so that its memory
+    // lies between that of peers.
     bool come(int count) {
         for (int i = 0; i < count; ++i) {
             here_.emplace_back();
@@ -71,7 +71,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("ground"));
-    const rlim_t some = 512 * 1024;    // what a peer may come to need is more, and an answer to us is less
+    const rlim_t some = 512 * 1024;    // less than a peer may need, more than an answer to a request
     const rlim_t now = static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024;
     const rlimit little{now + some, RLIM_INFINITY}, any{RLIM_INFINITY, RLIM_INFINITY};
     ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
@@ -93,7 +93,7 @@ anogate::UniqueFd connected_to(const std::string& path) {
     return fd;
 }
 
-// All that was said was read, or the other end has closed.
+// Everything that was sent has been read, or the other end has closed.
 bool was_heard(int fd) {
     int waiting = 0;
     char byte;
@@ -101,7 +101,7 @@ bool was_heard(int fd) {
     return closed || (::ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting == 0);
 }
 
-// Requests that come in pieces, and are never whole, take what there is.
+// Requests that come in pieces and are never complete use up the memory.
 TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
@@ -125,7 +125,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
     }
 }
 
-// Rooms are mostly never touched. A huge page is touched whole, and joined to one later, whoever asks for it.
+// Rooms are mostly never touched. A huge page would be touched as a whole, and the kernel may join pages to one later.
 TEST(Memory, has_no_huge_pages) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};

@@ -1,4 +1,4 @@
-// What the tests need of the network is gone with them.
+// The network namespaces that tests make are gone when they end.
 #include <support/namespaces.hpp>
 #include <support/network_namespace.hpp>
 #include <support/temp_dir.hpp>
@@ -20,7 +20,7 @@ std::set<std::string> named_namespaces() {
     return names;
 }
 
-/// $PATH as it was when this ends.
+/// Restores $PATH in its destructor.
 class Path {
 public:
     explicit Path(const std::string& path) : before_{std::getenv("PATH")} { ::setenv("PATH", path.c_str(), 1); }
@@ -36,7 +36,7 @@ TEST(Namespaces, none_is_left_behind_when_ip_fails) {
     if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
     const auto before = named_namespaces();
     const TempDir dir;
-    // An ip that can do everything but bring a link up.
+    // A program `ip` that can do everything except bring a link up.
     std::ofstream{dir / "ip"} << "#!/bin/sh\ncase \"$*\" in *\" up\") exit 1;; esac\nPATH=${PATH#*:} exec ip \"$@\"\n";
     std::filesystem::permissions(dir / "ip", std::filesystem::perms::owner_all);
     const auto home = std::filesystem::read_symlink("/proc/thread-self/ns/net");

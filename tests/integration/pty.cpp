@@ -13,7 +13,7 @@
 #include <fstream>
 #include <optional>
 
-// In place of libc's: a user of the system has some 128 instances, and others may have taken them all.
+// Replaces libc's: a user has some 128 instances of inotify, and other programs may have taken them all.
 static bool inotify_instances_left = true;
 static int inotify_instances_made = 0;
 
@@ -96,7 +96,7 @@ TEST(PtyLink, is_not_up_without_a_user_nor_without_inotify) {
     UdpPeer ground;
     ground.send(daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "link_down") == 1; }));
-    { PortUser{dir / "app"}.write(vendor::i_am_an_mcu); }    // here and gone between two looks
+    { PortUser{dir / "app"}.write(vendor::i_am_an_mcu); }    // opened and closed between two looks
     EXPECT_TRUE(daemon.until([&] { return daemon.count("app", "frames_in") == 1; }));
     fs::remove(dir / "app");
     EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "app"); }));
@@ -109,7 +109,7 @@ TEST(PtyLink, watches_again_when_there_is_inotify) {
     const int made_before = inotify_instances_made;
     without.reset();
     ASSERT_TRUE(daemon.until([&] { return inotify_instances_made > made_before; }));
-    without.emplace();    // what it has it keeps
+    without.emplace();    // an inotify instance that it has is kept
     PortUser app{dir / "app"};
     EXPECT_TRUE(daemon.until_up("app"));
 }
@@ -172,7 +172,7 @@ TEST(PtyLink, a_user_who_does_not_read_does_not_hold_up_the_others) {
 
 TEST(PtyLink, the_path_is_made_with_its_folder_and_gone_at_the_end) {
     const TempDir dir;
-    ::setenv("XDG_RUNTIME_DIR", (dir / "run").c_str(), 1);    // whose anogate is our own
+    ::setenv("XDG_RUNTIME_DIR", (dir / "run").c_str(), 1);    // in which the folder anogate belongs to us
     {
         RunningGateway daemon{pty("app", dir / "run/anogate/app")};
         EXPECT_TRUE(fs::is_symlink(dir / "run/anogate/app"));
@@ -234,7 +234,7 @@ TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
     const TempDir dir;
     Daemon killed{ANOGATED, dir / "control", {"pty:" + (dir / "app")}};
     ASSERT_TRUE(killed.until_answers());
-    PtyDevice others{dir / "others"};    // its terminal may get the number that the dead one's had
+    PtyDevice others{dir / "others"};    // its terminal may get the number of the one that is gone
     killed.signal(SIGKILL);
     killed.wait();
     ASSERT_TRUE(fs::is_symlink(dir / "app"));

@@ -1,4 +1,4 @@
-// Where frames go, over real links: the Router's rules as users meet them.
+// Where frames go, over real links: the Router's rules as users see them.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -14,20 +14,20 @@ namespace {
 using namespace std::chrono_literals;
 using namespace support;
 
-// Three devices on serial links a, b, c; the test says what is special about each.
+// Three devices on serial links a, b, c; each test sets the keys of its links.
 class Routing : public testing::Test {
 protected:
     void start(anogate::GatewaySettings gateway = {}, std::vector<anogate::RouteSettings> routes = {}) {
         daemon.emplace(settings_of({a_link, b_link, c_link}, gateway, std::move(routes)));
         ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("b") && daemon->until_up("c"));
     }
-    /// `from` says it; true when it has been routed.
+    /// `from` sends it; true when it has been routed.
     bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon->count(link, "bytes_in");
         from.write(bytes);
         return daemon->until([&] { return daemon->count(link, "bytes_in") == before + bytes.size(); });
     }
-    /// What each heard since the last call, after everything sent has had its time.
+    /// What each received since the last call, after waiting until everything has left.
     struct Heard {
         Bytes a, b, c;
     };
@@ -190,7 +190,7 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
     EXPECT_EQ(daemon->link("c").at("hint"), "");
 }
 
-// What it says reaches the host once; a broadcast command reaches it by both cables, and that must be told.
+// Its frames reach the host once; a broadcast command reaches it by both cables, and a hint must say so.
 TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
     start();
     ASSERT_TRUE(say(c, "c", vendor::who_are_you));
@@ -336,7 +336,7 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
     EXPECT_TRUE(hint_is(""));
 }
 
-// What comes by one cable goes out by the other while nobody is known to want it: nothing tells it from a ring.
+// While no host is known, frames from one cable go out by the other: that can't be told from a ring.
 TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     TempDir dir;
     PtyDevice one{dir / "one"}, two{dir / "two"};
@@ -352,7 +352,7 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
         return by_one.starts_with(words) && by_two.starts_with(words);
     })) << daemon.link("one").at("hint")
         << " / " << daemon.link("two").at("hint");
-    for (int i = 0; i < 100; ++i) {    // and it stays so
+    for (int i = 0; i < 100; ++i) {    // it stays like this
         one.write(frame(0xDC, 0xFE, 0x03, {count}));
         two.write(frame(0xDC, 0xFE, 0x03, {count++}));
         daemon.run_for(20ms);

@@ -1,4 +1,4 @@
-// Serial ports as they are in the field: pseudo-terminals stand for the devices, everything else is real.
+// Serial ports with all that happens in use: pseudo-terminals stand for the devices, everything else is real.
 #include <support/child.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -162,7 +162,7 @@ TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
     EXPECT_EQ(child.wait(), 0);
 }
 
-/// A gateway as root has the port; others are those of nobody.
+/// A gateway run by root has the port; other gateways are run by the user nobody.
 class SerialLinkOfRoot : public testing::Test {
 protected:
     void SetUp() override {
@@ -177,7 +177,7 @@ protected:
                }}
             .wait();
     }
-    /// What the status of a gateway of nobody says of the port; the child exits with 0 when `expected` comes.
+    /// Runs a gateway as the user nobody; the child exits with 0 when its status for the port says `expected`.
     int gateway_of_nobody(const std::string& state, const std::string& error) {
         return Child{[&] {
                    if (!become_nobody()) return 1;
@@ -201,7 +201,7 @@ TEST_F(SerialLinkOfRoot, no_other_gateway_has_the_port_while_it_is_ours_and_any_
     EXPECT_EQ(gateway_of_nobody("up", ""), 0);
 }
 
-// The master of a pseudo-terminal keeps it, with all that was made of it, when its last user is gone.
+// The master of a pseudo-terminal keeps it, with its settings, when its last user is gone.
 TEST_F(SerialLinkOfRoot, who_is_killed_leaves_a_pseudo_terminal_to_everybody) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
@@ -225,7 +225,7 @@ TEST(SerialLink, closing_must_not_reset_the_board_behind_the_port) {
     PtyDevice fc{dir / "fc"};
     const PortUser earlier{fc.path()};
     termios t = fc.settings();
-    t.c_cflag |= HUPCL;    // as most ports come from the system
+    t.c_cflag |= HUPCL;    // the default of most ports
     ASSERT_EQ(::tcsetattr(earlier.fd(), TCSANOW, &t), 0);
     ASSERT_NE(fc.settings().c_cflag & HUPCL, 0u);
     RunningGateway daemon{serial("fc", fc.path())};

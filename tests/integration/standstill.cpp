@@ -1,4 +1,4 @@
-// A gateway that stood still carries out nothing that had waited for it meanwhile.
+// After a standstill the gateway does not send old commands that had waited for it.
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -20,7 +20,7 @@ constexpr auto longer = 1200ms;
 
 Bytes numbered(std::uint8_t source, std::uint8_t id, std::uint8_t n) { return frame(source, 0xDC, id, Bytes(14, n)); }
 
-/// Two ways in, a port of UDP and a pty, and one way out.
+/// Two inputs, a UDP port and a pty, and one output.
 class Standstill : public testing::Test {
 protected:
     Standstill() : daemon{ANOGATED, dir / "control", {"--config", configuration()}} {}

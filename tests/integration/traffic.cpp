@@ -1,4 +1,4 @@
-// What the keys of a link do to the frames of a running gateway: aliases, filters, limits, rate, age, packing.
+// The effect of keys on the frames of a running gateway: aliases, filters, limits, rate, age, packing.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -24,7 +24,7 @@ Bytes check_frame(std::uint8_t source, std::uint8_t destination, const Bytes& of
     return frame(source, destination, 0x00, {of[3], of[of.size() - 2], of[of.size() - 1]});
 }
 
-// Two sensors with the id they left the factory with, one of them under another address; a ground station.
+// Two sensors with the same factory id, one of them under an alias; a ground station.
 class Alias : public testing::Test {
 protected:
     Alias() {
@@ -66,7 +66,7 @@ TEST_F(Alias, writes_to_a_sensor_under_another_address_are_acknowledged_twenty_i
     const auto seen = heard2();
     for (std::uint8_t n = 0; n < in_flight; ++n) EXPECT_EQ(seen[n], frame(host, sensor, 0xE1, {n, 0, n, 0x42}));
     EXPECT_TRUE(heard1().empty()) << "the other sensor is not meant";
-    Bytes answers;    // the last first: nothing says that a device keeps the order
+    Bytes answers;    // in reverse order: devices need not keep the order
     for (auto write = seen.rbegin(); write != seen.rend(); ++write) answers = answers + check_frame(sensor, host, *write);
     flow2.write(answers);
     ASSERT_TRUE(daemon->until([&] { return heard_above().size() == in_flight; }));
@@ -133,7 +133,7 @@ protected:
         EXPECT_TRUE(daemon->until_up("air"));
     }
     void say(const Bytes& bytes) { air.send(daemon->port("air"), bytes); }
-    /// Sends it and waits until it is inside.
+    /// Sends it and waits until the gateway has read it.
     void in(const Bytes& bytes) {
         total += split(bytes).frames.size();
         say(bytes);
@@ -249,7 +249,7 @@ TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
     }));
 }
 
-// A line of 11520 bytes/s, its reader as fast as one wants: only the clock holds it back.
+// A line of 11520 bytes/s with a fast reader: only the pacing limits it.
 TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());
@@ -266,7 +266,7 @@ TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-// 9600 baud, and three seconds of what two hosts write waits already.
+// 9600 baud, and frames of two hosts for three seconds are waiting already.
 TEST_F(Traffic, a_third_host_does_not_wait_for_two_that_flood_a_line) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());

@@ -32,7 +32,7 @@ void put(std::string& out, std::uint64_t value, int bytes, bool big_endian = fal
     for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> 8 * (big_endian ? bytes - 1 - i : i));
 }
 
-/// A capture of UDP datagrams over raw IP; the ports let the dissector be found by port and by its look.
+/// A capture of UDP datagrams over raw IP; some packets are recognised by their port, others by their content.
 std::string pcap_of(const std::vector<support::Vector>& vectors) {
     std::string file;
     put(file, 0xA1B2C3D4, 4);
@@ -143,7 +143,7 @@ private:
         default: return numbers(f, expected.is_array() ? expected : Json::array({expected}), values_of(shown, key));
         }
     }
-    // How broken UTF-8 is shown is tshark's own business.
+    // How broken UTF-8 is shown is up to tshark.
     void text(const std::string& expected, const std::vector<std::string>& shown) {
         if (expected.find("\xEF\xBF\xBD") != std::string::npos) return;
         EXPECT_EQ(shown.empty() ? "" : shown[0], expected) << name_;

@@ -46,7 +46,7 @@ struct Site {
     PtyDevice device{dir / "fc"};
     anogate::Settings settings = settings_of({serial("fc", device.path())});
     std::unique_ptr<RunningGateway> gateway;
-    std::size_t answered = 0;    // frames that the device has looked at
+    std::size_t answered = 0;    // frames that the device has handled
 
     Site() { settings.tunnel.emplace().links = {"fc"}; }
     ~Site() { stop(); }
@@ -106,7 +106,7 @@ protected:
             b->step();
         });
     }
-    /// Only for what must not happen meanwhile.
+    /// Waits for a time: only to show that something does not happen.
     void let_pass(anogate::Duration time) {
         for (const auto end = anogate::Clock::now() + time; anogate::Clock::now() < end;) {
             a->step();
@@ -246,7 +246,7 @@ TEST_F(TwoGateways, the_short_form_of_a_sender_in_another_network_is_not_for_us)
     EXPECT_TRUE(until([&] { return b->device.heard() == command; }));
 }
 
-// What says the same again is asked by a probe (0xFB) whether it is a ring, and who is joined gets to hear it.
+// Repeated bytes cause a probe (0xFB) that tells whether there is a ring; joined gateways receive it.
 Bytes but_probes(const Bytes& heard) {
     Bytes rest;
     for (const Bytes& one : split(heard).frames)
@@ -313,7 +313,7 @@ TEST_F(TwoGateways, what_matches_a_rule_is_wrapped_for_the_device) {
     EXPECT_TRUE(until([&] { return a->device.heard() == wrapped; }));
     EXPECT_EQ(a->count("wrapped"), 1u);
     EXPECT_EQ(a->count("in"), 1u);
-    a->device.write(b1("10.77.0.2", 7001, parameter));    // to whom the frame names
+    a->device.write(b1("10.77.0.2", 7001, parameter));    // to the address in the frame
     EXPECT_TRUE(until([&] { return ground->heard() == parameter; }));
     // A tunnel frame to us is opened before it is wrapped anew.
     const auto other = a->peer("10.77.0.1:7002");
@@ -346,7 +346,7 @@ TEST_F(TwoGateways, a_wrapped_datagram_is_split_by_the_links_max_data) {
     EXPECT_EQ(a->count("tunnel_too_big"), 1u);
 }
 
-// Wrapping is no way round the rules of the link.
+// The rules of the link hold for wrapped frames too.
 
 TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
     a->settings.links[0].rules.receive.deny = {{0xF0, 0xF0}};
@@ -394,7 +394,7 @@ TEST_F(TwoGateways, what_is_wrapped_for_a_device_passes_the_filters_of_its_link)
     EXPECT_EQ(a->gateway->count("fc", "limited"), 1u);
 }
 
-// An attacker's ways.
+// What an attacker may try.
 
 TEST_F(TwoGateways, a_device_reaches_nobody_who_is_not_allowed) {
     start();
@@ -441,7 +441,7 @@ TEST_F(TwoGateways, a_gateway_is_no_relay) {
     EXPECT_TRUE(until([&] { return a->count("tunnel_other_ip") == 5; }));
     EXPECT_EQ(a->peers(), 0u) << "no channel for that";
     EXPECT_EQ(a->gateway->count("tunnel", "denied_in"), 5u);
-    // As a peer it gets no further: what is inside is for our devices, and a tunnel frame inside is data.
+    // As a peer it can do no more: the inner frames are for our devices, and a tunnel frame inside is data.
     attacker->send(gateway, b1("10.77.0.1", 0, b1("10.77.0.2", 7002, command)) + b1("10.77.0.2", 7002, command));
     EXPECT_TRUE(until([&] { return a->device.heard() == b1("10.77.0.2", 7002, command); }));
     EXPECT_EQ(a->count("tunnel_other_ip"), 6u);
@@ -543,7 +543,7 @@ protected:
             rule.to = radio;
             for (Site* site : {a.get(), b.get()}) {
                 site->tunnel().wrap = {rule};
-                site->tunnel().ip = IpAddress::parse("10.77.0.9");    // else neither takes what the other wraps
+                site->tunnel().ip = IpAddress::parse("10.77.0.9");    // otherwise neither accepts what the other wraps
             }
         }
         start();
@@ -559,7 +559,7 @@ protected:
 TEST_P(Ring, nothing_goes_round) {
     start_ring();
     Bytes all;
-    for (std::uint8_t depth = 0; depth < 10; ++depth) {    // each another frame: one that is known goes nowhere
+    for (std::uint8_t depth = 0; depth < 10; ++depth) {    // each a different frame: a repeated one would be dropped
         Bytes inner = frame(mcu, everybody, 0x03, {depth, 2, 3, 4, 5, 6, 7});
         for (int i = 0; i < depth; ++i) inner = b1((depth - i) % 2 == 0 ? "10.77.0.1" : "10.77.0.2", port, inner);
         all = all + inner;

@@ -72,16 +72,16 @@ protected:
     bool until(const std::function<bool()>& holds) {
         return wait_until(holds, patience, [this] { turn(); });
     }
-    // What a run showed.
+    // The result of a run.
     struct Seen {
         Times at_a, at_b;
         int first = 0, end = 0;    // the commands that had to arrive
         std::size_t carried = 0;
         bool adds_up = false;
-        bool disturbed = false;    // it shows nothing
+        bool disturbed = false;    // the run proves nothing
     };
-    /// A copy is told by when it comes, within 2 s: a run shows nothing where the machine stood still for long. Then it is run again,
-    /// at most twice.
+    /// Copies are recognised within 2 s: when the machine stood still for long, a run proves nothing. Then it is repeated, at
+    /// most twice.
     template <class Run>
     Seen undisturbed(Run run) {
         constexpr Duration stood_still = 1s;
@@ -93,8 +93,8 @@ protected:
             if (HasFailure() || !seen.disturbed || runs == 3) return seen;
         }
     }
-    /// Until `device` has the frames first to end - 1 of those that `make` numbers, which are added to `got`. A pty hands on what was
-    /// written when the kernel comes to it: no number of turns is enough for that.
+    /// Until `device` has the frames first to end - 1 of those that `make` numbers, which are added to `got`. A pty passes on what was
+    /// written at a time that the kernel chooses, so a fixed number of turns would not be enough.
     template <class Make>
     bool until_heard(PtyDevice& device, Times& got, int first, int end, Make make) {
         return until([&] {
@@ -115,7 +115,7 @@ protected:
             return quiet == turns;
         });
     }
-    /// How often each frame arrived at the device since the last call. A frame of which the pty has handed on a part counts when it
+    /// How often each frame arrived at the device since the last call. A frame of which the pty has passed on a part counts when it
     /// is whole.
     Times heard(PtyDevice& device) {
         Times times;
@@ -178,14 +178,15 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
             EXPECT_EQ(seen.at_b[key(from_a(n))], 1) << n;
             EXPECT_EQ(seen.at_a[key(from_b(n))], 1) << n;
         }
-        seen.at_a.erase(key(frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));    // the ring looks like a device that moves: it may be asked
+        seen.at_a.erase(key(
+            frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));    // the ring may look like a device that has moved: then the device is asked
         EXPECT_EQ(seen.at_a.size(), std::size_t{count}) << "a device does not hear itself";
         EXPECT_LE(seen.carried, 2u * 4 * count);
         EXPECT_TRUE(seen.adds_up);
     }
 }
 
-// The ring is known from what the devices said; the links are named.
+// The ring is recognised by the frames of devices; the hint names the links.
 TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
     start("");
     if (HasFatalFailure()) return;
@@ -231,8 +232,8 @@ TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
     EXPECT_TRUE(seen.adds_up);
 }
 
-// The link that carries falls silent: what was on its way is lost, and what is sent until its silence shows; never does one
-// come twice.
+// The link in use falls silent: frames on their way are lost, and those sent until the silence is noticed; no frame comes
+// twice.
 TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over) {
     const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };
     for (std::size_t failing : {0u, 1u}) {
@@ -282,7 +283,7 @@ std::string name_of(const testing::TestParamInfo<Delays>& info) {
     return ms(d.first_there) + '_' + ms(d.first_back) + "_and_" + ms(d.second_there) + '_' + ms(d.second_back);
 }
 
-// Every pair of delays of one link's two directions beside every other of the other's would be 81: those that differ most.
+// All combinations of the delays of both links in both directions would be 81: these are the ones that differ most.
 INSTANTIATE_TEST_SUITE_P(Delays, JoinedGateways,
                          testing::Values(Delays{0ms, 0ms, 0ms, 0ms}, Delays{60ms, 60ms, 60ms, 60ms},
                                          Delays{500ms, 500ms, 500ms, 500ms}, Delays{0ms, 0ms, 500ms, 500ms},

@@ -1,4 +1,4 @@
-// Two hosts that say the same: what a peer says itself arrives, however often somebody else said it before.
+// Two hosts that send the same bytes: the frames of a peer arrive, however often somebody else sent the same before.
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -82,7 +82,7 @@ TEST_P(TwoHosts, see_of_the_gateways_own_at_most_a_question_a_second) {
     for (UdpPeer* host : {&first, &second}) {
         std::size_t probes = 0;
         for (const Bytes& heard : split(host->heard()).frames) probes += heard[3] == 0xFB;
-        EXPECT_LE(probes, seconds + 2);    // of the questions at the start as well
+        EXPECT_LE(probes, seconds + 2);    // and those for the questions at the start
     }
     for (const Bytes& heard : split(device.heard()).frames) EXPECT_NE(heard[3], 0xFB) << "never on a cable";
 }

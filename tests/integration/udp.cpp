@@ -141,7 +141,7 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
     const std::string group = "239.1.2.3:" + std::to_string(member.port());
     join(member, group);
     auto link = udp("group", group);
-    link.udp.bind = endpoint("0.0.0.0:0");    // a port of its own: `member` has the group's
+    link.udp.bind = endpoint("0.0.0.0:0");    // a port of its own: `member` uses the port of the group
     RunningGateway daemon{link, udp_listen("air", "127.0.0.1:0")};
     ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
     air.send(daemon.port("air"), telemetry);

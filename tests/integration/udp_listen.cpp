@@ -18,7 +18,7 @@ std::size_t peers(RunningGateway& daemon, const std::string& link = "ground") { 
 
 const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
-// A second listening link is where frames come from that the peers of the first one are to hear.
+// Frames for the peers of the first listening link come in by a second one.
 struct TwoLinks {
     RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
     UdpPeer air;
@@ -67,7 +67,7 @@ TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
     for (UdpPeer* p : {&first, &second, &third}) p->send(port, frame(0xFE, 0xDC, 0xE0, {1, 0, 0}));
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 3; }));
     for (UdpPeer* p : {&first, &second, &third}) p->forget();
-    // Three hosts, all 0xFE: what is for 0xFE is for each of them, once.
+    // Three hosts, all 0xFE: each gets a frame for 0xFE once.
     t.say(telemetry);
     for (UdpPeer* p : {&first, &second, &third}) EXPECT_TRUE(t.daemon.until([&] { return p->heard() == telemetry; }));
     const auto link = t.daemon.link("ground");
@@ -134,7 +134,7 @@ TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
     EXPECT_FALSE(daemon.route("0xFE").is_null());
 }
 
-// With the host alone, nobody was to be looked at for an hour.
+// Without the new peer, the next look would have been in an hour.
 TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) {
     auto link = udp_listen("ground");
     link.udp_listen.peer_timeout = 200ms;
@@ -284,7 +284,7 @@ TEST(UdpListenLink, the_largest_datagram_there_is) {
 }
 
 TEST(UdpListenLink, a_frame_too_large_for_any_datagram_is_counted_and_the_next_one_leaves) {
-    // Two datagrams bring it in; no datagram can take it out.
+    // Two datagrams make it a peer; no datagram can remove it.
     auto ground = udp_listen("ground"), air = udp_listen("air");
     ground.max_data = air.max_data = 65535;
     ground.queue = air.queue = 256 * 1024;
@@ -405,7 +405,7 @@ TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
     EXPECT_TRUE(t.daemon.counters_add_up());
 }
 
-// Loopback answers at once: what became of a datagram to a dead port fails the call behind it.
+// Loopback answers at once: the error for a datagram to a closed port is reported by the next call.
 TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_another) {
     TwoLinks t;
     UdpPeer host;
@@ -429,7 +429,7 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
     EXPECT_TRUE(t.daemon.counters_add_up());
 }
 
-// The only waiting by the clock here: five seconds are what a program is given to start anew on its port.
+// The only wait by the clock here: a program has five seconds to start again on its port.
 TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_network_said_so_for_five_seconds) {
     RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
     UdpPeer air, host4, host6{"[::1]:0"}, host_both;

@@ -12,7 +12,7 @@ TEST(Acknowledged, what_is_written_or_done_may_be) {
     EXPECT_EQ(ids, (std::set<int>{0x61, 0xC0, 0xE0, 0xE1}));
 }
 
-// An action that nothing tells from a question would pass an inhibit switch.
+// An action that can't be told from a question would pass an inhibit switch.
 TEST(Control, is_every_message_that_is_acknowledged) {
     for (const ano::Message& row : ano::messages)
         if (row.acknowledged != ano::Acknowledged::no) EXPECT_NE(row.controls, ano::Controls::no) << row.name;

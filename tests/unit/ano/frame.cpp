@@ -12,7 +12,7 @@ using support::Bytes;
 
 namespace {
 
-// As the protocol text tells it.
+// As the protocol text defines it.
 Checks plain_checks(const Bytes& bytes) {
     unsigned sum = 0;
     unsigned add = 0;

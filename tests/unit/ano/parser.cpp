@@ -16,7 +16,7 @@ namespace {
 
 using Frames = std::vector<Bytes>;
 
-// A link: puts bytes in, takes out what is whole, and sees to it that no byte is unaccounted for.
+// Puts bytes in, takes whole frames out, and checks that every byte is counted.
 class Line {
 public:
     explicit Line(FrameParser::Options options = {}) : parser{options} {}
@@ -41,7 +41,7 @@ public:
         take();
         put(bytes, at_once);
     }
-    // Until the candidates that can be given up now have been.
+    // Gives up all candidates that can be given up now.
     void expire() {
         while (parser.expire(now)) take();
     }
@@ -88,7 +88,7 @@ Bytes header(std::size_t length, std::uint8_t source = 0xDC, std::uint8_t id = 0
 Bytes begin_of(const Bytes& bytes, std::size_t n) { return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)}; }
 Bytes rest_of(const Bytes& bytes, std::size_t n) { return {bytes.begin() + static_cast<std::ptrdiff_t>(n), bytes.end()}; }
 
-// What a datagram may hold of a frame that carries two frames: the beginning, both inner frames included.
+// The beginning of a frame that carries two frames, up to behind both inner frames: as much as a datagram may hold.
 struct Tunnel {
     Bytes first = numbered(1);
     Bytes second = numbered(2);
@@ -203,7 +203,7 @@ TEST(FrameParser, finds_a_good_frame_inside_a_bad_one) {
 }
 
 TEST(FrameParser, finds_a_good_frame_behind_many_candidates_that_overlap) {
-    // All of them reach over the good frame; the last of them into what follows it.
+    // All of them reach over the good frame; the last one reaches into the bytes behind it.
     Bytes bytes;
     for (std::size_t i = 0; i < 40; ++i) bytes = bytes + header(300 - 6 * i + i % 5);
     const Bytes more = Bytes(200, 0x33) + numbered(2);
@@ -429,7 +429,7 @@ TEST(FrameParser, joins_nothing_across_the_end_of_input) {
     EXPECT_EQ(line.frames, Frames{numbered(2)});
 }
 
-// --- False headers, known by what was heard
+// --- False headers, recognised by what was heard
 
 constexpr std::uint8_t stranger = 0x77;
 
@@ -505,7 +505,7 @@ TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
     }
 }
 
-// Its source was heard, but a bit of LEN was turned over on the way.
+// Its source was heard, but a bit of LEN was flipped on the way.
 TEST(FrameParser, lets_frames_pass_a_header_whose_LEN_is_more_than_was_heard) {
     for (unsigned bit = 0; bit < 12; ++bit) {
         const std::size_t length = 13u ^ 1u << bit;
@@ -529,7 +529,7 @@ TEST(FrameParser, waits_for_a_LEN_that_was_heard) {
     line.frames.clear();
     line.put(header(60) + pair_of_frames);
     EXPECT_TRUE(line.frames.empty());
-    line.put(header(61) + pair_of_frames);    // and the wait is over
+    line.put(header(61) + pair_of_frames);    // which ends the wait
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
@@ -562,8 +562,8 @@ TEST(FrameParser, keeps_what_it_heard_over_the_end_of_input) {
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
-// What the search may cost: a look at a header, and each header that gives way, is paid with 32 bytes of good frames, of
-// which 65536 are saved and were there at first.
+// The limit for the search: a look at a header, and each header that gives way, costs the credit of 32 bytes of good frames. The
+// credit is at most 65536 bytes, and begins full.
 struct FloodedLine : HeardLine {
     FloodedLine() {
         const Bytes flood = header(4000, stranger) + Bytes(3994, ano::head) + Bytes(8, 0xFF);
@@ -630,7 +630,7 @@ struct Outer {
 
 class KnownSender : public testing::TestWithParam<Outer> {};
 
-// What a known sender says first of an id of free length, and what anybody sends through a tunnel.
+// The first frame of a known sender with an id of any length, and tunnel frames of anybody.
 TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
     const auto& [name, source, id, begin] = GetParam();
     const Bytes inner = numbered(1) + numbered(2) + numbered(3) + support::frame(0xDC, 0xFE, 0xA0, {1, 'a'});
@@ -671,7 +671,7 @@ INSTANTIATE_TEST_SUITE_P(sends, KnownSender,
                                          Outer{"a_strangers_short_tunnel_frame", stranger, 0xB2, Bytes(4)}),
                          [](const auto& test) { return test.param.name; });
 
-// What the rule costs: of a sender that is heard for the first time, nothing tells a long frame from a false header.
+// The limit of the rule: a long frame of a sender that was never heard can't be told from a false header.
 TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_in_pieces) {
     const Bytes log = support::frame(stranger, 0xFE, 0xA0, Bytes(1) + pair_of_frames + Bytes(10));
     HeardLine whole;

@@ -87,7 +87,7 @@ TEST(Reading, tells_an_old_parameter_info_by_its_look) {
     EXPECT_EQ(info(0x9C, minus, "\xBD\xE2", 30), "old");    // GBK
     EXPECT_EQ(info(8, {}, "ROL", 23), "");
     EXPECT_EQ(info(8, {}, "PARAMETER_NAME", 40), "");
-    EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");    // a type that there is not
+    EXPECT_EQ(info(11, {}, "PARAMETER_NAME", 40), "old");    // a type that does not exist
     EXPECT_EQ(info(11, {}, "SHORT", 40), "");                // with a name where the current layout has it
     EXPECT_EQ(info(8, {}, "", 40), "");                      // without a name
     EXPECT_EQ(info(0, small, "ROL", 29), "");                // too short for the old one
@@ -101,7 +101,7 @@ TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {
     EXPECT_EQ(reading.number(reading.fields()[1]), 1.0);
 }
 
-// On the heap at exactly its size, so that a sanitizer sees a byte read behind it.
+// On the heap with exactly its size, so that a sanitizer detects a read behind its end.
 TEST(Reading, of_any_id_and_any_length_stays_within_its_data) {
     support::Random random{1};
     for (unsigned id = 0; id < 256; ++id) {

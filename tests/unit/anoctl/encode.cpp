@@ -120,7 +120,7 @@ TEST(Anoctl, refuses_to_count_to_nothing) {
 
 TEST(Anoctl, colours_are_ended_by_what_the_environment_says) {
     EXPECT_TRUE(anoctl::wants_color(nullptr, "xterm"));
-    EXPECT_TRUE(anoctl::wants_color("", "xterm"));    // as no-color.org has it
+    EXPECT_TRUE(anoctl::wants_color("", "xterm"));    // by the rule of no-color.org
     EXPECT_FALSE(anoctl::wants_color("1", "xterm"));
     EXPECT_FALSE(anoctl::wants_color("0", "xterm"));
     EXPECT_FALSE(anoctl::wants_color(nullptr, "dumb"));

@@ -33,7 +33,7 @@ Exit exit_of(std::vector<const char*> arguments) {
     return exit != nullptr ? *exit : Exit{};
 }
 
-/// What goes to standard error; the exit code must be 78.
+/// The text on standard error; the exit code must be 78.
 std::string error_of(std::vector<const char*> arguments) {
     const Exit exit = exit_of(std::move(arguments));
     EXPECT_EQ(exit.code, 78);

@@ -232,7 +232,7 @@ TEST(Config, a_tunnel_is_read_as_it_is_written) {
     EXPECT_EQ(t, expected);
 }
 
-// Of links whose peers are in the network, and of others.
+// For links whose peers are in the network, and for others.
 TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
     const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
         return faults_in("{\"links\": [\"" + link +
@@ -585,7 +585,7 @@ TunnelSettings random_tunnel(support::Random& random, const std::vector<LinkSett
     return t;
 }
 
-/// Any settings without fault.
+/// Random settings without faults.
 Settings random_settings(support::Random& random) {
     Settings s;
     s.gateway.id = random.of<std::uint8_t>({0, 21, 199, 254});

@@ -14,7 +14,7 @@ std::vector<Network> networks(std::initializer_list<const char*> texts) {
     return all;
 }
 
-/// The line without the version, which stands first.
+/// The line without the version at its beginning.
 std::string said(std::initializer_list<std::string_view> links, const std::vector<Network>& own = {}) {
     Draft draft;
     for (const std::string_view link : links) read_link(link, "", draft);

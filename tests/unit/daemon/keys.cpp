@@ -33,7 +33,7 @@ void for_every_key(auto visit) {
 
 std::string sample() { return support::text_of(support::source_file("config/anogate.json")); }
 
-/// Lines of `text`, those that are commented out but no prose without the comment signs.
+/// `text` with the examples that are commented out made part of it: lines with // and no space behind it. Other comments stay.
 std::string with_examples(const std::string& text) {
     std::string result;
     for (const std::string_view line : split(text, '\n')) {

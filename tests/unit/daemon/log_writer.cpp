@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A log that takes a line when it is let.
+// A log that takes a line only when the test allows it.
 class Gate final : public spdlog::sinks::base_sink<std::mutex> {
 public:
     void open(int lines) { may_.release(lines); }
@@ -57,7 +57,7 @@ TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
     log.front.info(std::string(LogQueue::room, 'x'));
     log.front.info("lost");
     log.writer->lose();
-    log.gate->open(3);    // and no more: what was said before is being written, the loss told
+    log.gate->open(3);    // for three more lines: those that wait, and the one about the loss
     for (int i = 0; i < 3; ++i) log.gate->await_a_writer();
     log.front.info("last");
     log.gate->open(2);

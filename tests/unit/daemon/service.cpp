@@ -6,7 +6,7 @@
 namespace anogate {
 namespace {
 
-/// What the service can't do of a configuration, one a line.
+/// The parts of a configuration that the service can't do, one for each line.
 std::string faults(std::string_view json) {
     Draft draft = parse_config(json, "a.json");
     EXPECT_EQ(lines(draft.errors), "");

@@ -20,7 +20,7 @@ TEST(Ticker, calls_again_and_again_until_it_is_stopped) {
     EXPECT_EQ(calls, 3);
 }
 
-// The loop takes the call that is due and the end in one round, and the end comes first.
+// The loop handles the due call and the end in one round, the end first.
 TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
     asio::io_context io;
     int calls = 0;

@@ -35,7 +35,7 @@ protected:
         if (turn().stood == 0s) loop.end_standstill();
         loop.beat(period);
     }
-    /// As a loop does that has nothing else to do.
+    /// As an idle loop does.
     void idle(Duration time) {
         for (Duration end{}; end < time; end += period) {
             pass(period);
@@ -203,7 +203,7 @@ TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
 TEST_F(Unstamped, is_of_now_where_nothing_waited) {
     idle(1s);
     pass(9s);
-    beat();    // who noticed it says nothing of what others have to read
+    beat();    // a beat noticed the standstill: other wires may still have old data
     EXPECT_TRUE(loop.is_behind());
     pass(period);
     beat();
@@ -250,7 +250,7 @@ TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
     EXPECT_EQ(loop.longest(), 9s - period);
 }
 
-// Between calm beats, what waited to be read tells of what the beats can't.
+// Between slow beats, a standstill is noticed by the age of what waited to be read.
 TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
     loop.beat(520ms);
     pass(10ms);
@@ -267,7 +267,7 @@ TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
     EXPECT_EQ(loop.longest(), LoopWatch::told + 1ms);
 }
 
-// Who can't keep up does not stand still.
+// A loop that can't keep up is not standing still.
 TEST_F(Watch, is_not_told_by_what_waited_while_it_ran) {
     const Duration came = stamp();
     idle(900ms);

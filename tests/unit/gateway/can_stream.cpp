@@ -39,7 +39,7 @@ Bytes data_of(std::size_t size) {
     return data;
 }
 
-// A CAN frame as it stands on the bus.
+// A CAN frame as on the bus.
 struct OnBus {
     std::uint32_t id;
     Bytes data;

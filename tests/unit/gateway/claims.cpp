@@ -13,7 +13,7 @@ namespace {
 constexpr ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
 struct ClaimsTest : testing::Test {
-    /// A letter for each that is due: asked, or Silent.
+    /// A letter for each action that is due: a(sked), or S(ilent).
     std::string due(TimePoint now) {
         std::string all;
         while (const auto step = claims.take(now)) all += step->silent ? 'S' : 'a';
@@ -54,7 +54,7 @@ TEST_F(ClaimsTest, one_at_a_time_and_not_too_often) {
     EXPECT_TRUE(claims.begin(7, channel(3), start + 100ms));
 }
 
-// The answer may wait in a socket that nobody read.
+// The answer may wait in a socket that was not read.
 TEST_F(ClaimsTest, who_did_not_listen_asks_again) {
     claims.begin(7, channel(3), start);
     EXPECT_EQ(due(start), "a");

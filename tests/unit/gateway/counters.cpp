@@ -47,7 +47,7 @@ TEST(Counters, add_adds_each) {
     EXPECT_EQ(a.offered, 15u);
 }
 
-// Each counter that takes a frame off the account, by its row: all but those that count something else of frames sent.
+// Each counter that accounts for an offered frame, by its row: all except those that count something else about sent frames.
 TEST(Counters, what_is_unaccounted_waits) {
     SendCounters c;
     c.offered = 100;

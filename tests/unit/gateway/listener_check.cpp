@@ -151,7 +151,7 @@ TEST(ListenerCheck, strangers_by_the_thousand_push_no_refused_one_out) {
 }
 
 // Frames of one reach the other in the order in which they were sent. A forged frame made `there` a peer of the first gateway
-// alone, which is about to say something: what it says behind its question is taken by nobody, and both refuse.
+// only, which is about to send something: what it sends behind its question is dropped, and both refuse each other.
 TEST(ListenerCheck, of_two_gateways_each_refuses_the_other_whoever_begins) {
     Check a{100}, b{200};
     const auto question = a.question(two, start);

@@ -107,7 +107,7 @@ TEST(Outbox, frame_that_has_begun_to_leave_is_never_dropped) {
     push(outbox, numbered(2));
     outbox.sent(1);
     push(outbox, numbered(3));
-    push(outbox, numbered(4, 20));    // alone as large as the bound allows
+    push(outbox, numbered(4, 20));    // fills the bound by itself
     const Bytes begun = numbered(1);
     EXPECT_EQ(gathered(outbox), joined({Bytes(begun.begin() + 1, begun.end()), numbered(4, 20)}));
     EXPECT_EQ(outbox.counters().queue_full, 2u);
@@ -188,7 +188,7 @@ TEST(Outbox, urgent_does_not_overtake_a_frame_that_has_begun) {
     EXPECT_EQ(outbox.next(start).size, 0u);
 }
 
-// Offered three times what leaves, all of it such that it can't be replaced.
+// Three times as much is offered as leaves; nothing can be replaced.
 TEST(Outbox, each_class_keeps_a_tenth_of_the_bytes) {
     Outbox outbox = open_outbox(4000, 100);
     std::array<std::size_t, 3> bytes{};
@@ -435,7 +435,7 @@ TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
     expect_balanced(outbox);
 }
 
-// The room of 400 bytes: 40 of them for each class, or one frame of up to 100.
+// A room of 400 bytes: 40 are reserved for each class, or one frame of up to 100.
 TEST(Outbox, no_class_is_pushed_out_of_the_queue) {
     for (const QueuePolicy flood : {command, text, image})
         for (const QueuePolicy few : {command, text, image}) {

@@ -71,7 +71,7 @@ TEST(Pacer, driver_that_holds_more_slows_it_down) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start), 0u);
-    pacer.correct(180, start + 10ms);    // the line is slower than it was said to be
+    pacer.correct(180, start + 10ms);    // the line is slower than its rate
     EXPECT_EQ(pacer.allowance(20, false, start + 17ms), 0u);
     EXPECT_EQ(pacer.allowance(20, false, start + 18ms), 100u);
     pacer.correct(0, start + 18ms);

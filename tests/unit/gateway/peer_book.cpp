@@ -1,4 +1,4 @@
-// How long a peer of a listening socket stays: arithmetic on what was heard and what was refused.
+// How long a peer of a listening socket stays, by what was heard and what was refused.
 #include <gateway/peer_book.hpp>
 
 #include <gtest/gtest.h>

@@ -18,7 +18,7 @@ constexpr ano::TimePoint start{1h};
 
 Bytes question(std::uint8_t number) { return support::frame(host, fc, 0xE0, {2, number, 0}); }
 
-/// As many as a device may be asked have left and were not answered; what is asked now waits.
+/// As many questions as a device may be asked are unanswered; the next question waits.
 class BusyDevice : public testing::Test {
 protected:
     void SetUp() override {

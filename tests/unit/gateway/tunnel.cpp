@@ -23,7 +23,7 @@ ano::FrameView view(const Bytes& bytes) { return *ano::frame_at(bytes); }
 Bytes bytes_of(ano::FrameView f) { return {f.bytes().begin(), f.bytes().end()}; }
 Bytes bytes_of(std::span<const std::uint8_t> s) { return {s.begin(), s.end()}; }
 
-// We are 192.168.0.5/24; the default way out is there too.
+// We are 192.168.0.5/24; the default route is there too.
 struct Site {
     anogate::TunnelSettings settings;
     std::uint8_t own_id = 199;

@@ -35,7 +35,7 @@ support::Bytes data_of(std::string_view text, const JsonOptions& options = {}) {
     return bytes.empty() ? bytes : support::Bytes{bytes.begin() + 6, bytes.end() - 2};
 }
 
-// Values that mean something now and then, so that every layout is met.
+// Random values, often ones with a meaning, so that every layout occurs.
 support::Bytes random_data(support::Random& random) {
     support::Bytes data(random.below(40u));
     for (auto& byte : data)
@@ -177,7 +177,7 @@ TEST(FrameJson, gbk_text_is_read_and_written_when_asked) {
     EXPECT_TRUE(json_of(bytes).contains("data"));
 }
 
-// A row of heads each of which claims the rest: judged one by one it would take minutes.
+// Many headers, each of which claims all the rest: checked one by one this would take minutes.
 TEST(FrameJson, a_tunnel_full_of_heads_costs_linear_time) {
     const auto bytes = support::frame(1, 2, 0xB1, support::Bytes(65535, 0xAB));
     const Json json = json_of(bytes);

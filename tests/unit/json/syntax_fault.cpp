@@ -14,7 +14,7 @@ std::string fault_of(std::string_view text) {
     }
 }
 
-/// What is in brackets at the end.
+/// The part in brackets at the end.
 std::string slip_in(std::string_view text) {
     const std::string fault = fault_of(text);
     return fault.ends_with(')') ? fault.substr(fault.rfind(" (") + 2) : std::string{};

@@ -139,7 +139,7 @@ TEST(TypedValues, that_cannot_be_are_told) {
     EXPECT_EQ(value_fault("1.5"), "parameter_value value: '1.5' is neither hex digits in pairs nor typed, as f32:1.5 is");
 }
 
-// Devices store the check bytes of the frame in place of what is missing.
+// Devices store the check bytes of the frame in place of the missing bytes.
 TEST(ParameterValue, that_is_shorter_than_its_type_is_refused) {
     const std::string behind =
         "; a device would store check bytes of the frame with it: write it with its type, such as f32:1.5 or string:abc";
@@ -159,7 +159,7 @@ TEST(ParameterValue, that_is_shorter_than_its_type_is_refused) {
     EXPECT_EQ(value_fault("u8:1", R"(, "par_type": "f32")"), "parameter_value value: 'u8:1' is not what par_type says: 'f32'");
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"value": "ff", "par_type": "u8"}})"),
               (support::Bytes{0, 0, 0xFF}));
-    // As it was received it goes back to its bytes all the same.
+    // Such a frame, when received, is still encoded back to its bytes.
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"par_id": 7, "value": ""}, "data": "0700"})").size(), 2u);
 }
 
