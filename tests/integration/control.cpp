@@ -33,8 +33,7 @@ protected:
     /// Frames still go from peer to peer.
     bool forwards() {
         const auto before = b.heard().size();
-        a.send(daemon.port("ground"),
-               frame(0xFE, 0xFF, 0xE0, {0, ++question, 0}));    // the same bytes again could count as a loop
+        a.send(daemon.port("ground"), frame(0xFE, 0xFF, 0xE0, {0, ++question, 0}));    // a repeat could count as a loop
         return wait_until([&] { return b.heard().size() > before; });
     }
 

@@ -178,8 +178,7 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
             EXPECT_EQ(seen.at_b[key(from_a(n))], 1) << n;
             EXPECT_EQ(seen.at_a[key(from_b(n))], 1) << n;
         }
-        seen.at_a.erase(key(
-            frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));    // the ring may look like a device that has moved: then the device is asked
+        seen.at_a.erase(key(frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));    // the ring may look like a device that moved: it is asked
         EXPECT_EQ(seen.at_a.size(), std::size_t{count}) << "a device does not hear itself";
         EXPECT_LE(seen.carried, 2u * 4 * count);
         EXPECT_TRUE(seen.adds_up);
