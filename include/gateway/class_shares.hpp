@@ -1,4 +1,4 @@
-// Whose turn it is among the classes: urgent before telemetry before bulk, but a tenth of the bytes for each that waits.
+// Which class sends next: urgent before telemetry before bulk, but each class that waits gets a tenth of the bytes.
 #pragma once
 #include <gateway/queue_policy.hpp>
 
@@ -9,9 +9,10 @@
 
 namespace anogate {
 
-/// For each byte that others send while a class waits, it may send a ninth: a tenth of all. What it sends because no higher
-/// class waits counts as well, and is no debt. What is due stays due when the frame that was to have it is dropped: frames
-/// that grow stale before a tenth of a slow line has carried one get their tenth one in a few.
+/// For each byte that others send while a class waits, it may send a ninth of a byte, which makes a tenth of all. Bytes that it
+/// sends because no higher class waits are taken off what is due to it, but never below zero. What is due stays due when the
+/// frame that would have used it is dropped: on a slow line, where frames become stale before a tenth of the line has carried
+/// one, the class still sends one frame of several.
 class ClassShares {
 public:
     /// By class: the size of the frame that it sends next, 0 where none waits.
@@ -40,7 +41,7 @@ public:
 
 private:
     static constexpr std::uint64_t others_before_one = 9;
-    std::array<std::uint64_t, traffic_classes> due_{};    // bytes of others; of the highest class nobody asks
+    std::array<std::uint64_t, traffic_classes> due_{};    // bytes of others; not used for the highest class
 };
 
 }    // namespace anogate

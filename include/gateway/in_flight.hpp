@@ -1,4 +1,4 @@
-// What a device was asked and has not answered yet. Small devices lose questions that come many at a time.
+// The questions that a device has not answered yet. Small devices lose questions when many come at a time.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -11,19 +11,19 @@
 
 namespace anogate {
 
-/// What a device answers with data (protocol text, section 3): who is asked, and by what the answer is known.
+/// A question that a device answers with data (protocol text, section 3): who is asked, and how the answer is recognised.
 struct Question {
-    std::uint8_t asked = 0;    // 0xFF, and a port id: whoever is there
+    std::uint8_t asked = 0;    // 0xFF and port ids stand for any device there
     std::uint8_t answer_id = 0;
-    std::uint16_t about = 0;    // the number of a parameter, command or waypoint; 0 where there is but one answer
+    std::uint16_t about = 0;    // the number of a parameter, command or waypoint; 0 where only one answer is possible
     friend constexpr bool operator==(Question, Question) noexcept = default;
 };
 
-/// The question that `frame` asks: 0x60, 0xC1, and 0xE0 with the commands 0 to 3. Nothing for any other frame: what
-/// writes or commands is no question, and what goes to a host is not one either but its answer, which in 0x60, 0xC1
-/// and 0xE0 1 looks the same.
+/// The question that `frame` asks: 0x60, 0xC1, and 0xE0 with the commands 0 to 3. Nothing for any other frame:
+/// writing or commanding is not a question, and a frame to a host is an answer, which in 0x60, 0xC1 and 0xE0 1 looks
+/// the same.
 std::optional<Question> question_in(ano::FrameView frame) noexcept;
-/// Whether `frame` is what `question` asked for.
+/// Whether `frame` answers `question`.
 bool answers(ano::FrameView frame, Question question) noexcept;
 
 /// The questions on their way to one channel: those that wait in its outbox, and those that have left and were neither
@@ -33,20 +33,20 @@ public:
     static constexpr std::size_t most = 8;
     static constexpr ano::Duration patience = std::chrono::milliseconds{500};
 
-    /// Whether one more may go at `now`. Forgets those that nobody has answered in time.
+    /// Whether one more may be sent at `now`. Forgets questions that were not answered in time.
     bool has_room(ano::TimePoint now) noexcept;
     std::size_t size() const noexcept;
-    /// When the first that has left is given up; nothing when none has left.
+    /// When the oldest question that has left is given up; nothing when none has left.
     std::optional<ano::TimePoint> next_given_up() const noexcept;
 
-    /// What the outbox tells, of every frame: that it waits there, has left, or was dropped. Other frames than questions
-    /// are passed over.
+    /// Called by the outbox for every frame: it waits there, has left, or was dropped. Frames that are not questions
+    /// are ignored.
     void queued(ano::FrameView frame) noexcept;
     void left(ano::FrameView frame, ano::TimePoint now) noexcept;
     void dropped(ano::FrameView frame) noexcept;
-    /// A frame came in by the channel. True: it answers a question, the oldest it fits, which is done.
+    /// A frame came in by the channel. True: it answers a question; the oldest that it fits is removed.
     bool hear(ano::FrameView frame) noexcept;
-    /// The channel is closed, nothing will be answered.
+    /// The channel is closed: nothing will be answered.
     void clear() noexcept { slots_ = {}; }
 
 private:

@@ -1,4 +1,4 @@
-// A switch that keeps the ground off the vehicle: which frames may command it, and whose of them are kept off.
+// A switch that blocks commands to the vehicle: which frames are commands, and from which links they are blocked.
 #pragma once
 #include <ano/control.hpp>
 #include <ano/frame.hpp>
@@ -11,14 +11,14 @@ namespace anogate {
 
 using ano::is_control;
 
-/// A tunnel frame that goes on unopened and may bring a control frame: one is inside, or what is inside can't be told (bytes
-/// that are no whole good frame, another tunnel frame). False for every other frame.
+/// Whether this is a tunnel frame that is forwarded unopened and may contain a control frame: one is inside, or the content can't
+/// be read (bytes that are not a whole good frame, another tunnel frame). False for every other frame.
 bool may_bring_control(ano::FrameView tunnel_frame) noexcept;
 
-/// Inhibit switches and the links they keep off. A switch is on until it is said to be off: one that can't be read is on.
+/// Inhibit switches and the links they block. A switch is on until it is set off: one that can't be read is on.
 class Inhibit {
 public:
-    /// Returns its place.
+    /// Returns its index.
     std::size_t add(LinkSet links) {
         switches_.push_back({links, true});
         gather();
@@ -29,7 +29,7 @@ public:
         gather();
     }
     bool is_on(std::size_t place) const noexcept { return switches_[place].on; }
-    /// The links whose control frames go nowhere.
+    /// The links whose control frames are dropped.
     LinkSet links() const noexcept { return links_; }
 
 private:

@@ -1,4 +1,4 @@
-// What a listening socket of a gateway says of itself to another: a special frame (0xFB) that is never routed. A device takes it
+// The message of a listening socket of a gateway to another: a special frame (0xFB) that is never routed. A device takes it
 // for a special frame of somebody else.
 #pragma once
 #include <ano/frame.hpp>
@@ -10,7 +10,7 @@
 
 namespace anogate {
 
-/// A question holds a number that only who receives it can repeat.
+/// A question holds a number that only its receiver can repeat.
 struct ListeningNotice {
     enum class Kind : std::uint8_t {
         question = 1,    // this socket listens: does yours?

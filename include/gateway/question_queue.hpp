@@ -1,5 +1,5 @@
-// Stands before the outbox of a device that takes few questions at a time: the one too many waits here, and all other
-// traffic passes it.
+// Comes before the outbox of a device that takes few questions at a time: further questions wait here, and all other
+// traffic passes.
 //
 // Flow:    questions.push(frame, policy, now)    // every frame for the channel; then flush it
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
@@ -18,39 +18,39 @@
 namespace anogate {
 
 /// Questions that wait take turns by the channel they came by; those of one channel leave in the order in which they came.
-/// When full, the oldest of the channel with the most bytes waiting gives way. They age as in the outbox; what is dropped
-/// here is counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
+/// When full, the oldest question of the channel with the most bytes waiting is dropped. They age as in the outbox; what is
+/// dropped here is counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
 class QuestionQueue {
 public:
     struct Options {
         std::size_t bytes = 32 * 1024;                  // bound of what waits here
         ano::Duration age = std::chrono::seconds{5};    // what waited longer is dropped
     };
-    /// `outbox` stays where it is as long as this is used, and tells this what becomes of its frames.
+    /// `outbox` must not move while this is used; it reports what happens to its frames.
     QuestionQueue(Outbox& outbox, const Options& options);
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Into the outbox, but a question that finds InFlight::most before it waits.
+    /// Passes a frame to the outbox; a question waits here when InFlight::most are unanswered.
     void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
         push(frame, policy, now, from, now);
     }
-    /// The same for one that had arrived before.
+    /// The same for a frame that arrived earlier.
     void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
-    /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
+    /// A frame came in by the channel. True: it was an answer, and a question that waited is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
-    /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.
+    /// Passes to the outbox what may be sent and drops what is stale. True: something was passed.
     bool release(ano::TimePoint now) noexcept;
     /// When release() may do something by itself; nothing while nothing waits.
     std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
     /// As Outbox::grow_older(), of what waits here.
     void grow_older(ano::Duration time) noexcept;
-    /// What waits is counted link_down. The outbox is closed by others.
+    /// Counts what waits as link_down. Does not close the outbox.
     void close() noexcept;
 
     std::size_t waiting() const noexcept { return turns_.count(); }
     std::size_t in_flight() const noexcept { return in_flight_.size(); }
-    /// Of what waits here or was dropped here; what went into the outbox is counted there.
+    /// Counts what waits here or was dropped here; what went to the outbox is counted there.
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:

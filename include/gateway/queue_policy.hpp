@@ -1,4 +1,4 @@
-// How a frame is treated where a line is slow (protocol text, section 5). Which id is treated how, the message table says.
+// How a frame is treated on a slow line (protocol text, section 5), by the message table.
 #pragma once
 #include <ano/schema.hpp>
 #include <ano/time.hpp>
@@ -19,7 +19,7 @@ using ano::Replaces;
 
 /// Which age limit holds for it.
 enum class AgeKind : std::uint8_t {
-    control,    // sticks and the like: urgent, and a newer one replaces it
+    control,    // sticks: urgent, and replaced by newer ones
     telemetry,
     rest,
 };

@@ -1,4 +1,4 @@
-// What the log says first and last.
+// The first and the last line of the log.
 #pragma once
 #include <gateway/ip.hpp>
 #include <gateway/settings.hpp>
@@ -14,7 +14,7 @@ namespace anogate {
 /// are the networks of our interfaces, with our addresses in them.
 std::string first_line(const Settings& settings, std::string_view source, const std::vector<Network>& own);
 
-/// Why it ends, how long it ran, what passed.
+/// Why it ends, how long it ran, how many frames passed.
 std::string last_line(std::string_view why, Duration uptime, std::uint64_t frames_in, std::uint64_t frames_out);
 
 }    // namespace anogate

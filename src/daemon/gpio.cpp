@@ -96,7 +96,8 @@ void Gpio::blink(Line& line, TimePoint now) {
     if (lit) line.alarm.set(line.blink.due());
 }
 
-// Of one alarm a line: the light changes, the switch may be told of again, the pulse ends, or the silence may have lasted long enough.
+// For the one alarm of a line: the light changes, the switch may be reported again, the pulse ends, or the silence may have lasted
+// long enough.
 void Gpio::ring(Line& line) {
     const TimePoint now = Clock::now();
     if (line.settings().use == GpioUse::activity) {
@@ -115,7 +116,7 @@ void Gpio::ring(Line& line) {
     }
 }
 
-// While the line is not held there is nothing to wait for: changed() comes here again.
+// While the line is not held there is nothing to wait for: changed() calls this again.
 void Gpio::arm(Line& line) {
     if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held()) line.alarm.set(*due);
 }

@@ -1,5 +1,5 @@
-// The GPIO lines at work: lamps, power, resets, the inhibit switch, RS-485. What they decide stands in include/gateway, what
-// they do in src/link; here they meet the links.
+// Connects the GPIO lines with the links: lamps, power, resets, the inhibit switch, RS-485. The decisions are in include/gateway,
+// the access to the lines in src/link.
 #pragma once
 #include <gateway/blink.hpp>
 #include <gateway/inhibit.hpp>
@@ -21,32 +21,32 @@ public:
     struct Line;
     using FindLink = std::function<Link&(const std::string& name)>;
 
-    /// `find` knows every link that the settings name. A link for rs485 calls us as long as it lives: it goes first.
+    /// `find` knows every link that the settings name. A link with rs485 calls this object, so it must be destroyed first.
     Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find);
     ~Gpio();
 
-    /// Before the links start: a switch holds from the first frame on.
+    /// To be called before the links start, so that a switch holds from the first frame on.
     void start();
     /// Lamps and resets go off; power stays as it is.
     void stop();
 
     void link_state(LinkId link, bool up);
-    /// Some line is there for the frames of this link.
+    /// Whether some line depends on the frames of this link.
     bool watches(LinkId link) const noexcept { return watched_.contains(link); }
     /// A good frame came by a link that is watched.
     void heard(LinkId link, TimePoint now);
     /// Frames leave by a link that is watched.
     void sends(LinkId link, TimePoint now);
-    /// The links whose control frames go nowhere now.
+    /// The links whose control frames are dropped now.
     LinkSet inhibited() const noexcept { return inhibit_.links(); }
 
     const std::vector<std::unique_ptr<Line>>& lines() const noexcept { return lines_; }
-    /// Why a line does not do now what it is asked.
+    /// Why a request is refused.
     struct Refusal {
         std::string why;
-        Duration wait{};    // and then it will; zero: not by waiting alone
+        Duration wait{};    // the request may be repeated after this; zero: waiting does not help
     };
-    /// Pulses a reset, or switches power off and on again, as asked.
+    /// Pulses a reset, or switches power off and on again, on request.
     std::optional<Refusal> act(Line& line, TimePoint now);
 
 private:
@@ -65,7 +65,7 @@ private:
     DeviceWatch chips_;
 };
 
-/// One of them.
+/// One GPIO line.
 struct Gpio::Line {
     Line(Gpio& gpio, const GpioSettings& settings, asio::io_context& io, AlarmClock& alarms);
 
@@ -83,7 +83,7 @@ struct Gpio::Line {
     bool pulsing = false;    // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;
-    std::optional<bool> was_inhibiting{};    // nothing: not told yet
+    std::optional<bool> was_inhibiting{};    // nothing: not reported yet
     std::uint64_t untold = 0;                // changes of an inhibit switch
 };
 

@@ -1,4 +1,4 @@
-// Where the program was installed, and so where its configuration is.
+// Where the program was installed, which tells where its configuration is.
 #pragma once
 #include <filesystem>
 #include <string>

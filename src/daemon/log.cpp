@@ -41,7 +41,7 @@ Priority priority_of(spdlog::level::level_enum level) {
     }
 }
 
-// As everybody's logger, spdlog's own, it is there once.
+// The default logger of spdlog, of which there is one.
 std::shared_ptr<LogWriter> writer;
 
 class JournalFormatter final : public spdlog::formatter {
@@ -53,14 +53,14 @@ public:
     std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JournalFormatter>(); }
 };
 
-// A file, when one is wanted and can be had. All of it may wait: for a disk that hangs, above all.
+// Opens the file, when one is configured and can be opened. May block, above all on a disk that hangs.
 std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::string& fault) {
     constexpr std::size_t files = 3;
     const std::size_t size = settings.rotate == 0 ? std::numeric_limits<std::size_t>::max() : settings.rotate;
     std::error_code ec;
     if (settings.file.empty()) return {};
     if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";
-    else fault = make_folder_of(settings.file);    // or the sink would make any
+    else fault = make_folder_of(settings.file);    // otherwise the sink would make any folder
     if (!fault.empty()) return {};
     try {
         return std::make_shared<spdlog::logger>(
@@ -79,7 +79,7 @@ std::shared_ptr<spdlog::logger> open_log(const LogSettings& settings) {
     if (!log) log = std::make_shared<spdlog::logger>("anogated", std::make_shared<spdlog::sinks::stderr_color_sink_st>(color));
     if (journal) log->set_formatter(std::make_unique<JournalFormatter>());
     else log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
-    log->set_level(spdlog::level::trace);    // what comes here has been chosen
+    log->set_level(spdlog::level::trace);    // messages are filtered before they come here
     if (!fault.empty()) log->warn("the log goes to standard error: {}", fault);
     return log;
 }
@@ -107,7 +107,7 @@ void start_log(const LogSettings& settings) {
     writer = std::make_shared<LogWriter>([settings] { return open_log(settings); });
     const auto log = std::make_shared<spdlog::logger>("anogated", writer);
     log->set_level(spdlog::level::from_str(settings.level));
-    log->set_error_handler([](const std::string&) { writer->lose(); });    // spdlog's own writes to standard error
+    log->set_error_handler([](const std::string&) { writer->lose(); });    // the handler of spdlog would write to standard error
     spdlog::set_default_logger(log);
 }
 

@@ -1,4 +1,4 @@
-// Where the log goes and what it looks like.
+// Where the log goes, and its format.
 #pragma once
 #include <gateway/settings.hpp>
 
@@ -7,20 +7,20 @@
 
 namespace anogate {
 
-/// How much something matters, as syslog counts it.
+/// The priorities of syslog.
 enum class Priority { error = 3, warning = 4, info = 6, debug = 7 };
 
-/// Standard error, or a rotated file. The journal has times of its own, and is told the priority of every line instead. From here on
-/// who logs never waits for where it goes (LogWriter).
+/// Standard error, or a rotated file. The journal has its own time stamps, so lines for it begin with the priority instead. From
+/// here on logging never blocks (LogWriter).
 void start_log(const LogSettings& settings);
 
-/// Waits for what was said, LogWriter::patience at most. False: the log has not taken it, and exit() might wait for it too; _exit() does not.
+/// Waits until everything is written, at most LogWriter::patience. False: it is not, and exit() might block too; _exit() does not.
 bool end_log();
 
-/// Says it on standard error, as the log would: for what comes before start_log(), and for faults that end the program.
+/// Writes to standard error, in the format of the log: for messages before start_log(), and for faults that end the program.
 void say(Priority priority, std::string_view lines);
 
-/// Every line of `text` as the journal reads it: "<4>text". Whatever the text begins with, its priority is this one.
+/// Every line of `text` in the form for the journal: "<4>text". A priority at the beginning of the text itself has no effect.
 std::string journal_lines(Priority priority, std::string_view text);
 
 }    // namespace anogate

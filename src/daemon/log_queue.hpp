@@ -1,4 +1,4 @@
-// What waits to be written into the log.
+// The messages that wait to be written to the log.
 #pragma once
 #include <spdlog/common.h>
 
@@ -13,13 +13,15 @@ struct LogMessage {
     spdlog::level::level_enum level = spdlog::level::info;
     spdlog::log_clock::time_point at;
     std::string text;      // of one line or more
-    bool plain = false;    // for standard error, as it is
+    bool plain = false;    // for standard error, without time and level
 };
 
-/// Bounded. What does not fit is lost, and so is what comes after it until all that waits is taken: then the gap is in one place.
+/// Bounded. A message that does not fit is lost, and so are those after it until all that waits is taken, so that the gap is in one
+/// place.
 class LogQueue {
 public:
-    static constexpr std::size_t room = 64 * 1024;    // bytes; a message that begins below it fits, however long it is
+    static constexpr std::size_t room = 64 *
+                                        1024;    // bytes; a message fits when less than this waits before it, however long it is
 
     struct Batch {
         std::vector<LogMessage> messages;
@@ -28,10 +30,10 @@ public:
 
     void push(spdlog::level::level_enum level, spdlog::log_clock::time_point at, std::string_view text,
               bool plain = false) noexcept;
-    /// A line that could not even be made.
+    /// Counts a line that could not be made, for want of memory.
     void lose() noexcept { ++waiting_.lost; }
     bool empty() const noexcept { return waiting_.messages.empty() && waiting_.lost == 0; }
-    /// All that waits, and there is room again.
+    /// Takes all that waits.
     Batch take() noexcept;
 
 private:

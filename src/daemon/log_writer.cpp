@@ -6,7 +6,8 @@
 namespace anogate {
 namespace {
 
-// Signals are the loop's. And a terminal that may stop those who write to it in the background (SIGTTOU) lets this one.
+// Signals are handled by the loop's thread. SIGTTOU is blocked too, so that a terminal does not stop the program for writing to it
+// in the background.
 void leave_signals_to_others() {
     sigset_t all;
     sigfillset(&all);
@@ -43,13 +44,13 @@ void LogWriter::run(Shared& shared, const Open& open) {
         lock.lock();
     }
     lock.unlock();
-    log.reset();    // a file is closed, which may wait too
+    log.reset();    // closes the file, which may block too
     lock.lock();
     shared.ended = true;
     shared.changed.notify_all();
 }
 
-// The thread holds the lock while it takes the queue, never while it writes.
+// The thread holds the lock while it takes messages from the queue, never while it writes.
 template <class Change>
 void LogWriter::change(Change change) noexcept {
     {

@@ -1,4 +1,4 @@
-// Who logs never waits: not for a terminal that was stopped, a pipe that nobody reads, a disk that hangs.
+// Logging never blocks: not for a stopped terminal, a pipe that nobody reads, or a disk that hangs.
 #pragma once
 #include <daemon/log_queue.hpp>
 
@@ -15,27 +15,27 @@
 
 namespace anogate {
 
-/// Takes messages, and has a thread of its own that opens the log and writes them in their order. What it could not take is told in
-/// the log at that place. O_NONBLOCK would be no way: it changes the descriptor for all who share it, and nothing on a disk.
+/// Takes messages, and has a thread of its own that opens the log and writes them in their order. Lost messages are counted in the
+/// log at their place. O_NONBLOCK would not do: it changes the descriptor for all programs that share it, and has no effect on files.
 class LogWriter final : public spdlog::sinks::sink {
 public:
     static constexpr std::chrono::milliseconds patience{200};    // at the end
 
-    /// Called in the thread, and may wait there. It does not throw.
+    /// Called in the thread, where it may block. It must not throw.
     using Open = std::function<std::shared_ptr<spdlog::logger>()>;
 
-    /// Throws std::system_error when there is no thread to be had.
+    /// Throws std::system_error when a thread can't be started.
     explicit LogWriter(Open open);
     ~LogWriter() override { finish(); }
     LogWriter(const LogWriter&) = delete;
     LogWriter& operator=(const LogWriter&) = delete;
 
-    /// Writes it to standard error, in its turn.
+    /// Writes it to standard error, after the messages before it.
     void say(std::string_view text) noexcept;
-    /// A line that could not even be made.
+    /// Counts a line that could not be made.
     void lose() noexcept;
-    /// Waits until all is written, for `patience` at most. False: it is not, and the thread waits on with whatever it holds, the lock of
-    /// stderr among it: only _exit() is sure to end the program.
+    /// Waits until all is written, at most `patience`. False: it is not, and the thread stays blocked with the locks that it holds,
+    /// perhaps that of stderr: only _exit() is sure to end the program.
     bool finish();
 
     void log(const spdlog::details::log_msg& message) override;

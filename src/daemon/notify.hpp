@@ -1,4 +1,4 @@
-// Tells systemd how we are (the documented datagram protocol of $NOTIFY_SOCKET). Without systemd nothing happens.
+// Tells systemd the state of the program (the documented datagram protocol of $NOTIFY_SOCKET). Without systemd nothing happens.
 #pragma once
 #include <ano/time.hpp>
 
@@ -7,10 +7,10 @@
 
 namespace anogate {
 
-/// Sends one message such as "READY=1". False when there is nobody to tell, or the message did not get through.
+/// Sends one message such as "READY=1". False without systemd, or when the message could not be sent.
 bool notify_systemd(std::string_view message) noexcept;
 
-/// How often the watchdog wants to hear "WATCHDOG=1": half of what it is set to. Nothing: it is not set for us.
+/// How often to send "WATCHDOG=1": half the time of the watchdog. Nothing: there is none for this process.
 std::optional<ano::Duration> watchdog_interval() noexcept;
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// Who came and who went, in few lines.
+// Which peers came and went, in few lines.
 #pragma once
 #include <link/alarm.hpp>
 
@@ -9,8 +9,8 @@
 
 namespace anogate {
 
-/// A stranger is a new peer with every port it sends from: what that makes us say must not fill the disk. At most 32 lines
-/// in five seconds, and one for the number of the rest.
+/// A stranger is a new peer with every port that it sends from, and its lines must not fill the disk. So there are at most 32
+/// lines in five seconds, and one for the number of the rest.
 class PeerLog {
 public:
     explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
@@ -21,7 +21,7 @@ public:
     void went(const std::string& link, const std::string& peer, ano::TimePoint now) {
         if (may_say(now)) spdlog::info("{}: peer {} is gone", link, peer);
     }
-    /// Now, not later: the end is near.
+    /// At the end of the program: at once.
     void finish() {
         rest_.cancel();
         tell_rest();

@@ -19,14 +19,14 @@ class Mapped final : public std::pmr::memory_resource {
     bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
 };
 
-// Where huge pages are for everybody, the first byte that is touched of a room would cost 2 MB.
+// Where huge pages are enabled for all programs, the first touched byte of a room would cost 2 MB.
 void keep_pages_small() noexcept { ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); }
 
 }    // namespace
 
-// To the C library's heap they would be pieces like others, whatever its threshold for mmap: that is asked only where the heap has to
-// grow. Else a room comes from what small pieces left or from the heap's spare end, with pages that others have touched, and what is
-// put behind it keeps it there.
+// The C library's heap would not map them by themselves, whatever its threshold for mmap: the threshold is used only when the heap
+// has to grow. Otherwise a room is made of freed small pieces or of the spare end of the heap, with pages that were touched before,
+// and later pieces behind it keep its memory in the heap.
 void take_rooms_from_the_system() noexcept {
     static Mapped mapped;
     std::pmr::set_default_resource(&mapped);

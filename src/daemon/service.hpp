@@ -1,4 +1,4 @@
-// What a configuration may not ask of the service, which systemd keeps from most of the file system: systemd/anogated.service.
+// What a configuration of the service can't have, since systemd hides most of the file system from it: systemd/anogated.service.
 #pragma once
 #include <config/config.hpp>
 

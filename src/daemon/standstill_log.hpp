@@ -1,4 +1,4 @@
-// That the loop stood still, in few lines.
+// Reports standstills of the loop, in few lines.
 #pragma once
 #include <gateway/arrival.hpp>
 
@@ -11,7 +11,7 @@
 
 namespace anogate {
 
-/// Five lines at once, then one in ten seconds: on a machine that is too slow for what it has to do, it stands still all the time.
+/// Five lines at once, then one in ten seconds: on a machine that is too slow there are always standstills.
 class StandstillLog {
 public:
     void stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
@@ -23,7 +23,7 @@ public:
         const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";
         spdlog::warn("stood still for at least {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
     }
-    /// Nothing more will be told.
+    /// At the end of the program: reports the rest.
     void finish() const {
         if (unsaid_ > 0) spdlog::warn("stood still {} times more", unsaid_);
     }

@@ -1,4 +1,4 @@
-// Something that is done again and again until it is told to stop.
+// Calls a function at intervals until it is stopped.
 #pragma once
 #include <ano/time.hpp>
 #include <link/asio.hpp>
@@ -18,8 +18,8 @@ public:
         stopped_ = false;
         wait();
     }
-    /// No call comes after it, not even one that is due already: such a one can't be cancelled any more, its function runs
-    /// as if nothing had happened.
+    /// No call comes after it, not even one that is due already. (Asio can't cancel a timer that is due: its handler runs as if
+    /// nothing had happened.)
     void stop() {
         stopped_ = true;
         timer_.cancel();

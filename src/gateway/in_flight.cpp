@@ -14,12 +14,12 @@ constexpr std::uint8_t waypoint_read = ano::id_of<"waypoint_read">, waypoint = a
 
 constexpr std::uint8_t how_many = 0xFF;    // of waypoints
 
-// What begins at `at` of DATA that is long enough.
+// The number that begins at `at` of DATA, which is long enough.
 std::uint16_t number_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
     return static_cast<std::uint16_t>(data[at] | data[at + 1] << 8);
 }
 
-// Who says a question's answer may be told by who was asked.
+// Whether the source of an answer fits the address that was asked.
 bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept {
     return source == asked || asked == ano::address::broadcast || ano::address::is_port_id(asked);
 }

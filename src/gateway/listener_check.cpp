@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration between_questions_back = 1s;
 
-// How long after the last question of `asks` the next may be.
+// The shortest time from the last question of `asks` to the next.
 Duration pause_after(std::uint32_t asks) { return asks == 1 ? 1s : asks == 2 ? 3s : 60s; }
 
 }    // namespace
@@ -84,7 +84,7 @@ ListenerCheck::Suspect* ListenerCheck::find(const Endpoint& endpoint) noexcept {
     return const_cast<Suspect*>(std::as_const(*this).find(endpoint));
 }
 
-// Where all rows are taken, the one seen longest ago goes, of those that are not refused if there is one.
+// When all rows are taken, the one seen longest ago is reused, preferably one that is not refused.
 ListenerCheck::Suspect& ListenerCheck::row(const Endpoint& endpoint, TimePoint now) noexcept {
     Suspect* s = find(endpoint);
     if (!s) {

@@ -7,7 +7,7 @@ namespace anogate {
 
 namespace {
 
-constexpr std::int32_t one_by_one = ano::overhead;    // of how many bytes channels take turns: less than any question has
+constexpr std::int32_t one_by_one = ano::overhead;    // bytes of a turn of a channel: fewer than any question has
 
 std::size_t max_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
 
@@ -50,7 +50,7 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
     return released;
 }
 
-// Those that wait in the outbox may be dropped there, which nobody tells: another look after a while.
+// Questions that wait in the outbox may be dropped there without notice, so look again after a while.
 std::optional<ano::TimePoint> QuestionQueue::next_look(ano::TimePoint now) const noexcept {
     if (turns_.empty()) return std::nullopt;
     const ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);
@@ -78,7 +78,7 @@ void QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, Chann
     std::memcpy(room_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
-    turns_.push(i, from, 0);    // whoever asks by the channel
+    turns_.push(i, from, 0);    // all askers of a channel are one
 }
 
 void QuestionQueue::hand_over(FrameIndex i) noexcept {

@@ -19,7 +19,7 @@ constexpr double flight_time = 900;       // s until it starts again with a full
 
 constexpr std::uint8_t cmd_device_info = 0;
 
-// What it says is within what the fields carry.
+// Its values stay within the range of the fields.
 template <ano::Name F, class Draft, class Value>
 void set(Draft& draft, Value value) {
     [[maybe_unused]] const bool fits = draft.template set<F>(value);
