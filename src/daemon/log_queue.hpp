@@ -20,8 +20,7 @@ struct LogMessage {
 /// place.
 class LogQueue {
 public:
-    static constexpr std::size_t room = 64 *
-                                        1024;    // bytes; a message fits when less than this waits before it, however long it is
+    static constexpr std::size_t room = 64 * 1024;    // bytes; a message fits when less than this waits before it
 
     struct Batch {
         std::vector<LogMessage> messages;
