@@ -12,17 +12,22 @@ fault() {
 }
 mapfile -t readmes < <(find . -name build -prune -o -name 'README*.md' -print | sed 's|^\./||' | sort)
 
-# explained_in FILE...: every line of standard input stands in one of them.
+# explained_in FILE...: every line of standard input, at least one, stands in one of them.
 explained_in() {
-    local name
+    local name count=0
     while IFS= read -r name; do
+        count=$((count + 1))
         grep -qF -- "$name" "$@" || fault "$* does not explain: $name"
     done
+    ((count)) || fault "no names were found that $* should explain"
 }
-hints() { grep -oE '"[^"]{20,}"' src/gateway/hints.cpp | tr -d '"'; }
+hints() {
+    { cat src/gateway/hints.cpp include/gateway/hints.hpp; grep -hE '\.(nothing_yet|no_frames|no_frames_any_more) = ' src/link/*_link.cpp || true; } |
+        grep -oE '"[^"]{20,}"' | tr -d '"'
+}
 counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp; }
 tunnel_counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &TunnelCounters.*/\1/p' include/gateway/counters.hpp; }
-kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p' src/link/kinds.cpp; }
+kinds() { sed -n 's/^    {"\([a-z-]*\)", ".*/\1:/p; s/^    \.name = "\([a-z-]*\)",$/\1:/p' src/link/kinds.cpp src/link/*_link.cpp; }
 
 for language in '' .zh-CN; do
     lines=$(wc -l <"README$language.md")
