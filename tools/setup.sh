@@ -26,7 +26,7 @@ need_packages() {
 }
 
 build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
-                libgpiod-dev pkg-config:pkg-config)
+                libgpiod-dev libexpected-dev pkg-config:pkg-config)
 
 # As many jobs as there are processors, as long as each has a gigabyte: a small board must not swap.
 jobs=$(nproc)

@@ -1,3 +1,4 @@
+#include <link/asio.hpp>
 #include <link/feed.hpp>
 #include <link/sim_link.hpp>
 

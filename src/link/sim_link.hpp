@@ -1,6 +1,7 @@
 // A simulated device inside the process, as if it stood behind a port.
 #pragma once
 #include <gateway/simulated_fc.hpp>
+#include <link/alarm.hpp>
 #include <link/link_context.hpp>
 
 namespace anogate {
