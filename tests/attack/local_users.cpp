@@ -2,6 +2,7 @@
 // others. tests/README.md has the figures.
 #include <daemon/control.hpp>
 #include <daemon/status.hpp>
+#include <link/asio.hpp>
 #include <link/path_claim.hpp>
 #include <support/child.hpp>
 #include <support/process.hpp>
