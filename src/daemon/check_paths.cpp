@@ -15,13 +15,13 @@ fs::file_type type_of(const std::string& path) {
 }
 
 std::string fault_of_pty(const std::string& path) {
-    if (std::string fault = fault_of_folder(path); !fault.empty()) return fault + ": it is waited for, not made";
+    if (const auto folder = check_folder_of(path); !folder) return folder.error() + ": it is waited for, not made";
     return is_taken(path) ? "something else is there, and is left alone: choose another path" : "";
 }
 
 std::string fault_of_log(const std::string& path) {
     constexpr char instead[] = ": the log goes to standard error";
-    if (std::string fault = fault_of_folder(path); !fault.empty()) return fault + instead;
+    if (const auto folder = check_folder_of(path); !folder) return folder.error() + instead;
     const fs::file_type there = type_of(path);
     if (there == fs::file_type::directory) return std::string{"is a folder"} + instead;
     return there == fs::file_type::fifo ? std::string{"is a pipe"} + instead : "";

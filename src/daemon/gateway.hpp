@@ -13,6 +13,9 @@
 #include <gateway/same_device.hpp>
 #include <gateway/settings.hpp>
 #include <gateway/untaken.hpp>
+#include <link/alarm.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
 #include <link/link_context.hpp>
 #include <link/tunnel_link.hpp>
 

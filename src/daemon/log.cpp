@@ -60,7 +60,8 @@ std::shared_ptr<spdlog::logger> open_file(const LogSettings& settings, std::stri
     std::error_code ec;
     if (settings.file.empty()) return {};
     if (std::filesystem::is_fifo(settings.file, ec)) fault = settings.file + " is a pipe, not a file";
-    else fault = make_folder_of(settings.file);    // otherwise the sink would make any folder
+    else if (auto folder = make_folder_of(settings.file); !folder)
+        fault = std::move(folder.error());    // otherwise the sink would make any folder
     if (!fault.empty()) return {};
     try {
         return std::make_shared<spdlog::logger>(

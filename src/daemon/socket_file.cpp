@@ -63,8 +63,9 @@ UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat&
 SocketFile::Outcome SocketFile::listen(int socket, const std::string& path) {
     if (path.size() >= sizeof sockaddr_un{}.sun_path)
         return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
-    if (std::string error = make_folder_of(path); !error.empty()) return {std::move(error)};
-    if (auto [error, used] = claim_.take(path); !error.empty()) return {used ? path + in_use : error + another_path, used};
+    if (auto folder = make_folder_of(path); !folder) return {std::move(folder.error())};
+    if (const auto taken = claim_.take(path); !taken)
+        return {taken.error().in_use ? path + in_use : taken.error().why + another_path, taken.error().in_use};
     Outcome outcome = make_room(path);
     if (outcome.error.empty()) outcome = make(socket, path);
     if (!outcome.error.empty()) claim_.release();
@@ -73,9 +74,10 @@ SocketFile::Outcome SocketFile::listen(int socket, const std::string& path) {
 
 // What a dead process of ours left goes, or of anybody in a folder of ours.
 SocketFile::Outcome SocketFile::make_room(const std::string& path) {
-    folder_ = HeldFolder::of(folder_of(path));
+    auto folder = HeldFolder::of(folder_of(path));
     name_ = std::filesystem::path{path}.filename().string();
-    if (!folder_.error().empty()) return {path + ": " + folder_.error() + another_path};
+    if (!folder) return {path + ": " + folder.error() + another_path};
+    folder_ = std::move(*folder);
     struct stat info {
     }, around{};
     const UniqueFd there = look_at(folder_, name_, info);

@@ -1,8 +1,17 @@
 #include <link/alarm.hpp>
+#include <link/asio.hpp>
 
 #include <algorithm>
 
 namespace anogate {
+
+struct AlarmClock::Timer : asio::steady_timer {
+    using asio::steady_timer::steady_timer;
+};
+
+AlarmClock::AlarmClock(asio::io_context& io) : timer_{std::make_unique<Timer>(io)} {}
+
+AlarmClock::~AlarmClock() = default;
 
 void AlarmClock::arm(ano::TimePoint latest) {
     if (!rings_at_ || latest < *rings_at_) wait(latest);
@@ -10,8 +19,8 @@ void AlarmClock::arm(ano::TimePoint latest) {
 
 void AlarmClock::wait(ano::TimePoint latest) {
     rings_at_ = latest;
-    timer_.expires_at(latest);
-    timer_.async_wait([this, mine = ++generation_](error_code ec) {
+    timer_->expires_at(latest);
+    timer_->async_wait([this, mine = ++generation_](error_code ec) {
         if (!ec && mine == generation_) ring();
     });
 }
@@ -42,7 +51,7 @@ void AlarmClock::remove(Alarm* alarm) noexcept {
     if (std::any_of(alarms_.begin(), alarms_.end(), [](Alarm* a) { return a && a->at_; })) return;
     ++generation_;
     rings_at_.reset();
-    timer_.cancel();
+    timer_->cancel();
 }
 
 Alarm::Alarm(AlarmClock& clock, std::function<void()> call, ano::Duration slack)

@@ -1,9 +1,11 @@
 // Many alarms on one timer: the process wakes once for all alarms that are due at about the same time.
 #pragma once
 #include <ano/time.hpp>
-#include <link/asio.hpp>
+#include <link/asio_fwd.hpp>
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -14,7 +16,8 @@ class Alarm;
 /// The timer behind every Alarm of a loop. Outlives them.
 class AlarmClock {
 public:
-    explicit AlarmClock(asio::io_context& io) : timer_{io} {}
+    explicit AlarmClock(asio::io_context& io);
+    ~AlarmClock();
     AlarmClock(const AlarmClock&) = delete;
     AlarmClock& operator=(const AlarmClock&) = delete;
 
@@ -25,7 +28,8 @@ private:
     void ring();
     void remove(Alarm* alarm) noexcept;
 
-    asio::steady_timer timer_;
+    struct Timer;
+    std::unique_ptr<Timer> timer_;
     std::vector<Alarm*> alarms_;
     std::optional<ano::TimePoint> rings_at_;
     std::uint64_t generation_ = 0;

@@ -1,4 +1,5 @@
 #include <link/can_link.hpp>
+#include <link/datagram_batch.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 
@@ -25,7 +26,7 @@ bool is_of_transfer(int error) {
 CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
     : CanLink{id, settings, context} {}
 
-OpenedSocket CanIsotpLink::open_wire() {
+Expected<UniqueFd> CanIsotpLink::open_wire() {
     trouble_.clear();
     return open_can_isotp(can());
 }

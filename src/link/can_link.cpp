@@ -1,4 +1,6 @@
 #include <link/can_link.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/ip_socket.hpp>
 
 #include <sys/socket.h>
 
@@ -26,36 +28,31 @@ CanLink::CanLink(LinkId id, LinkSettings settings, const LinkContext& context)
       descriptor_{context.io},
       pacing_{context.alarms, [this] { write(); }},
       errors_{context.io},
-      retry_{context.alarms, [this] { try_open(); }, retry_slack},
+      reconnect_{context, *this, [this] { return open(); }},
       again_{context.alarms, [this] { write(); }},
       pause_{first_pause} {}
 
 void CanLink::start() {
     channel_ = context_.host.open_channel(*this, {});
-    try_open();
+    reconnect_.start();
 }
 
-void CanLink::try_open() {
-    OpenedSocket opened{{}, can_interface_fault(can())};
-    if (opened.error.empty()) opened = open_wire();
-    const TimePoint now = context_.host.now();
-    if (!opened.fd) {
-        context_.host.link_down(*this, std::move(opened.error));
-        retry_.set(backoff_.retry_at(now));
-        return;
-    }
-    backoff_.came_up(now);
+Expected<void> CanLink::open() {
+    auto wire = check_can_interface(can()).and_then([this] { return open_wire(); });
+    if (!wire) return Unexpected{std::move(wire.error())};
+    reconnect_.came_up(context_.host.now());
     if (!errors_.is_open()) {
         bus_.came_up();
         watch_bus();
     }
     found_room();
-    descriptor_.open(std::move(opened.fd));
+    descriptor_.open(std::move(*wire));
     keep_stamps(descriptor_.fd());
     arrival_.found_empty(context_.host.turn().clocks());
     pacing_.start(settings().rate, settings().latency);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);
+    return {};
 }
 
 void CanLink::fail(std::string why) {
@@ -64,18 +61,17 @@ void CanLink::fail(std::string why) {
     again_.cancel();
     pacing_.stop();
     lost();
-    context_.host.link_down(*this, std::move(why));
-    retry_.set(backoff_.retry_at(context_.host.now()));
+    reconnect_.lost(std::move(why));
 }
 
 void CanLink::stop_reading() {
     descriptor_.stop_reading();
     errors_.stop_reading();
-    retry_.cancel();
+    reconnect_.stop();
 }
 
 void CanLink::stop() {
-    retry_.cancel();
+    reconnect_.stop();
     again_.cancel();
     pacing_.stop();
     errors_.close();
@@ -83,9 +79,9 @@ void CanLink::stop() {
 }
 
 void CanLink::watch_bus() {
-    OpenedSocket opened = open_can_errors(can());
-    if (!opened.fd) return;
-    errors_.open(std::move(opened.fd));
+    auto errors = open_can_errors(can());
+    if (!errors) return;
+    errors_.open(std::move(*errors));
     errors_.read_with([this] { read_errors(); });
 }
 
@@ -97,9 +93,10 @@ void CanLink::read_errors() {
     const TimePoint now = context_.host.now();
     bus_.note(frame, now);
     if (bus_.state() == CanBus::State::off) {
-        if (is_open() && can_bus_is_off(can().interface)) fail(can_interface_fault(can()));
+        if (!is_open() || !can_bus_is_off(can().interface)) return;
+        if (auto usable = check_can_interface(can()); !usable) fail(std::move(usable.error()));
     } else if (!is_open()) {
-        retry_.set(now);
+        reconnect_.try_soon();
     }
 }
 

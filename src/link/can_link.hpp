@@ -1,12 +1,12 @@
 // A CAN interface: absent, down, bus-off, removed and back. How V8 frames ride on it is the business of the two below.
 #pragma once
-#include <gateway/backoff.hpp>
 #include <gateway/can_stream.hpp>
 #include <link/can_bus.hpp>
 #include <link/can_socket.hpp>
 #include <link/descriptor.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
+#include <link/reconnect.hpp>
 
 #include <memory>
 
@@ -27,7 +27,7 @@ public:
     std::string trouble() const override;
 
 protected:
-    virtual OpenedSocket open_wire() = 0;
+    virtual Expected<UniqueFd> open_wire() = 0;
     virtual void read() = 0;
     virtual void write() = 0;
     /// The wire has gone: what waited for its rest is given up.
@@ -53,15 +53,14 @@ protected:
     Pacing pacing_;    // where a `rate` is given
 
 private:
-    void try_open();
+    Expected<void> open();
     void watch_bus();
     void read_errors();
 
     Descriptor errors_;    // a socket of its own: error frames tell of the bus under either framing, and while the link is down
     CanBus bus_;
     Channel* channel_ = nullptr;
-    Backoff backoff_;
-    Alarm retry_;
+    Reconnect reconnect_;
     Alarm again_;
     Duration pause_;        // till the next try when the kernel does not tell
     bool woken_ = false;    // because there was room, and nothing was sent since
@@ -78,7 +77,7 @@ public:
     LinkFacts facts() const override;
 
 private:
-    OpenedSocket open_wire() override;
+    Expected<UniqueFd> open_wire() override;
     void read() override;
     void write() override;
     void lost() override;
@@ -100,7 +99,7 @@ public:
     std::string trouble() const override;
 
 private:
-    OpenedSocket open_wire() override;
+    Expected<UniqueFd> open_wire() override;
     void read() override;
     void write() override;
     void lost() override {}

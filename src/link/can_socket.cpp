@@ -47,20 +47,20 @@ ifreq request_for(const std::string& interface) {
 
 canid_t with_flag(const CanSettings& can, std::uint32_t id) { return can.extended ? id | CAN_EFF_FLAG : id; }
 
-OpenedSocket bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
+Expected<UniqueFd> bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
     ifreq request = request_for(can.interface);
-    if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return {{}, can_error_text(can, errno)};
+    if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return Unexpected{can_error_text(can, errno)};
     address.can_family = AF_CAN;
     address.can_ifindex = request.ifr_ifindex;
     if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-        return {{}, can_error_text(can, errno)};
-    return {std::move(fd), {}};
+        return Unexpected{can_error_text(can, errno)};
+    return fd;
 }
 
-OpenedSocket raw_socket() {
+Expected<UniqueFd> raw_socket() {
     UniqueFd fd{::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
-    if (!fd) return {{}, no_socket_text(errno, "CAN", "can-raw")};
-    return {std::move(fd), {}};
+    if (!fd) return Unexpected{no_socket_text(errno, "CAN", "can-raw")};
+    return fd;
 }
 
 }    // namespace
@@ -71,24 +71,25 @@ bool can_bus_is_off(const std::string& interface) {
     return carrier == '0';
 }
 
-std::string can_interface_fault(const CanSettings& can) {
+Expected<void> check_can_interface(const CanSettings& can) {
     const std::string& name = can.interface;
     static bool kernel_has_can = false;    // once known, not asked again: to close a CAN socket takes the kernel a while
     if (!kernel_has_can) {
-        const OpenedSocket can_socket = raw_socket();
-        if (!can_socket.fd) return can_socket.error;
+        if (const auto socket = raw_socket(); !socket) return Unexpected{socket.error()};
         kernel_has_can = true;
     }
-    if (!is_there(name)) return can_error_text(can, ENODEV);
+    if (!is_there(name)) return Unexpected{can_error_text(can, ENODEV)};
     const UniqueFd any{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     ifreq request = request_for(name);
-    if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return can_error_text(can, errno);
-    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return name + " is not a CAN interface";
-    if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return can_error_text(can, errno);
-    if ((request.ifr_flags & IFF_UP) == 0) return can_error_text(can, ENETDOWN);
-    if (can_bus_is_off(name)) return name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back";
+    if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return Unexpected{can_error_text(can, errno)};
+    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return Unexpected{name + " is not a CAN interface"};
+    if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return Unexpected{can_error_text(can, errno)};
+    if ((request.ifr_flags & IFF_UP) == 0) return Unexpected{can_error_text(can, ENETDOWN)};
+    if (can_bus_is_off(name))
+        return Unexpected{name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back"};
     if (can.fd && ::ioctl(any.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
-        return name + " carries no CAN FD frames now: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)";
+        return Unexpected{name + " carries no CAN FD frames now: ip link set " + name +
+                          " type can ... dbitrate RATE fd on (vcan: mtu 72)"};
     return {};
 }
 
@@ -101,10 +102,10 @@ std::string can_error_text(const CanSettings& can, int error) {
     }
 }
 
-OpenedSocket open_can_stream(const CanSettings& can) {
-    OpenedSocket opened = raw_socket();
-    if (!opened.fd) return opened;
-    const int fd = opened.fd.get();
+Expected<UniqueFd> open_can_stream(const CanSettings& can) {
+    auto socket = raw_socket();
+    if (!socket) return socket;
+    const int fd = socket->get();
     std::vector<can_filter> filters;
     const canid_t kind = CAN_EFF_FLAG | CAN_RTR_FLAG;
     for (const auto [id, mask] : CanIds{can}.filters()) filters.push_back({with_flag(can, id), mask | kind});
@@ -112,23 +113,23 @@ OpenedSocket open_can_stream(const CanSettings& can) {
     const auto size = static_cast<socklen_t>(filters.size() * sizeof filters[0]);
     if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0 ||
         (can.fd && ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0))
-        return {{}, can_error_text(can, errno)};
+        return Unexpected{can_error_text(can, errno)};
     if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer, sizeof receive_buffer) != 0)
         ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
-    return bound(std::move(opened.fd), can);
+    return bound(std::move(*socket), can);
 }
 
-OpenedSocket open_can_isotp(const CanSettings& can) {
+Expected<UniqueFd> open_can_isotp(const CanSettings& can) {
     UniqueFd fd{::socket(PF_CAN, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_ISOTP)};
-    if (!fd) return {{}, no_socket_text(errno, "ISO-TP", "can-isotp")};
+    if (!fd) return Unexpected{no_socket_text(errno, "ISO-TP", "can-isotp")};
     if (can.fd) {
         can_isotp_ll_options link_layer{};
         link_layer.mtu = CANFD_MTU;
         link_layer.tx_dl = CANFD_MAX_DLEN;
         link_layer.tx_flags = can.brs ? CANFD_BRS : 0;
         if (::setsockopt(fd.get(), SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &link_layer, sizeof link_layer) != 0)
-            return {{}, can_error_text(can, errno)};
+            return Unexpected{can_error_text(can, errno)};
     }
     sockaddr_can address{};
     address.can_addr.tp.tx_id = with_flag(can, can.tx.value_or(0));
@@ -136,13 +137,13 @@ OpenedSocket open_can_isotp(const CanSettings& can) {
     return bound(std::move(fd), can, address);
 }
 
-OpenedSocket open_can_errors(const CanSettings& can) {
-    OpenedSocket opened = raw_socket();
-    if (!opened.fd) return opened;
+Expected<UniqueFd> open_can_errors(const CanSettings& can) {
+    auto socket = raw_socket();
+    if (!socket) return socket;
     const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
-    ::setsockopt(opened.fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
-    ::setsockopt(opened.fd.get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
-    return bound(std::move(opened.fd), can);
+    ::setsockopt(socket->get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
+    ::setsockopt(socket->get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
+    return bound(std::move(*socket), can);
 }
 
 }    // namespace anogate

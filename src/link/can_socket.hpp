@@ -1,23 +1,24 @@
 // SocketCAN: what state an interface is in, and the sockets on it. Errors are for the user to read.
 #pragma once
 #include <gateway/settings.hpp>
-#include <link/ip_socket.hpp>
+#include <link/expected.hpp>
+#include <link/unique_fd.hpp>
 
 #include <string>
 
 namespace anogate {
 
-/// Why `can` can't be used now: absent, down, bus-off, no CAN interface, without CAN FD; empty: nothing is wrong.
-std::string can_interface_fault(const CanSettings& can);
+/// Whether `can` can be used now: not while it is absent, down, bus-off, not a CAN interface, or without CAN FD.
+Expected<void> check_can_interface(const CanSettings& can);
 /// Whether the bus itself is off: the controller has left it after too many errors.
 bool can_bus_is_off(const std::string& interface);
 
 /// A non-blocking raw socket that gets the frames under the ids of stream framing, our own excepted, and no others.
-OpenedSocket open_can_stream(const CanSettings& can);
+Expected<UniqueFd> open_can_stream(const CanSettings& can);
 /// A non-blocking ISO-TP socket: a datagram is one PDU.
-OpenedSocket open_can_isotp(const CanSettings& can);
+Expected<UniqueFd> open_can_isotp(const CanSettings& can);
 /// A non-blocking raw socket that gets error frames only.
-OpenedSocket open_can_errors(const CanSettings& can);
+Expected<UniqueFd> open_can_errors(const CanSettings& can);
 
 /// What a failed read or write says of the interface.
 std::string can_error_text(const CanSettings& can, int error);

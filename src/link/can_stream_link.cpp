@@ -1,4 +1,5 @@
 #include <link/can_link.hpp>
+#include <link/datagram_batch.hpp>
 
 #include <linux/can.h>
 #include <sys/socket.h>
@@ -65,7 +66,7 @@ void CanStreamLink::stop() {
     CanLink::stop();
 }
 
-OpenedSocket CanStreamLink::open_wire() { return open_can_stream(can()); }
+Expected<UniqueFd> CanStreamLink::open_wire() { return open_can_stream(can()); }
 
 void CanStreamLink::read() {
     const int count = batch_->receive(fd());

@@ -262,21 +262,24 @@ GpioLine::GpioLine(std::unique_ptr<Request> request, std::string chip, unsigned 
 
 GpioLine::~GpioLine() = default;
 
-GpioLine::Opened GpioLine::open(const GpioSettings& settings, bool output, bool active) {
+Expected<std::unique_ptr<GpioLine>> GpioLine::open(const GpioSettings& settings, bool output, bool active) {
     Place place = find(settings);
-    if (!place.error.empty()) return {nullptr, std::move(place.error)};
+    if (!place.error.empty()) return Unexpected{std::move(place.error)};
     const Want want{consumer(settings.use), output, active, settings.active_low, settings.bias};
     try {
         auto request = std::make_unique<Request>(*place.chip, place.offset, want);
         std::string name = place.chip->facts(place.offset).name;
-        return {std::unique_ptr<GpioLine>{new GpioLine{std::move(request), place.chip_name, place.offset, std::move(name)}}, {}};
+        return std::unique_ptr<GpioLine>{new GpioLine{std::move(request), place.chip_name, place.offset, std::move(name)}};
     } catch (const std::exception& e) {
-        return {nullptr, why_not(place, error_of(e))};
+        return Unexpected{why_not(place, error_of(e))};
     }
 }
 
-GpioLine::Opened GpioLine::open_input(const GpioSettings& settings) { return open(settings, false, false); }
-GpioLine::Opened GpioLine::open_output(const GpioSettings& settings, bool active) { return open(settings, true, active); }
+Expected<std::unique_ptr<GpioLine>> GpioLine::open_input(const GpioSettings& settings) { return open(settings, false, false); }
+
+Expected<std::unique_ptr<GpioLine>> GpioLine::open_output(const GpioSettings& settings, bool active) {
+    return open(settings, true, active);
+}
 
 bool GpioLine::set(bool active) noexcept {
     try {

@@ -1,7 +1,8 @@
 // One requested line of a GPIO chip: libgpiod, and nothing else of the house includes it.
 #pragma once
 #include <gateway/settings.hpp>
-#include <link/descriptor.hpp>
+#include <link/expected.hpp>
+#include <link/unique_fd.hpp>
 
 #include <memory>
 #include <optional>
@@ -12,14 +13,10 @@ namespace anogate {
 /// Held by us until it is destroyed; an output is left as it is. Values are logical: what `active_low` makes of the level.
 class GpioLine {
 public:
-    struct Opened {
-        std::unique_ptr<GpioLine> line;
-        std::string error;    // why there is none: chip, line and holder named
-    };
-    /// An input, whose edges are events.
-    static Opened open_input(const GpioSettings& settings);
+    /// An input, whose edges are events. Why there is none names chip, line and holder.
+    static Expected<std::unique_ptr<GpioLine>> open_input(const GpioSettings& settings);
     /// An output that begins with `active`.
-    static Opened open_output(const GpioSettings& settings, bool active);
+    static Expected<std::unique_ptr<GpioLine>> open_output(const GpioSettings& settings, bool active);
 
     ~GpioLine();
     GpioLine(const GpioLine&) = delete;
@@ -41,7 +38,7 @@ public:
 private:
     struct Request;
     GpioLine(std::unique_ptr<Request> request, std::string chip, unsigned offset, std::string name);
-    static Opened open(const GpioSettings& settings, bool output, bool active);
+    static Expected<std::unique_ptr<GpioLine>> open(const GpioSettings& settings, bool output, bool active);
 
     std::unique_ptr<Request> request_;
     std::string chip_;

@@ -1,5 +1,4 @@
 #include <link/gpio_pin.hpp>
-#include <link/link_context.hpp>
 
 namespace anogate {
 
@@ -8,43 +7,37 @@ GpioPin::GpioPin(GpioSettings settings, Direction direction, asio::io_context& i
     : settings_{std::move(settings)},
       direction_{direction},
       events_{io},
-      retry_{alarms, [this] { try_open(); }, retry_slack},
+      reconnect_{alarms, Clock::now, [this] { return open(); }, [this](std::string why) { not_held(std::move(why)); }},
       changed_{std::move(changed)} {}
 
-void GpioPin::start() {
-    stopped_ = false;
-    try_open();
-}
+void GpioPin::start() { reconnect_.start(); }
 
 void GpioPin::stop() {
-    stopped_ = true;
-    retry_.cancel();
+    reconnect_.stop();
     events_.close();
     line_.reset();
     error_ = "stopped";
 }
 
 void GpioPin::look() {
-    if (stopped_) return;
-    if (!line_) return try_open();
-    if (!line_->value()) lose();
+    if (!line_) reconnect_.try_now();
+    else if (!line_->value()) lose();
 }
 
-void GpioPin::try_open() {
-    GpioLine::Opened opened = direction_ == Direction::in ? GpioLine::open_input(settings_)
-                                                          : GpioLine::open_output(settings_, active_);
-    line_ = std::move(opened.line);
-    if (line_ && direction_ == Direction::in && !read_value()) opened.error = settings_.line + ": its edges can't be had";
-    if (!line_) {
-        const bool news = error_ != opened.error;
-        error_ = std::move(opened.error);
-        retry_.set(backoff_.retry_at(Clock::now()));
-        if (news) changed_();
-        return;
-    }
-    retry_.cancel();
-    backoff_.came_up(Clock::now());
+Expected<void> GpioPin::open() {
+    auto line = direction_ == Direction::in ? GpioLine::open_input(settings_) : GpioLine::open_output(settings_, active_);
+    if (!line) return Unexpected{std::move(line.error())};
+    line_ = std::move(*line);
+    if (direction_ == Direction::in && !read_value()) return Unexpected{settings_.line + ": its edges can't be had"};
+    reconnect_.came_up(Clock::now());
     error_.clear();
+    changed_();
+    return {};
+}
+
+void GpioPin::not_held(std::string why) {
+    if (error_ == why) return;
+    error_ = std::move(why);
     changed_();
 }
 
@@ -74,11 +67,10 @@ void GpioPin::take_edges() {
 }
 
 void GpioPin::lose() {
-    error_ = line_->chip() + " line " + std::to_string(line_->offset()) + ": the chip is gone";
+    std::string why = line_->chip() + " line " + std::to_string(line_->offset()) + ": the chip is gone";
     events_.close();
     line_.reset();
-    retry_.set(backoff_.retry_at(Clock::now()));
-    changed_();
+    reconnect_.lost(std::move(why));
 }
 
 void GpioPin::set(bool active) {

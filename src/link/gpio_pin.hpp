@@ -1,9 +1,8 @@
 // A GPIO line over its life: absent, in use by another, lost with its chip, it is waited for.
 #pragma once
-#include <link/alarm.hpp>
+#include <link/descriptor.hpp>
 #include <link/gpio_line.hpp>
-
-#include <gateway/backoff.hpp>
+#include <link/reconnect.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -45,7 +44,8 @@ public:
     TimePoint edge_at() const noexcept { return edge_at_; }
 
 private:
-    void try_open();
+    Expected<void> open();
+    void not_held(std::string why);
     bool read_value();
     void take_edges();
     void lose();
@@ -54,13 +54,11 @@ private:
     GpioSettings settings_;
     Direction direction_;
     Descriptor events_;
-    Alarm retry_;
+    Reconnect reconnect_;
     std::function<void()> changed_;
-    Backoff backoff_;
     std::unique_ptr<GpioLine> line_;
     std::string error_ = "not tried yet";
     bool active_ = false;
-    bool stopped_ = true;
     std::uint64_t edges_ = 0;
     TimePoint edge_at_{};
 };

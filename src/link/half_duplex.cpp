@@ -8,9 +8,9 @@
 
 namespace anogate {
 
-std::string HalfDuplex::open(int port, ano::Duration byte_time) {
+Expected<void> HalfDuplex::open(int port, ano::Duration byte_time) {
     UniqueFd event{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
-    if (!event) return error_text(errno);
+    if (!event) return Unexpected{error_text(errno)};
     closing_ = false;
     waiting_ = again_ = false;
     try {
@@ -23,7 +23,7 @@ std::string HalfDuplex::open(int port, ano::Duration byte_time) {
             }
         }};
     } catch (const std::system_error& e) {
-        return "no thread to wait for the last bit: " + error_text(e.code().value());
+        return Unexpected{"no thread to wait for the last bit: " + error_text(e.code().value())};
     }
     sent_.open(std::move(event));
     sent_.read_with([this] { all_sent(); });

@@ -3,11 +3,11 @@
 #pragma once
 #include <ano/time.hpp>
 #include <link/descriptor.hpp>
+#include <link/expected.hpp>
 
 #include <atomic>
 #include <functional>
 #include <semaphore>
-#include <string>
 #include <thread>
 
 namespace anogate {
@@ -20,8 +20,8 @@ public:
     HalfDuplex(const HalfDuplex&) = delete;
     HalfDuplex& operator=(const HalfDuplex&) = delete;
 
-    /// Of an open serial port, which stays open until close(). Empty, or what went wrong.
-    std::string open(int port, ano::Duration byte_time);
+    /// Of an open serial port, which stays open until close().
+    Expected<void> open(int port, ano::Duration byte_time);
     /// Listens. Waits for the thread, which ends at once when nothing waits in the driver (throw that away before).
     void close() noexcept;
 

@@ -29,15 +29,10 @@ bool HeldFolder::enter(const char* name) {
     return true;
 }
 
-HeldFolder HeldFolder::of(const fs::path& path) {
+Expected<HeldFolder> HeldFolder::of(const fs::path& path) {
     HeldFolder folder;
-    const auto failed = [&](const std::string& why) {
-        folder.fd_ = UniqueFd{};
-        folder.error_ = why;
-        return std::move(folder);
-    };
     fs::path rest = path;
-    if (!folder.enter(path.is_absolute() ? "/" : ".")) return failed(error_text(errno));
+    if (!folder.enter(path.is_absolute() ? "/" : ".")) return Unexpected{error_text(errno)};
     for (int links = 0; !rest.empty();) {
         const fs::path step = *rest.begin();
         fs::path behind;
@@ -49,13 +44,14 @@ HeldFolder HeldFolder::of(const fs::path& path) {
         std::array<char, 4096> target{};
         const UniqueFd link{::openat(folder.fd(), step.c_str(), look)};
         const ssize_t size = link ? ::readlinkat(link.get(), "", target.data(), target.size()) : -1;
-        if (size < 0 || ::fstat(link.get(), &info) != 0) return failed(error_text(error));
-        if (!is_trusted(info)) return failed("leads through " + step.string() + ", a link of another user: it is not followed");
-        if (++links > max_links) return failed(error_text(ELOOP));
+        if (size < 0 || ::fstat(link.get(), &info) != 0) return Unexpected{error_text(error)};
+        if (!is_trusted(info))
+            return Unexpected{"leads through " + step.string() + ", a link of another user: it is not followed"};
+        if (++links > max_links) return Unexpected{error_text(ELOOP)};
         const fs::path leads_to{std::string{target.data(), static_cast<std::size_t>(size)}};
         if (leads_to.is_absolute()) {
             folder.fd_ = UniqueFd{};
-            if (!folder.enter("/")) return failed(error_text(errno));
+            if (!folder.enter("/")) return Unexpected{error_text(errno)};
         }
         rest = leads_to / rest;
     }

@@ -1,6 +1,7 @@
 // A folder that is held while something is made in it: whoever moves it, or puts a link in its place, changes nothing for us.
 #pragma once
-#include <link/descriptor.hpp>
+#include <link/expected.hpp>
+#include <link/unique_fd.hpp>
 
 #include <filesystem>
 #include <string>
@@ -10,10 +11,9 @@ namespace anogate {
 /// On the way to it links are followed that root or our own user made, never one of another user.
 class HeldFolder {
 public:
-    /// error() is empty when it is held, else a clause.
-    static HeldFolder of(const std::filesystem::path& path);
+    HeldFolder() = default;    // holds none
+    static Expected<HeldFolder> of(const std::filesystem::path& path);
 
-    const std::string& error() const noexcept { return error_; }
     /// The descriptor, for as long as it is wanted; nothing else may be asked then.
     UniqueFd take() noexcept { return std::move(fd_); }
     int fd() const noexcept { return fd_.get(); }
@@ -26,7 +26,6 @@ private:
     bool enter(const char* name);
 
     UniqueFd fd_;
-    std::string error_;
     bool fixed_ = true;
 };
 

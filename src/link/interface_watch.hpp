@@ -3,6 +3,7 @@
 #include <link/alarm.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
+#include <link/reconnect.hpp>
 
 #include <functional>
 #include <string>

@@ -136,12 +136,12 @@ std::optional<IpAddress> source_towards(const IpAddress& there) {
     return std::nullopt;
 }
 
-OpenedSocket open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
+Expected<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
     const auto local = endpoint_now(written);
-    if (!local) return {{}, no_interface(written.interface)};
+    if (!local) return Unexpected{no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
-    if (!fd) return {{}, error_text("no UDP socket", errno)};
+    if (!fd) return Unexpected{error_text("no UDP socket", errno)};
     const int on = 1;
     const int off = 0;
     ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
@@ -151,14 +151,14 @@ OpenedSocket open_udp(const EndpointSpec& written, bool share_port, const std::s
     if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
     if (!interface.empty() &&
         ::setsockopt(fd.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.data(), static_cast<socklen_t>(interface.size())) != 0)
-        return {{}, errno == ENODEV ? no_interface(interface) : error_text(interface, errno)};
+        return Unexpected{errno == ENODEV ? no_interface(interface) : error_text(interface, errno)};
     const SocketAddress address = SocketAddress::of(*local, local->address.v6);
-    if (::bind(fd.get(), address.get(), address.size) == 0) return {std::move(fd), {}};
+    if (::bind(fd.get(), address.get(), address.size) == 0) return fd;
     switch (errno) {
-    case EADDRINUSE: return {{}, "port " + std::to_string(local->port) + " is in use by another program"};
-    case EADDRNOTAVAIL: return {{}, "no interface has the address " + local->address.text() + " now"};
-    case EACCES: return {{}, "port " + std::to_string(local->port) + ": no permission (below 1024 only root may listen)"};
-    default: return {{}, error_text(written.text(), errno)};
+    case EADDRINUSE: return Unexpected{"port " + std::to_string(local->port) + " is in use by another program"};
+    case EADDRNOTAVAIL: return Unexpected{"no interface has the address " + local->address.text() + " now"};
+    case EACCES: return Unexpected{"port " + std::to_string(local->port) + ": no permission (below 1024 only root may listen)"};
+    default: return Unexpected{error_text(written.text(), errno)};
     }
 }
 

@@ -1,7 +1,8 @@
 // UDP sockets: endpoints as the kernel wants them, and opening.
 #pragma once
 #include <gateway/ip.hpp>
-#include <link/descriptor.hpp>
+#include <link/expected.hpp>
+#include <link/unique_fd.hpp>
 
 #include <sys/socket.h>
 
@@ -37,13 +38,9 @@ unsigned interface_of(const IpAddress& address);
 /// by the default route, else of the first interface that has one. Nothing when no way leads there.
 std::optional<IpAddress> source_towards(const IpAddress& there);
 
-struct OpenedSocket {
-    UniqueFd fd;
-    std::string error;
-};
 /// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
 /// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
-OpenedSocket open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
+Expected<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
 /// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
 void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to; port 0 became a real one.

@@ -1,12 +1,16 @@
 // The kinds of link there are. A new kind is one file and one row here.
 #pragma once
-#include <link/link_context.hpp>
+#include <gateway/ids.hpp>
 
 #include <memory>
 #include <span>
 #include <string_view>
 
 namespace anogate {
+
+class Link;
+struct LinkContext;
+struct LinkSettings;
 
 struct LinkKind {
     std::string_view name;       // "serial"

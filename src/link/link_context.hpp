@@ -1,11 +1,13 @@
 // What every link stands on: the loop, the one timer, the gateway, and the room that reading shares.
 #pragma once
-#include <link/alarm.hpp>
-#include <link/datagram_batch.hpp>
-#include <link/datagram_sender.hpp>
+#include <link/asio_fwd.hpp>
 #include <link/link.hpp>
 
 namespace anogate {
+
+class AlarmClock;
+class DatagramBatch;
+class DatagramSender;
 
 struct LinkContext {
     asio::io_context& io;
@@ -14,8 +16,5 @@ struct LinkContext {
     DatagramBatch& batch;
     DatagramSender& sender;
 };
-
-/// A retry may come this much later than Backoff says: the absent devices of a whole vehicle share one wake-up a second.
-inline constexpr Duration retry_slack = std::chrono::milliseconds{250};
 
 }    // namespace anogate

@@ -30,22 +30,23 @@ fs::path folder_of(const fs::path& path) {
     return folder.empty() ? "." : folder;
 }
 
-std::string make_folder_of(const fs::path& path) {
+Expected<void> make_folder_of(const fs::path& path) {
     const fs::path folder = folder_of(path);
     std::error_code ec;
     if (is_own(folder)) fs::create_directories(folder, ec);
-    if (ec) return error_text(path.string(), ec.value());
-    if (!fs::exists(folder, ec) && !ec) return path.string() + ": there is no folder " + folder.string();
+    if (ec) return Unexpected{error_text(path.string(), ec.value())};
+    if (!fs::exists(folder, ec) && !ec) return Unexpected{path.string() + ": there is no folder " + folder.string()};
     return {};
 }
 
-std::string fault_of_folder(const fs::path& path) {
+Expected<void> check_folder_of(const fs::path& path) {
     const fs::path folder = folder_of(path);
     std::error_code ec;
     const fs::file_type there = fs::status(folder, ec).type();
     if (is_own(folder) || there == fs::file_type::directory || there == fs::file_type::none || there == fs::file_type::unknown)
         return {};
-    return there == fs::file_type::not_found ? "there is no folder " + folder.string() : folder.string() + " is not a folder";
+    return Unexpected{there == fs::file_type::not_found ? "there is no folder " + folder.string()
+                                                        : folder.string() + " is not a folder"};
 }
 
 bool is_taken(const fs::path& path) {

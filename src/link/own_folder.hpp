@@ -1,5 +1,7 @@
 // Folders that anogate makes when they are missing. A path elsewhere that has none was mistyped, or its disk is not there yet.
 #pragma once
+#include <link/expected.hpp>
+
 #include <filesystem>
 #include <string>
 
@@ -14,11 +16,11 @@ bool is_own_folder(const std::filesystem::path& folder, const std::string& runti
 /// The folder that `path` is to be made in; "." for a name alone.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
-/// Makes that folder when it is missing and our own. Otherwise says what is wrong with it; empty: it is there.
-std::string make_folder_of(const std::filesystem::path& path);
+/// Makes that folder when it is missing and our own. Afterwards it is there, or what is wrong with it is said.
+Expected<void> make_folder_of(const std::filesystem::path& path);
 
-/// The same words where that would make none and `path` has no folder; looks only.
-std::string fault_of_folder(const std::filesystem::path& path);
+/// What is wrong where that would make none and `path` has no folder; looks only.
+Expected<void> check_folder_of(const std::filesystem::path& path);
 
 /// Something is at `path`, and no link to a pseudo-terminal, which an earlier run may have left.
 bool is_taken(const std::filesystem::path& path);

@@ -96,25 +96,27 @@ PathClaim::Lock PathClaim::lock(bool trusted) {
     return Lock::in_use;
 }
 
-PathClaim::Outcome PathClaim::take(const std::filesystem::path& path) {
-    HeldFolder folder = HeldFolder::of(folder_of(path));
+tl::expected<void, PathClaim::Refusal> PathClaim::take(const std::filesystem::path& path) {
+    const auto refused = [](std::string why, bool in_use = false) { return tl::unexpected{Refusal{std::move(why), in_use}}; };
+    auto folder = HeldFolder::of(folder_of(path));
     struct stat info {};
-    if (!folder.error().empty()) return {path.string() + ": " + folder.error()};
-    if (::fstat(folder.fd(), &info) != 0) return {error_text(path.string(), errno)};
+    if (!folder) return refused(path.string() + ": " + folder.error());
+    if (::fstat(folder->fd(), &info) != 0) return refused(error_text(path.string(), errno));
     const std::string name = lock_name(info, path.filename().string());
     if (lock_ && name == name_) return {};
     release();
     name_ = name;
     folder_ = open_lock_folder();
     const bool trusted = static_cast<bool>(folder_);
-    if (!trusted) folder_ = folder.take();
+    if (!trusted) folder_ = folder->take();
     const Lock result = lock(trusted);
     const int error = errno;
     if (result == Lock::ours && trusted) sweep(folder_);
     if (result == Lock::ours) return {};
     lock_ = UniqueFd{};
-    if (result == Lock::in_use) return {path.string() + " is in use by another gateway", true};
-    return {trusted ? error_text(path.string() + ": its lock can't be had", error) : std::string{}};
+    if (result == Lock::in_use) return refused(path.string() + " is in use by another gateway", true);
+    if (trusted) return refused(error_text(path.string() + ": its lock can't be had", error));
+    return {};
 }
 
 void PathClaim::release() noexcept {

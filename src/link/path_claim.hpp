@@ -1,9 +1,11 @@
 // That one gateway alone makes what stands at a path: a lock that the kernel keeps, gone with its owner however that ends.
 #pragma once
-#include <link/descriptor.hpp>
+#include <link/unique_fd.hpp>
 
 #include <filesystem>
 #include <string>
+
+#include <tl/expected.hpp>
 
 namespace anogate {
 
@@ -17,12 +19,12 @@ public:
     PathClaim& operator=(const PathClaim&) = delete;
     ~PathClaim() { release(); }
 
-    struct Outcome {
-        std::string error;      // empty: it is ours
+    struct Refusal {
+        std::string why;
         bool in_use = false;    // by another gateway, or another link of this one
     };
     /// Never waits. The folder of `path` must be there. Once more for the same path: it stays ours.
-    Outcome take(const std::filesystem::path& path);
+    tl::expected<void, Refusal> take(const std::filesystem::path& path);
     void release() noexcept;
 
 private:

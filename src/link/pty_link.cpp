@@ -28,35 +28,35 @@ void let_dialout_in(int terminal) {
 
 }    // namespace
 
-StreamLink::Opened PtyLink::open_wire() {
+Expected<UniqueFd> PtyLink::open_wire() {
     UniqueFd ours{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     char name[64];
     if (!ours || ::grantpt(ours.get()) != 0 || ::unlockpt(ours.get()) != 0 || ::ptsname_r(ours.get(), name, sizeof name) != 0)
-        return {{}, error_text("no pseudo-terminal", errno)};
+        return Unexpected{error_text("no pseudo-terminal", errno)};
     device_ = name;
     {
         const UniqueFd user_side = open_user_side();    // from its first close on, our side knows when nobody is there
-        if (!user_side) return {{}, error_text(device_, errno)};
+        if (!user_side) return Unexpected{error_text(device_, errno)};
         terminal::make_raw(user_side.get());
         let_dialout_in(user_side.get());
     }
     watch_users();
-    std::string error = link_path(device_);
+    const auto linked = link_path();
     watch_path();
-    if (error.empty()) return {std::move(ours), {}};
+    if (linked) return ours;
     claim_.release();
     look_.cancel();
     watch_.close();    // or whoever opens a pseudo-terminal of this number next would seem to be our user
-    return {{}, std::move(error)};
+    return Unexpected{linked.error()};
 }
 
 UniqueFd PtyLink::open_user_side() const { return UniqueFd{::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)}; }
 
-std::string PtyLink::link_path(const std::string& device) {
+Expected<void> PtyLink::link_path() {
     const fs::path path = settings().pty.path;
-    if (std::string error = make_folder_of(path); !error.empty()) return error;
-    if (std::string error = claim_.take(path).error; !error.empty()) return error;
-    return link_to_terminal(device, path);
+    if (auto there = make_folder_of(path); !there) return there;
+    if (auto taken = claim_.take(path); !taken) return Unexpected{std::move(taken.error().why)};
+    return link_to_terminal(device_, path);
 }
 
 // The events only say when to look: equal ones are merged, so they can't be counted. A user of the system has few instances of
@@ -94,7 +94,7 @@ void PtyLink::keep_path() {
     std::error_code ec;
     const fs::file_status there = fs::symlink_status(settings().pty.path, ec);
     if (!fs::exists(there)) {
-        if (std::string error = link_path(device_); !error.empty()) return fail(std::move(error));
+        if (auto linked = link_path(); !linked) return fail(std::move(linked.error()));
     } else if (fs::read_symlink(settings().pty.path, ec) == device_) {
         return;
     }
@@ -117,7 +117,7 @@ void PtyLink::look_for_users() {
     if (used || ours.revents & POLLIN) resume_reading();
 }
 
-void PtyLink::wire_ended(int error) {
+void PtyLink::read_ended(int error) {
     if (error != EIO) return fail(gone_text(error));
     pause_reading();
     if (up_) users_gone();

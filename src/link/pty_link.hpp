@@ -16,14 +16,14 @@ public:
     LinkFacts facts() const override;
 
 private:
-    Opened open_wire() override;
+    Expected<UniqueFd> open_wire() override;
     const std::string& peer() const override { return settings().pty.path; }
     void leave_wire(int fd) override;
-    void wire_ended(int error) override;
+    void read_ended(int error) override;
     std::string gone_text(int error) const override;
     void came_up() override;
 
-    std::string link_path(const std::string& device);
+    Expected<void> link_path();
     void watch_users();
     void watch_path();
     void keep_path();

@@ -43,24 +43,27 @@ std::string open_error_text(const std::string& device, int error) {
 
 }    // namespace
 
-StreamLink::Opened SerialLink::open_wire() {
+Expected<UniqueFd> SerialLink::open_wire() {
     const SerialSettings& serial = settings().serial;
     UniqueFd fd{::open(serial.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-    if (!fd) return {{}, open_error_text(serial.device, errno)};
+    if (!fd) return Unexpected{open_error_text(serial.device, errno)};
     // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
-    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return {{}, busy_text(serial.device)};
+    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return Unexpected{busy_text(serial.device)};
     terminal::claim(fd.get());
-    if (std::string error = terminal::configure(fd.get(), serial, actual_baud_); !error.empty()) {
+    if (auto ready = make_ready(fd.get()); !ready) {
         terminal::give_back(fd.get());
-        return {{}, serial.device + ": " + error};
-    }
-    if (std::string error = begin_half_duplex(fd.get()); !error.empty()) {
-        terminal::give_back(fd.get());
-        return {{}, serial.device + ": " + error};
+        return Unexpected{serial.device + ": " + ready.error()};
     }
     terminal::discard_input(fd.get());
     wire_ = fd.get();
-    return {std::move(fd), {}};
+    return fd;
+}
+
+Expected<void> SerialLink::make_ready(int fd) {
+    const auto baud = terminal::configure(fd, settings().serial);
+    if (!baud) return Unexpected{baud.error()};
+    actual_baud_ = *baud;
+    return begin_half_duplex(fd);
 }
 
 // Closing waits for what the driver still holds: it goes. What is on its way (in a pty: read by nobody yet) stays.
@@ -79,16 +82,16 @@ void SerialLink::half_duplex(bool active_low, std::function<void(bool)> send) {
 
 // A driver that can turn the transceiver by its RTS line is told to. Whether the transceiver hangs on that line or on the GPIO
 // line of the configuration can't be seen from here: the GPIO line is driven all the same.
-std::string SerialLink::begin_half_duplex(int fd) {
+Expected<void> SerialLink::begin_half_duplex(int fd) {
     if (!rs485_) return {};
     rs485_by_driver_ = terminal::enable_rs485_by_rts(fd, rs485_active_low_);
     return rs485_->open(fd, std::chrono::duration_cast<Duration>(std::chrono::nanoseconds{std::nano::den / byte_rate()}));
 }
 
 ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
-    if (!rs485_) return StreamLink::write_some(pieces);
+    if (!rs485_) return StreamSession::write_some(pieces);
     rs485_->writing();
-    const ssize_t n = StreamLink::write_some(pieces);
+    const ssize_t n = StreamSession::write_some(pieces);
     const int error = errno;
     rs485_->written();
     errno = error;

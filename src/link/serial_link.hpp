@@ -15,10 +15,11 @@ public:
     LinkFacts facts() const override;
 
 private:
-    Opened open_wire() override;
+    Expected<UniqueFd> open_wire() override;
     const std::string& peer() const override { return settings().serial.device; }
     ssize_t write_some(std::span<const iovec> pieces) override;
-    std::string begin_half_duplex(int fd);
+    Expected<void> make_ready(int fd);
+    Expected<void> begin_half_duplex(int fd);
     std::uint32_t byte_rate() const;
     std::uint32_t line_rate() const override;
     std::size_t held_by_driver() const override;

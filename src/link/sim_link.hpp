@@ -1,7 +1,11 @@
 // A simulated device inside the process, as if it stood behind a port.
 #pragma once
 #include <gateway/simulated_fc.hpp>
+#include <link/alarm.hpp>
 #include <link/link_context.hpp>
+
+#include <span>
+#include <vector>
 
 namespace anogate {
 
@@ -9,19 +13,21 @@ class SimLink final : public Link {
 public:
     SimLink(LinkId id, LinkSettings settings, const LinkContext& context);
     void start() override;
-    void stop_reading() override { tick_.cancel(); }
-    void stop() override { tick_.cancel(); }
+    void stop_reading() override { stop(); }
+    void stop() override;
     void flush(Channel& channel) override;
 
 private:
     void tick();
-    void say(ano::FrameView frame);
-    void deliver();
+    void answer();
+    void hear(std::span<const std::uint8_t> said);
 
     LinkContext context_;
     Channel* channel_ = nullptr;
     SimulatedFc fc_;
+    std::vector<std::uint8_t> answers_;    // that wait for their turn
     Alarm tick_;
+    Alarm answer_;
 };
 
 }    // namespace anogate

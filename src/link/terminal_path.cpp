@@ -3,6 +3,7 @@
 #include <link/own_folder.hpp>
 #include <link/terminal_path.hpp>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <array>
@@ -33,25 +34,26 @@ Found find(const HeldFolder& folder, const std::string& name) {
 }    // namespace
 
 // symlink() follows nothing and replaces nothing, which no look beforehand could promise.
-std::string link_to_terminal(const std::string& device, const fs::path& path) {
-    const HeldFolder folder = HeldFolder::of(folder_of(path));
-    if (!folder.error().empty()) return path.string() + ": " + folder.error();
+Expected<void> link_to_terminal(const std::string& device, const fs::path& path) {
+    const auto folder = HeldFolder::of(folder_of(path));
+    if (!folder) return Unexpected{path.string() + ": " + folder.error()};
     const std::string name = path.filename();
-    const There there = find(folder, name).what;
-    if (there == There::anothers) return path.string() + " is a link of another user: it is left alone, choose another path";
-    if (there == There::ours) ::unlinkat(folder.fd(), name.c_str(), 0);
-    if (there != There::no_link && ::symlinkat(device.c_str(), folder.fd(), name.c_str()) == 0) return {};
+    const There there = find(*folder, name).what;
+    if (there == There::anothers)
+        return Unexpected{path.string() + " is a link of another user: it is left alone, choose another path"};
+    if (there == There::ours) ::unlinkat(folder->fd(), name.c_str(), 0);
+    if (there != There::no_link && ::symlinkat(device.c_str(), folder->fd(), name.c_str()) == 0) return {};
     if (there == There::no_link || errno == EEXIST)
-        return path.string() + " exists and is not ours: it is left alone, choose another path";
-    return error_text(path.string(), errno);
+        return Unexpected{path.string() + " exists and is not ours: it is left alone, choose another path"};
+    return Unexpected{error_text(path.string(), errno)};
 }
 
 void remove_link_to(const std::string& device, const fs::path& path) {
-    const HeldFolder folder = HeldFolder::of(folder_of(path));
-    if (!folder.error().empty()) return;
+    const auto folder = HeldFolder::of(folder_of(path));
+    if (!folder) return;
     const std::string name = path.filename();
-    if (const Found found = find(folder, name); found.what == There::ours && found.leads_to == device)
-        ::unlinkat(folder.fd(), name.c_str(), 0);
+    if (const Found found = find(*folder, name); found.what == There::ours && found.leads_to == device)
+        ::unlinkat(folder->fd(), name.c_str(), 0);
 }
 
 }    // namespace anogate

@@ -53,17 +53,17 @@ std::size_t bytes_in(int fd, unsigned long queue) noexcept {
 
 }    // namespace
 
-std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud) {
+Expected<std::uint32_t> configure(int fd, const SerialSettings& settings) {
     termios2 t{};
-    if (::ioctl(fd, TCGETS2, &t) != 0) return errno == ENOTTY ? "this is not a serial port" : error_text(errno);
+    if (::ioctl(fd, TCGETS2, &t) != 0) return Unexpected{errno == ENOTTY ? "this is not a serial port" : error_text(errno)};
     set_line(t, settings);
     if (::ioctl(fd, TCSETS2, &t) != 0)
-        return "the driver refuses " + std::to_string(settings.baud) + " baud with these line settings: " + error_text(errno);
+        return Unexpected{"the driver refuses " + std::to_string(settings.baud) +
+                          " baud with these line settings: " + error_text(errno)};
     if (settings.low_latency) ask_for_low_latency(fd);
     if (settings.dtr) set_modem_line(fd, TIOCM_DTR, *settings.dtr);
     if (settings.rts) set_modem_line(fd, TIOCM_RTS, *settings.rts);
-    if (::ioctl(fd, TCGETS2, &t) == 0) actual_baud = t.c_ospeed;
-    return {};
+    return ::ioctl(fd, TCGETS2, &t) == 0 ? t.c_ospeed : 0;
 }
 
 void make_raw(int fd) noexcept {

@@ -1,14 +1,15 @@
 // What the kernel's terminal interface needs here: any integer rate, raw, and the modem lines.
 #pragma once
 #include <gateway/settings.hpp>
+#include <link/expected.hpp>
 
 #include <atomic>
 #include <string>
 
 namespace anogate::terminal {
 
-/// Raw mode, the line settings, HUPCL cleared. Empty, or what the driver refused. `actual_baud` is what it made of the rate.
-std::string configure(int fd, const SerialSettings& settings, std::uint32_t& actual_baud);
+/// Raw mode, the line settings, HUPCL cleared. What the driver made of the rate (0: it does not say), or what it refused.
+Expected<std::uint32_t> configure(int fd, const SerialSettings& settings);
 /// Raw mode for the user's side of a pseudo-terminal.
 void make_raw(int fd) noexcept;
 

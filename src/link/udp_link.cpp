@@ -1,4 +1,6 @@
 #include <gateway/listening_notice.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
 #include <link/udp_link.hpp>
@@ -24,7 +26,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
-      retry_{context.alarms, [this] { try_open(); }, retry_slack},
+      reconnect_{context, *this, [this] { return open(); }},
       expiry_{context.alarms,
               [this] {
                   if (channel_->parser.expire(context_.host.now())) deliver();
@@ -37,28 +39,25 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().udp.peer.text());
-    try_open();
+    reconnect_.start();
 }
 
-void UdpLink::try_open() {
-    OpenedSocket opened = open_to_peer();
+Expected<void> UdpLink::open() {
+    auto socket = open_to_peer();
+    if (!socket) return Unexpected{std::move(socket.error())};
     const TimePoint now = context_.host.now();
-    if (!opened.fd) {
-        context_.host.link_down(*this, std::move(opened.error));
-        retry_.set(backoff_.retry_at(now));
-        return;
-    }
-    backoff_.came_up(now);
+    reconnect_.came_up(now);
     trouble_.clear();
-    local_ = local_endpoint(opened.fd.get());
+    local_ = local_endpoint(socket->get());
     pacing_.start(settings().rate, settings().latency);
-    if (pacing_.is_on()) keep_send_buffer_small(opened.fd.get());
-    descriptor_.open(std::move(opened.fd));
+    if (pacing_.is_on()) keep_send_buffer_small(socket->get());
+    descriptor_.open(std::move(*socket));
     arrival_.found_empty(context_.host.turn().clocks());
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
     if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
     context_.host.link_up(*this);
+    return {};
 }
 
 // The endpoint that names the interface on which all depends, if any does.
@@ -68,10 +67,10 @@ EndpointSpec UdpLink::watched() const {
     return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
-OpenedSocket UdpLink::open_to_peer() {
+Expected<UniqueFd> UdpLink::open_to_peer() {
     const EndpointSpec& written = settings().udp.peer;
     const auto to = endpoint_now(written);
-    if (!to) return {{}, no_interface(written.interface)};
+    if (!to) return Unexpected{no_interface(written.interface)};
     const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
     EndpointSpec local;
@@ -82,31 +81,31 @@ OpenedSocket UdpLink::open_to_peer() {
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
-    OpenedSocket opened = open_udp(local, multicast, settings().udp.interface);
-    if (!opened.fd) return opened;
+    auto socket = open_udp(local, multicast, settings().udp.interface);
+    if (!socket) return socket;
     to_ = SocketAddress::of(peer, local.address.v6);
     to_interface_ = peer.address.scope;
     connected_ = !multicast && !is_broadcast(peer.address, own_networks());
     if (multicast) {
-        if (std::string error = join_group(opened.fd.get()); !error.empty()) return {{}, std::move(error)};
-    } else if (connected_ && ::connect(opened.fd.get(), to_.get(), to_.size) != 0) {
-        return {{}, "no way to " + written.text() + " now: " + error_text(errno)};
+        if (auto joined = join_group(socket->get()); !joined) return Unexpected{std::move(joined.error())};
+    } else if (connected_ && ::connect(socket->get(), to_.get(), to_.size) != 0) {
+        return Unexpected{"no way to " + written.text() + " now: " + error_text(errno)};
     }
-    return opened;
+    return socket;
 }
 
 // By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
 // in the group already is as good.
-std::string UdpLink::join_group(int fd) const {
+Expected<void> UdpLink::join_group(int fd) const {
     const EndpointSpec& peer = settings().udp.peer;
     const auto& bind = settings().udp.bind;
     const std::string& name = settings().udp.interface;
     unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
-    if (!name.empty() && interface == 0) return no_interface(name);
+    if (!name.empty() && interface == 0) return Unexpected{no_interface(name)};
     if (name.empty() && bind && !bind->address.is_any()) {
         const auto now = endpoint_now(*bind);
         interface = now ? interface_of(now->address) : 0;
-        if (interface == 0) return "no interface has the address " + bind->text() + " now";
+        if (interface == 0) return Unexpected{"no interface has the address " + bind->text() + " now"};
     }
     const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
@@ -122,14 +121,14 @@ std::string UdpLink::join_group(int fd) const {
     }
     if (done) return {};
     if (interface == 0 && errno == ENODEV)
-        return "no route leads to the multicast group " + peer.address.text() +
-               "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port);
-    return "can't join the multicast group " + peer.address.text() + ": " + error_text(errno);
+        return Unexpected{"no route leads to the multicast group " + peer.address.text() +
+                          "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port)};
+    return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
 }
 
 // An interface that goes, or a way that leads elsewhere, takes the membership with it, and the socket is not told.
 void UdpLink::keep_joined() {
-    if (std::string error = join_group(descriptor_.fd()); !error.empty()) return fail(std::move(error));
+    if (auto joined = join_group(descriptor_.fd()); !joined) return fail(std::move(joined.error()));
     rejoin_.set(context_.host.now() + join_again);
 }
 
@@ -141,18 +140,17 @@ void UdpLink::fail(std::string why) {
     expiry_.cancel();
     channel_->parser.finish();
     deliver();
-    context_.host.link_down(*this, std::move(why));
-    retry_.set(backoff_.retry_at(context_.host.now()));
+    reconnect_.lost(std::move(why));
 }
 
 void UdpLink::stop_reading() {
     descriptor_.stop_reading();
-    retry_.cancel();
+    reconnect_.stop();
     rejoin_.cancel();
 }
 
 void UdpLink::stop() {
-    retry_.cancel();
+    reconnect_.stop();
     expiry_.cancel();
     again_.cancel();
     rejoin_.cancel();

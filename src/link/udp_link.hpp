@@ -1,12 +1,16 @@
 // One fixed UDP peer; a broadcast address or a multicast group is one as well.
 #pragma once
-#include <gateway/backoff.hpp>
+#include <gateway/arrival.hpp>
+#include <link/descriptor.hpp>
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
+#include <link/reconnect.hpp>
 
 namespace anogate {
+
+struct SendReport;
 
 /// A peer that is not there is no fault: its refusals are counted and shown.
 class UdpLink final : public Link {
@@ -22,10 +26,10 @@ public:
     std::string trouble() const override;
 
 private:
-    void try_open();
+    Expected<void> open();
     EndpointSpec watched() const;
-    OpenedSocket open_to_peer();
-    std::string join_group(int fd) const;
+    Expected<UniqueFd> open_to_peer();
+    Expected<void> join_group(int fd) const;
     void keep_joined();
     void fail(std::string why);
     void read();
@@ -38,8 +42,7 @@ private:
     Descriptor descriptor_;
     Arrival arrival_;
     Channel* channel_ = nullptr;
-    Backoff backoff_;
-    Alarm retry_;
+    Reconnect reconnect_;
     Alarm expiry_;
     Alarm again_;    // after the system had no memory to send
     Alarm rejoin_;

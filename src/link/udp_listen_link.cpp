@@ -1,5 +1,7 @@
 #include <ano/address.hpp>
 #include <gateway/far_peer.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
 #include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
@@ -67,7 +69,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
     : Link{id, std::move(settings)},
       context_{context},
       descriptor_{context.io},
-      retry_{context.alarms, [this] { try_open(); }, retry_slack},
+      reconnect_{context, *this, [this] { return open(); }},
       look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
       interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
@@ -79,26 +81,22 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
 
 UdpListenLink::~UdpListenLink() = default;
 
-void UdpListenLink::try_open() {
+Expected<void> UdpListenLink::open() {
     const UdpListenSettings& listen = settings().udp_listen;
-    OpenedSocket socket = open_udp(listen.local, false, listen.interface);
-    const TimePoint now = context_.host.now();
-    if (!socket.fd) {
-        context_.host.link_down(*this, std::move(socket.error));
-        retry_.set(backoff_.retry_at(now));
-        return;
-    }
-    backoff_.came_up(now);
-    local_ = local_endpoint(socket.fd.get());
-    keep_error_reports(socket.fd.get(), local_.address.v6);
+    auto socket = open_udp(listen.local, false, listen.interface);
+    if (!socket) return Unexpected{std::move(socket.error())};
+    reconnect_.came_up(context_.host.now());
+    local_ = local_endpoint(socket->get());
+    keep_error_reports(socket->get(), local_.address.v6);
     pacing_.start(settings().rate, settings().latency);
-    if (pacing_.is_on()) keep_send_buffer_small(socket.fd.get());
-    descriptor_.open(std::move(socket.fd));
+    if (pacing_.is_on()) keep_send_buffer_small(socket->get());
+    descriptor_.open(std::move(*socket));
     arrival_.found_empty(context_.host.turn().clocks());
     opened(local_);
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(listen.interface.empty() ? listen.local : EndpointSpec{listen.local, listen.interface});
     context_.host.link_up(*this);
+    return {};
 }
 
 void UdpListenLink::fail(std::string why) {
@@ -106,17 +104,16 @@ void UdpListenLink::fail(std::string why) {
     interface_watch_.stop();
     pacing_.stop();
     while (!peers_.empty()) forget(*peers_.back());
-    context_.host.link_down(*this, std::move(why));
-    retry_.set(backoff_.retry_at(context_.host.now()));
+    reconnect_.lost(std::move(why));
 }
 
 void UdpListenLink::stop_reading() {
     descriptor_.stop_reading();
-    retry_.cancel();
+    reconnect_.stop();
 }
 
 void UdpListenLink::stop() {
-    retry_.cancel();
+    reconnect_.stop();
     look_.cancel();
     interface_watch_.stop();
     pacing_.stop();

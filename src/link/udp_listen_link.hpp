@@ -1,12 +1,14 @@
 // A UDP port. Whoever sends it a whole good frame becomes a peer with a channel of its own.
 #pragma once
-#include <gateway/backoff.hpp>
+#include <gateway/arrival.hpp>
 #include <gateway/listener_check.hpp>
 #include <gateway/peer_book.hpp>
+#include <link/descriptor.hpp>
 #include <link/interface_watch.hpp>
 #include <link/ip_socket.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
+#include <link/reconnect.hpp>
 
 namespace anogate {
 
@@ -15,7 +17,7 @@ public:
     UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context);
     ~UdpListenLink() override;
 
-    void start() override { try_open(); }
+    void start() override { reconnect_.start(); }
     void stop_reading() override;
     void stop() override;
     void flush(Channel& channel) override;
@@ -48,7 +50,7 @@ protected:
 private:
     struct Peer;
 
-    void try_open();
+    Expected<void> open();
     void fail(std::string why);
     void read();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
@@ -74,8 +76,7 @@ private:
     LinkContext context_;
     Descriptor descriptor_;
     Arrival arrival_;
-    Backoff backoff_;
-    Alarm retry_;
+    Reconnect reconnect_;
     Alarm look_;    // at who is overdue
     InterfaceWatch interface_watch_;
     Pacing pacing_;                   // of all peers together

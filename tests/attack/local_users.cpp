@@ -2,6 +2,7 @@
 // others. tests/README.md has the figures.
 #include <daemon/control.hpp>
 #include <daemon/status.hpp>
+#include <link/asio.hpp>
 #include <link/path_claim.hpp>
 #include <support/child.hpp>
 #include <support/process.hpp>
@@ -462,27 +463,24 @@ TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place
     std::string lock;
     EXPECT_EQ(as_nobody([&] {
                   anogate::PathClaim one, other;
-                  if (!one.take(dir / "tmp/app").error.empty() || locks() != 1) return 1;
-                  if (!other.take(dir / "tmp/../tmp/app").in_use) return 2;
-                  if (!one.take(dir / "tmp/app").error.empty()) return 3;
+                  if (!one.take(dir / "tmp/app") || locks() != 1) return 1;
+                  if (const auto taken = other.take(dir / "tmp/../tmp/app"); taken || !taken.error().in_use) return 2;
+                  if (!one.take(dir / "tmp/app")) return 3;
                   one.release();
                   if (locks() != 0) return 4;
-                  if (!other.take(dir / "tmp/app").error.empty()) return 5;
+                  if (!other.take(dir / "tmp/app")) return 5;
                   ::_exit(0);    // as if killed: the file stays
               }),
               0);
     ASSERT_EQ(locks(), 1);
     lock = fs::directory_iterator { dir / "tmp" } -> path();
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
-        << "what a dead one left";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "what a dead one left";
     EXPECT_EQ(locks(), 0);
     ASSERT_EQ(::symlink(precious.c_str(), lock.c_str()), 0);
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
-        << "a link of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a link of root's";
     fs::remove(lock);
     std::ofstream{lock} << "root's";
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app").error.empty() ? 0 : 1; }), 0)
-        << "a file of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a file of root's";
     EXPECT_TRUE(fs::is_regular_file(lock));
 }
 
@@ -495,7 +493,7 @@ TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_othe
         return Child{[&] {
                    if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
                    if (::access("/run/anogate", W_OK) == 0) return 2;
-                   if (!anogate::PathClaim{}.take(dir / "open/app").error.empty()) return 3;
+                   if (!anogate::PathClaim{}.take(dir / "open/app")) return 3;
                    anogate::PathClaim claim;
                    claim.take(dir / "open/app");
                    return fs::is_empty(dir / "open") ? 10 : 11;
@@ -531,7 +529,7 @@ protected:
         const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
         return Child{[&]() -> int {
                    anogate::PathClaim claim;
-                   ::_exit(claim.take(dir / name).error.empty() ? inside() : 50);
+                   ::_exit(claim.take(dir / name) ? inside() : 50);
                }}
             .wait();
     }
@@ -542,12 +540,12 @@ protected:
 TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
     const int result = as_user([&] {
         anogate::PathClaim held, next;
-        if (!held.take(dir / "held").error.empty()) return 1;
+        if (!held.take(dir / "held")) return 1;
         if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50)
             return 2;    // a is held while b is taken
         std::ofstream{own + "/anogate/notes"} << "no lock of ours";
         if (locks() != 4) return 3;
-        if (!next.take(dir / "next").error.empty()) return 4;
+        if (!next.take(dir / "next")) return 4;
         if (locks() != 3) return 5;
         return killed_with("held") == 50 && killed_with("next") == 50 ? 0 : 6;
     });

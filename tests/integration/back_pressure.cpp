@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,6 +134,72 @@ TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_who
     ASSERT_TRUE(say());
     EXPECT_TRUE(daemon.until([&] { return slow.heard() == numbered(n - 1); })) << "nothing old, nothing torn";
     EXPECT_TRUE(daemon.counters_add_up());
+}
+
+// The wire tells by taking no more, be it paced or not: from then on newer telemetry takes the place of older.
+TEST(BackPressure, a_stuck_reader_that_is_not_paced_gets_the_newest_and_is_heard_of_again_by_itself) {
+    const TempDir dir;
+    PtyDevice stuck{dir / "stuck"};
+    RunningGateway daemon{unpaced("stuck", stuck.path()), udp_listen("air")};
+    ASSERT_TRUE(daemon.until_up("stuck"));
+    UdpPeer air;
+    std::uint64_t n = 0;
+    const auto say = [&](const Bytes& bytes) {
+        air.send(daemon.port("air"), bytes);
+        ++n;
+        return daemon.until([&] { return daemon.count("air", "frames_in") == n; });
+    };
+    std::uint32_t number = 0;
+    while (daemon.count("stuck", "waiting") < 2) ASSERT_TRUE(say(numbered(number++)));
+    const auto before = daemon.count("stuck", "waiting");
+    Bytes newest;
+    for (std::uint8_t i = 0; i < 20; ++i) ASSERT_TRUE(say(newest = frame(0xDC, 0xFE, 0x03, {i, 2, 3, 4, 5, 6, 0})));
+    EXPECT_EQ(daemon.count("stuck", "superseded"), 19u);
+    EXPECT_EQ(daemon.count("stuck", "waiting"), before + 1);
+    ASSERT_TRUE(daemon.until([&] {
+        stuck.heard();
+        return daemon.count("stuck", "waiting") == 0;
+    })) << "nobody says anything more: the wire tells that it takes again";
+    daemon.run_for(5ms);
+    const auto frames = split(stuck.heard()).frames;
+    EXPECT_EQ(std::count(frames.begin(), frames.end(), newest), 1);
+    EXPECT_EQ(std::count_if(frames.begin(), frames.end(), [](const Bytes& f) { return f[3] == 0x03; }), 1);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+// What is left of the time is for what waits.
+TEST(BackPressure, nothing_is_read_while_the_end_waits_for_a_slow_reader) {
+    const TempDir dir;
+    PtyDevice stuck{dir / "stuck"}, device{dir / "device"};
+    UdpPeer fixed, air, late;
+    RunningGateway daemon{unpaced("stuck", stuck.path()), serial("device", device.path()), pty("app", dir / "app"),
+                          udp("fixed", fixed.local().text()), udp_listen("air")};
+    PortUser app{dir / "app"};
+    ASSERT_TRUE(daemon.until_up("stuck") && daemon.until_up("device") && daemon.until_up("app") && daemon.until_up("fixed"));
+    const auto fixed_port = daemon.port("fixed"), air_port = daemon.port("air");
+    for (std::uint32_t n = 0; daemon.count("stuck", "waiting") < 2; ++n) {
+        air.send(air_port, numbered(n));
+        ASSERT_TRUE(daemon.until([&] { return daemon.count("air", "frames_in") == n + 1; }));
+        app.heard(), device.heard(), fixed.heard(), air.heard();
+    }
+    std::map<std::string, std::uint64_t> before, after;
+    const auto look = [&](auto& counts) {
+        for (const char* link : {"stuck", "device", "app", "fixed", "air"}) counts[link] = daemon.count(link, "frames_in");
+    };
+    look(before);
+    int turns = 0;
+    daemon.stop(100ms, [&] {
+        if (++turns > 3) return;
+        stuck.write(vendor::i_am_an_mcu);
+        device.write(vendor::i_am_an_mcu);
+        app.write(vendor::i_am_an_mcu);
+        fixed.send(fixed_port, vendor::i_am_an_mcu);
+        air.send(air_port, vendor::i_am_an_mcu);
+        late.send(air_port, vendor::i_am_an_mcu);
+    });
+    EXPECT_GT(turns, 3);
+    look(after);
+    EXPECT_EQ(after, before);
 }
 
 TEST(BackPressure, a_flood_is_forwarded_or_counted_frame_by_frame) {

@@ -226,6 +226,19 @@ TEST_F(UdpFaults, what_is_too_long_for_the_way_goes_one_by_one_or_is_counted) {
     expect_accounted();
 }
 
+// Packed up to `mtu`, which the user may have set to more than the way carries.
+TEST_F(UdpFaults, datagrams_packed_beyond_what_the_way_carries_go_one_by_one) {
+    start(true);
+    fate_of_sendmmsg = [&](int) { return Fate{0, SIZE_MAX, 60}; };    // any one of our frames, and never three
+    for (int round = 0; round < 5; ++round) in(20);
+    EXPECT_TRUE(until_nothing_waits());
+    EXPECT_EQ(count("frames_out"), sent) << daemon->link("to");
+    EXPECT_EQ(count("too_big"), 0u);
+    EXPECT_TRUE(daemon->until([&] { return arrived() == sent; }));
+    expect_in_order(peer.heard());
+    expect_accounted();
+}
+
 TEST_F(UdpFaults, a_way_that_breaks_is_looked_for_again) {
     for (const int error : {ENETDOWN, ENODEV, EADDRNOTAVAIL, EINVAL, ENETUNREACH}) {
         SCOPED_TRACE(testing::Message() << "errno " << error);

@@ -262,6 +262,23 @@ TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_e
     EXPECT_TRUE(daemon.until_up("app"));
 }
 
+TEST(PtyLink, a_path_that_another_program_took_is_left_to_it_at_the_end) {
+    const TempDir dir;
+    PtyDevice others{dir / "others"};
+    RunningGateway daemon{pty("app", dir / "app"), pty("own", dir / "own")};
+    {
+        const PortUser app{dir / "app"};
+        ASSERT_TRUE(daemon.until_up("app"));
+        fs::create_symlink(others.terminal(), dir / "new");
+        fs::rename(dir / "new", dir / "app");
+        daemon.run_for(50ms);
+        EXPECT_EQ(daemon.link("app").at("state"), "up") << "who has it open goes on";
+    }
+    daemon.stop();
+    EXPECT_EQ(fs::read_symlink(dir / "app"), others.terminal());
+    EXPECT_FALSE(fs::exists(fs::symlink_status(dir / "own")));
+}
+
 TEST(PtyLink, a_path_that_was_removed_is_made_again_each_time) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app")};

@@ -312,6 +312,32 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
     }
 }
 
+TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
+    const NetworkNamespace network;
+    ANOGATE_NEEDS_NETWORK(network);
+    const auto plug_in = [&] {
+        return network.run("link add va type veth peer name vb") && network.run("link set va up") &&
+               network.run("link set vb up") && network.run("addr add fe80::1/64 dev va nodad") &&
+               network.run("addr add fe80::2/64 dev va nodad");
+    };
+    ASSERT_TRUE(plug_in());
+    RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001")};
+    ASSERT_TRUE(daemon.until_up("far") && daemon.until_up("near"));
+    for (int round = 0; round < 3; ++round) {
+        ASSERT_TRUE(network.run("link del va") && plug_in());    // between two looks: it is never seen absent
+        UdpPeer peer{"[fe80::2%va]:17000"};
+        for (const char* link : {"near", "far"}) {
+            const auto before = daemon.count(link, "frames_in");
+            EXPECT_TRUE(daemon.until([&] {
+                const auto port = daemon.link(link).value("port", 0);
+                if (port != 0) peer.send(endpoint("[fe80::1%va]:" + std::to_string(port)), vendor::who_are_you);
+                return daemon.count(link, "frames_in") > before;
+            })) << round
+                << daemon.link(link);
+        }
+    }
+}
+
 TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
     const NetworkNamespace network;
     ANOGATE_NEEDS_NETWORK(network);

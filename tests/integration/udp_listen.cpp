@@ -105,6 +105,46 @@ TEST(UdpListenLink, a_silent_peer_is_forgotten) {
     EXPECT_EQ(daemon.count("ground", "frames_in"), 2u);
 }
 
+TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted) {
+    auto link = udp_listen("ground");
+    link.udp_listen.peer_timeout = 300ms;
+    link.rules.send.deny = {{0x06, 0x06}};
+    RunningGateway daemon{link, udp_listen("air")};
+    UdpPeer first, second, air;
+    for (UdpPeer* peer : {&first, &second}) peer->send(daemon.port("ground"), vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 2; }));
+    air.send(daemon.port("air"), frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}) + frame(0xDC, 0xFF, 0x06, Bytes(4, 0)));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_out") >= 2; }));
+    const auto link_then = daemon.link("ground");
+    ASSERT_TRUE(daemon.until([&] { return peers(daemon) == 0; }));
+    for (const char* counter : {"frames_in", "bytes_in", "frames_out", "bytes_out", "denied_out"})
+        EXPECT_EQ(daemon.count("ground", counter), link_then.at(counter)) << counter;
+    EXPECT_GE(daemon.count("ground", "denied_out"), 2u);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+// The one that is due first is looked at first, whoever came last.
+TEST(UdpListenLink, half_frames_of_several_peers_expire_each_in_its_own_time) {
+    TwoLinks t;
+    UdpPeer one, two, host;
+    for (UdpPeer* peer : {&one, &two}) peer->send(t.daemon.port("ground"), vendor::i_am_an_mcu);
+    t.say(telemetry);
+    ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 2 && t.daemon.count("air", "frames_in") == 1; }));
+    const auto expired = [&](const UdpPeer& peer) {
+        const auto link = t.daemon.link("ground");
+        for (const auto& channel : link.at("channels"))
+            if (channel.at("peer") == peer.local().text())
+                return channel.at("expired").get<int>() + channel.at("skipped_bytes").get<int>() > 0;
+        return false;
+    };
+    one.send(t.daemon.port("ground"), Bytes(telemetry.begin(), telemetry.begin() + 7));
+    t.daemon.run_for(60ms);
+    two.send(t.daemon.port("ground"), Bytes(telemetry.begin(), telemetry.begin() + 7));
+    ASSERT_TRUE(t.daemon.until([&] { return expired(one) || expired(two); }));
+    EXPECT_TRUE(expired(one));
+    EXPECT_TRUE(t.daemon.until([&] { return expired(two); })) << "nobody sends anything more";
+}
+
 TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
     auto link = udp_listen("ground");
     link.udp_listen.peer_timeout = 400ms;

@@ -14,10 +14,12 @@
 
 namespace support {
 
-/// What happens to one call: an errno, or so many bytes (writev) or datagrams (sendmmsg) are taken at most.
+/// What happens to one call: an errno, or so many bytes (writev) or datagrams (sendmmsg) are taken at most, and no datagram of more
+/// bytes than the way carries.
 struct Fate {
     int error = 0;
     std::size_t most = SIZE_MAX;
+    std::size_t mtu = SIZE_MAX;
 };
 
 /// Asked before every call; calls that are not of the gateway's links (the file descriptor tells) get {}.
@@ -49,6 +51,17 @@ int sendmmsg(int fd, mmsghdr* messages, unsigned count, int flags) {
         return -1;
     }
     count = static_cast<unsigned>(std::min<std::size_t>(count, fate.most));
+    const auto passes = [&](const mmsghdr& message) {
+        std::size_t bytes = 0;
+        for (std::size_t i = 0; i < message.msg_hdr.msg_iovlen; ++i) bytes += message.msg_hdr.msg_iov[i].iov_len;
+        return bytes <= fate.mtu;
+    };
+    const unsigned offered = count;
+    count = static_cast<unsigned>(std::find_if_not(messages, messages + count, passes) - messages);
+    if (count == 0 && offered > 0) {
+        errno = EMSGSIZE;
+        return -1;
+    }
     return static_cast<int>(::syscall(SYS_sendmmsg, fd, messages, count, flags));
 }
 

@@ -5,6 +5,7 @@
 #include "wait.hpp"
 
 #include <daemon/gateway.hpp>
+#include <link/asio.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

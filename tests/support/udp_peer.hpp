@@ -18,8 +18,8 @@ class UdpPeer {
 public:
     explicit UdpPeer(const std::string& local = "127.0.0.1:0") {
         auto opened = anogate::open_udp(endpoint(local), false);
-        if (!opened.fd) throw std::runtime_error{opened.error};
-        socket_ = std::move(opened.fd);
+        if (!opened) throw std::runtime_error{opened.error()};
+        socket_ = std::move(*opened);
         local_ = anogate::local_endpoint(socket_.get());
     }
     /// Its own socket for tests that need an option set first.

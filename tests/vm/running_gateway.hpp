@@ -3,6 +3,7 @@
 #include <daemon/command_line.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/status.hpp>
+#include <link/asio.hpp>
 
 #include <nlohmann/json.hpp>
 

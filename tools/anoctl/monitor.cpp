@@ -5,9 +5,13 @@
 #include <config/config.hpp>
 #include <config/key_facts.hpp>
 #include <gateway/hints.hpp>
+#include <link/alarm.hpp>
 #include <link/asio.hpp>
 #include <link/clocks.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
 #include <link/kinds.hpp>
+#include <link/link_context.hpp>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -307,3 +307,22 @@ TEST(CanStreams, what_never_ends_is_given_up_and_holds_nobody_back) {
     EXPECT_EQ(receiver.frames.size(), 1u);
     EXPECT_FALSE(receiver.streams.deadline());
 }
+
+TEST(CanStreams, of_several_nodes_the_one_that_is_due_first_counts) {
+    Receiver receiver{classic()};
+    const auto begin = [&](std::uint32_t id, std::uint8_t source) {
+        receiver({id, {0xAB, source, 0xFE, 3, 200, 0, 1, 2}});
+        receiver({id, support::frame(source, 0xFE, 4)});
+    };
+    begin(0x6DC, 0xDC);
+    const auto first = receiver.streams.deadline();
+    ASSERT_TRUE(first);
+    receiver.now += std::chrono::milliseconds{10};
+    begin(0x6DE, 0xDE);
+    EXPECT_EQ(receiver.streams.deadline(), first);
+    const auto take = [&](ano::FrameView f) { receiver.frames.emplace_back(f.bytes().begin(), f.bytes().end()); };
+    receiver.streams.expire(*first, take);
+    EXPECT_EQ(receiver.frames, std::vector<Bytes>{support::frame(0xDC, 0xFE, 4)});
+    ASSERT_TRUE(receiver.streams.deadline());
+    EXPECT_EQ(*receiver.streams.deadline(), *first + std::chrono::milliseconds{10});
+}

@@ -1,0 +1,118 @@
+#include <link/stream_session.hpp>
+
+#include <array>
+#include <cerrno>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t frames_per_write = 64;
+constexpr int reads_per_turn = 16;    // then the other links have theirs
+
+}    // namespace
+
+StreamSession::StreamSession(const LinkContext& context)
+    : context_{context},
+      descriptor_{context.io},
+      expiry_{context.alarms,
+              [this] {
+                  if (channel_->parser.expire(context_.host.now())) deliver();
+                  if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+              }},
+      pacing_{context.alarms, [this] { write(); }} {}
+
+void StreamSession::open(UniqueFd fd, Channel& channel) {
+    channel_ = &channel;
+    descriptor_.open(std::move(fd));
+    is_opening_ = true;
+    continue_opening();
+}
+
+void StreamSession::continue_opening() {
+    switch (go_on_opening()) {
+    case Opening::done: break;
+    case Opening::wants_to_read: return descriptor_.read_with([this] { read(); });
+    case Opening::wants_to_write: descriptor_.stop_reading(); return descriptor_.when_writable([this] { continue_opening(); });
+    case Opening::failed: return failed(errno);
+    }
+    is_opening_ = false;
+    arrival_.found_empty(context_.host.turn().clocks());
+    opened();
+}
+
+void StreamSession::close() noexcept {
+    descriptor_.close();
+    pacing_.stop();
+    expiry_.cancel();
+    is_opening_ = false;
+}
+
+void StreamSession::resume_reading() {
+    descriptor_.read_with([this] { read(); });
+}
+
+void StreamSession::end_of_input() {
+    expiry_.cancel();
+    channel_->parser.finish();
+    deliver();
+}
+
+ssize_t StreamSession::read_some(std::span<std::uint8_t> room) { return ::read(fd(), room.data(), room.size()); }
+
+void StreamSession::read() {
+    if (is_opening_) return continue_opening();
+    for (int i = 0; i < reads_per_turn; ++i) {
+        const auto room = channel_->parser.prepare();
+        const ssize_t n = read_some(room);
+        const int error = n < 0 ? errno : 0;
+        if (error == EINTR) break;
+        if (n <= 0) arrival_.found_empty(context_.host.turn().before());
+        if (error == EAGAIN) break;
+        if (n <= 0) return read_ended(error);
+        const LoopWatch& loop = context_.host.turn();
+        channel_->arrived_at = arrival_.unstamped(loop);
+        channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
+        deliver();
+        if (!is_open()) return;
+        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives by 4 KB what waits
+    }
+    if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
+}
+
+void StreamSession::deliver() {
+    while (const auto frame = channel_->parser.next()) context_.host.receive(*channel_, *frame);
+    context_.host.flush();
+}
+
+ssize_t StreamSession::write_some(std::span<const iovec> pieces) {
+    return ::writev(fd(), pieces.data(), static_cast<int>(pieces.size()));
+}
+
+void StreamSession::write() {
+    if (is_opening_) return;
+    std::array<std::span<const std::uint8_t>, frames_per_write> frames;
+    std::array<iovec, frames_per_write> pieces;
+    Outbox& outbox = channel_->outbox;
+    while (is_open() && !outbox.empty()) {
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        if (budget == 0) return;
+        const std::size_t count = outbox.gather(frames, now, budget);
+        for (std::size_t i = 0; i < count; ++i) pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
+        if (count == 0) return;
+        const ssize_t n = write_some(std::span{pieces}.first(count));
+        if (n > 0) {
+            outbox.sent(static_cast<std::size_t>(n));
+            pacing_.sent(static_cast<std::size_t>(n), now);
+            if (pacing_.is_on()) pacing_.correct(held_by_driver(), now);
+        } else if (n == 0 || errno == EAGAIN) {
+            outbox.set_congested();
+            descriptor_.when_writable([this] { write(); });
+            return;
+        } else if (errno != EINTR) {
+            return failed(errno);
+        }
+    }
+}
+
+}    // namespace anogate

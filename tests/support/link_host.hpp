@@ -1,0 +1,85 @@
+// What a link needs of a gateway, and no gateway: channels, and what came by them.
+#pragma once
+#include "bytes.hpp"
+#include "wait.hpp"
+
+#include <link/alarm.hpp>
+#include <link/asio.hpp>
+#include <link/clocks.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
+#include <link/link_context.hpp>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace support {
+
+class BareLinkHost final : public anogate::LinkHost {
+public:
+    anogate::Channel* open_channel(anogate::Link& link, std::string peer) override {
+        channels_.emplace_back(new anogate::Channel{anogate::ChannelId{static_cast<std::uint8_t>(channels_.size())},
+                                                    link.id(),
+                                                    std::move(peer),
+                                                    ano::FrameParser{{}},
+                                                    anogate::Outbox{{}},
+                                                    {},
+                                                    now(),
+                                                    {},
+                                                    {},
+                                                    false,
+                                                    {}});
+        return channels_.back().get();
+    }
+    void close_channel(anogate::Channel& channel) override {
+        std::erase_if(channels_, [&](const auto& c) { return c.get() == &channel; });
+    }
+    void receive(anogate::Channel& channel, ano::FrameView frame) override {
+        Bytes& heard = heard_[channel.peer];
+        heard.insert(heard.end(), frame.bytes().begin(), frame.bytes().end());
+    }
+    void flush() override {}
+    void link_up(anogate::Link&) override {
+        ++ups;
+        why.clear();
+        for (const auto& channel : channels_) channel->outbox.open();
+    }
+    void link_down(anogate::Link&, std::string reason) override {
+        why = std::move(reason);
+        for (const auto& channel : channels_) channel->outbox.close();
+    }
+    anogate::TimePoint now() override { return turn().now(); }
+    const anogate::LoopWatch& turn() override {
+        loop_.turn(anogate::read_clocks());
+        return loop_;
+    }
+
+    anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_}; }
+    const std::vector<std::unique_ptr<anogate::Channel>>& channels() const { return channels_; }
+    /// All frames that came by channels called so.
+    const Bytes& heard(const std::string& peer) { return heard_[peer]; }
+
+    /// Runs the loop until `holds` does.
+    bool until(const std::function<bool()>& holds) {
+        return wait_until(holds, patience, [this] {
+            io.restart();
+            io.run_for(std::chrono::milliseconds{1});
+        });
+    }
+
+    boost::asio::io_context io{1};
+    int ups = 0;
+    std::string why = "nobody said anything";    // it is down; empty: it is up
+
+private:
+    anogate::AlarmClock alarms_{io};
+    anogate::DatagramBatch batch_;
+    anogate::DatagramSender sender_;
+    anogate::LoopWatch loop_;
+    std::vector<std::unique_ptr<anogate::Channel>> channels_;
+    std::map<std::string, Bytes> heard_;
+};
+
+}    // namespace support

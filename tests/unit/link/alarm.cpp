@@ -1,0 +1,78 @@
+#include <link/alarm.hpp>
+#include <link/asio.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct Alarms : testing::Test {
+    std::function<void()> says(char what) {
+        return [this, what] { rung += what; };
+    }
+    asio::io_context io{1};
+    AlarmClock clock{io};
+    std::string rung;
+    const ano::TimePoint now = ano::Clock::now();
+};
+
+}    // namespace
+
+TEST_F(Alarms, the_earliest_counts_in_whatever_order_they_were_set) {
+    Alarm a{clock, says('a')}, b{clock, says('b')}, c{clock, says('c')}, never{clock, says('n')};
+    b.set(now + 20ms);
+    c.set(now + 30ms);
+    a.set(now + 10ms);
+    never.set(now + 1h);
+    while (rung.size() < 3) io.run_one();
+    EXPECT_EQ(rung, "abc");
+    EXPECT_GE(ano::Clock::now(), now + 30ms);
+    EXPECT_TRUE(never.is_set());
+}
+
+TEST_F(Alarms, a_slack_shares_the_ring_of_another_and_ends_in_time) {
+    Alarm lazy{clock, says('l'), 10s}, later{clock, says('m'), 40ms}, exact{clock, says('e')};
+    lazy.set(now + 10ms);
+    exact.set(now + 20ms);
+    later.set(now + 30ms);
+    while (rung.size() < 2) io.run_one();
+    EXPECT_EQ(rung, "le");
+    EXPECT_LT(ano::Clock::now(), now + 5s);
+    while (rung.size() < 3) io.run_one();
+    EXPECT_GE(ano::Clock::now(), now + 70ms);
+}
+
+TEST_F(Alarms, set_again_counts_from_the_new_time) {
+    Alarm a{clock, says('a')}, b{clock, says('b')};
+    a.set(now + 5ms);
+    a.set(now + 30ms);
+    b.set(now + 15ms);
+    b.set_no_later(now + 20ms);
+    while (rung.size() < 2) io.run_one();
+    EXPECT_EQ(rung, "ba");
+}
+
+TEST_F(Alarms, one_that_is_cancelled_or_gone_does_not_ring_and_the_loop_ends) {
+    Alarm cancelled{clock, says('c')};
+    auto gone = std::make_unique<Alarm>(clock, says('g'));
+    auto ringer = std::make_unique<Alarm>(clock, [&] {
+        rung += 'r';
+        gone.reset();    // while they ring
+        cancelled.cancel();
+    });
+    cancelled.set(now + 5ms);
+    gone->set(now + 5ms);
+    ringer->set(now + 1ms);
+    io.run();    // nothing is left to wait for
+    EXPECT_EQ(rung, "r");
+    ringer->set(ano::Clock::now() + 1h);
+    ringer.reset();
+    io.restart();
+    io.run();
+    EXPECT_LT(ano::Clock::now(), now + 1min);
+}

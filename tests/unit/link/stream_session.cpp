@@ -1,0 +1,173 @@
+// Sessions of a link that has many, over connections that are being made: what a TCP link will be.
+#include <link/stream_session.hpp>
+
+#include <support/link_host.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace anogate;
+using namespace support;
+
+class Connection final : public StreamSession {
+public:
+    using StreamSession::StreamSession;
+    std::string log;    // "o": opened, "e": its input ended, "f": it failed
+    int error = 0;
+    std::size_t most = SIZE_MAX;    // bytes that a write takes
+
+private:
+    Opening go_on_opening() override {
+        pollfd there{fd(), POLLOUT, 0};
+        if (::poll(&there, 1, 0) == 0) return Opening::wants_to_write;
+        socklen_t size = sizeof error;
+        ::getsockopt(fd(), SOL_SOCKET, SO_ERROR, &error, &size);
+        errno = error;
+        return error == 0 ? Opening::done : Opening::failed;
+    }
+    void opened() override {
+        log += 'o';
+        resume_reading();
+    }
+    ssize_t write_some(std::span<const iovec> pieces) override {
+        return ::write(fd(), pieces[0].iov_base, std::min(pieces[0].iov_len, most));
+    }
+    void read_ended(int) override {
+        log += 'e';
+        end_of_input();
+        close();
+    }
+    void failed(int why) override {
+        log += 'f';
+        error = why;
+        close();
+    }
+};
+
+class ManyConnections final : public Link {
+public:
+    ManyConnections(const LinkContext& context) : Link{LinkId{0}, {}}, context_{context} {}
+    Connection& open(UniqueFd fd, const std::string& peer) {
+        Channel* const channel = context_.host.open_channel(*this, peer);
+        sessions.push_back(std::make_unique<Connection>(context_));
+        sessions.back()->open(std::move(fd), *channel);
+        context_.host.link_up(*this);
+        return *sessions.back();
+    }
+    void start() override {}
+    void stop_reading() override {
+        for (const auto& session : sessions) session->pause_reading();
+    }
+    void stop() override { sessions.clear(); }
+    void flush(Channel&) override {
+        for (const auto& session : sessions) session->write();
+    }
+    std::vector<std::unique_ptr<Connection>> sessions;
+
+private:
+    LinkContext context_;
+};
+
+UniqueFd tcp() { return UniqueFd{::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)}; }
+
+struct Sessions : testing::Test {
+    Sessions() {
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof address;
+        EXPECT_EQ(::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+        ::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &size);
+    }
+    UniqueFd connecting() {
+        UniqueFd fd = tcp();
+        const int result = ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+        EXPECT_TRUE(result == 0 || errno == EINPROGRESS || errno == ECONNREFUSED);
+        return fd;
+    }
+    UniqueFd accepted() {
+        UniqueFd fd;
+        EXPECT_TRUE(host.until([&] {
+            fd = UniqueFd{::accept4(listener.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
+            return static_cast<bool>(fd);
+        }));
+        return fd;
+    }
+    bool until_hears(const UniqueFd& fd, const Bytes& what) {
+        Bytes heard;
+        return host.until([&] {
+            Bytes more(4096);
+            const ssize_t n = ::read(fd.get(), more.data(), more.size());
+            if (n > 0) heard.insert(heard.end(), more.begin(), more.begin() + n);
+            return heard == what;
+        });
+    }
+    BareLinkHost host;
+    ManyConnections link{host.context()};
+    UniqueFd listener = tcp();
+    sockaddr_in address{};
+};
+
+TEST_F(Sessions, open_when_the_connection_stands_and_carry_frames_both_ways) {
+    ASSERT_EQ(::listen(listener.get(), 5), 0);
+    Connection& one = link.open(connecting(), "one");
+    Connection& two = link.open(connecting(), "two");
+    const UniqueFd first = accepted(), second = accepted();
+    ASSERT_TRUE(host.until([&] { return one.log == "o" && two.log == "o"; }));
+    ASSERT_GT(::write(first.get(), vendor::i_am_an_mcu.data(), vendor::i_am_an_mcu.size()), 0);
+    ASSERT_GT(::write(second.get(), vendor::who_are_you.data(), vendor::who_are_you.size()), 0);
+    EXPECT_TRUE(host.until([&] { return host.heard("one") == vendor::i_am_an_mcu && host.heard("two") == vendor::who_are_you; }));
+    one.most = 3;    // a write may take less than a frame
+    host.channels()[0]->outbox.push(ano::FrameView{vendor::who_are_you});
+    one.write();
+    EXPECT_TRUE(until_hears(first, vendor::who_are_you));
+}
+
+TEST_F(Sessions, one_that_ends_leaves_the_others) {
+    ASSERT_EQ(::listen(listener.get(), 5), 0);
+    Connection& one = link.open(connecting(), "one");
+    UniqueFd first = accepted();
+    Connection& two = link.open(connecting(), "two");
+    const UniqueFd second = accepted();
+    const Bytes half(vendor::i_am_an_mcu.begin(), vendor::i_am_an_mcu.begin() + 7);
+    ASSERT_GT(::write(first.get(), vendor::i_am_an_mcu.data(), vendor::i_am_an_mcu.size()), 0);
+    ASSERT_GT(::write(first.get(), half.data(), half.size()), 0);
+    first = UniqueFd{};
+    ASSERT_TRUE(host.until([&] { return one.log == "oe"; }));
+    EXPECT_FALSE(one.is_open());
+    EXPECT_EQ(host.heard("one"), vendor::i_am_an_mcu);
+    ASSERT_GT(::write(second.get(), vendor::who_are_you.data(), vendor::who_are_you.size()), 0);
+    EXPECT_TRUE(host.until([&] { return host.heard("two") == vendor::who_are_you; }));
+    EXPECT_EQ(two.log, "o");
+}
+
+TEST_F(Sessions, a_refused_connection_says_so_and_was_never_open) {
+    Connection& refused = link.open(connecting(), "refused");    // bound and not listening
+    EXPECT_TRUE(host.until([&] { return !refused.log.empty(); }));
+    EXPECT_EQ(refused.log, "f");
+    EXPECT_EQ(refused.error, ECONNREFUSED);
+    EXPECT_FALSE(refused.is_open());
+}
+
+TEST_F(Sessions, nothing_is_read_once_the_link_reads_no_more) {
+    ASSERT_EQ(::listen(listener.get(), 5), 0);
+    Connection& one = link.open(connecting(), "one");
+    const UniqueFd first = accepted();
+    ASSERT_TRUE(host.until([&] { return one.log == "o"; }));
+    link.stop_reading();
+    ASSERT_GT(::write(first.get(), vendor::i_am_an_mcu.data(), vendor::i_am_an_mcu.size()), 0);
+    host.io.restart();
+    host.io.run_for(std::chrono::milliseconds{50});
+    EXPECT_TRUE(host.heard("one").empty());
+}
+
+}    // namespace
