@@ -81,18 +81,24 @@ constexpr void seal(std::span<std::uint8_t> frame) noexcept {
     frame[frame.size() - 1] = checks.add;
 }
 
+/// Writes HEAD to LEN to the front of `frame`, which has header_size bytes or more; `length`: bytes of DATA, at most max_len.
+constexpr void write_header(std::span<std::uint8_t> frame, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
+                            std::size_t length) noexcept {
+    frame[0] = head;
+    frame[1] = source;
+    frame[2] = destination;
+    frame[3] = id;
+    frame[4] = static_cast<std::uint8_t>(length);
+    frame[5] = static_cast<std::uint8_t>(length >> 8);
+}
+
 /// Writes one frame to the front of `out` and returns its size; 0, and nothing written, when `out` has not
 /// overhead + data.size() bytes or the data exceed what LEN can say. `data` may not overlap `out`.
 constexpr std::size_t encode(std::span<std::uint8_t> out, std::uint8_t source, std::uint8_t destination, std::uint8_t id,
                              std::span<const std::uint8_t> data) noexcept {
     if (data.size() > max_len || out.size() < overhead + data.size()) return 0;
     const auto frame = out.first(overhead + data.size());
-    frame[0] = head;
-    frame[1] = source;
-    frame[2] = destination;
-    frame[3] = id;
-    frame[4] = static_cast<std::uint8_t>(data.size());
-    frame[5] = static_cast<std::uint8_t>(data.size() >> 8);
+    write_header(frame, source, destination, id, data.size());
     for (std::size_t i = 0; i < data.size(); ++i) frame[header_size + i] = data[i];
     seal(frame);
     return frame.size();

@@ -205,6 +205,14 @@ enum class Replaces : std::uint8_t {
 /// Who answers with a check frame (0x00), and when.
 enum class Acknowledged : std::uint8_t { no, yes, as_write };
 
+/// Whether a frame commands or changes a vehicle (protocol text, sections 3 and 4): what an inhibit switch keeps off. What the base
+/// layout says holds for all layouts of the message.
+enum class Controls : std::uint8_t {
+    no,
+    yes,
+    unless_listed,    // when its first field holds one of the listed meanings, the frame only asks
+};
+
 /// How a queue treats the frames of a message (protocol text, section 5).
 struct Traffic {
     TrafficClass traffic_class = TrafficClass::bulk;
@@ -232,6 +240,7 @@ struct Message {
     std::uint16_t element_size = 0;    // bytes of each element
     Traffic traffic{};
     Acknowledged acknowledged = Acknowledged::no;
+    Controls controls = Controls::no;
     Variant variant{};    // no label: the base layout
     std::string_view name{};
     std::string_view title{};
@@ -239,11 +248,17 @@ struct Message {
 
     consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
                       std::initializer_list<Field> list, Variant variant_ = {})
-        : Message{id_, name_, title_, traffic_, Acknowledged::no, list, variant_} {}
+        : Message{id_, name_, title_, traffic_, Acknowledged::no, Controls::no, list, variant_} {}
 
     consteval Message(std::uint8_t id_, std::string_view name_, std::string_view title_, Traffic traffic_,
-                      Acknowledged acknowledged_, std::initializer_list<Field> list, Variant variant_ = {})
-        : id{id_}, traffic{traffic_}, acknowledged{acknowledged_}, variant{variant_}, name{name_}, title{title_} {
+                      Acknowledged acknowledged_, Controls controls_, std::initializer_list<Field> list, Variant variant_ = {})
+        : id{id_},
+          traffic{traffic_},
+          acknowledged{acknowledged_},
+          controls{controls_},
+          variant{variant_},
+          name{name_},
+          title{title_} {
         for (const Field& field : list) add(field);
         if (ends_in_list() && elements == 0) table_error::a_list_needs_elements_of_fixed_size();
     }

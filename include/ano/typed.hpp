@@ -185,12 +185,7 @@ public:
         const std::size_t size = data_size();
         if (out.size() < overhead + size) return 0;
         const auto frame = out.first(overhead + size);
-        frame[0] = head;
-        frame[1] = source;
-        frame[2] = destination;
-        frame[3] = message().id;
-        frame[4] = static_cast<std::uint8_t>(size);
-        frame[5] = static_cast<std::uint8_t>(size >> 8);
+        write_header(frame, source, destination, message().id, size);
         std::uint8_t* at = frame.data() + header_size;
         for (const std::uint8_t byte : data_) *at++ = byte;
         for (const std::uint8_t byte : rest_) *at++ = byte;

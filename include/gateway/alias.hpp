@@ -2,7 +2,6 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
-#include <gateway/queue_policy.hpp>
 #include <gateway/recent.hpp>
 
 #include <array>
@@ -32,16 +31,16 @@ public:
 
     /// A frame from the link as the others are to see it: the source, the device id of a device info (0xE3), and the
     /// checks in an acknowledgement. Valid until the next call.
-    ano::FrameView inbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept;
+    ano::FrameView inbound(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// A frame to the link as its devices are to see it. Nothing for a frame to the id that an aliased device has:
     /// meant for another that has it rightly, it must not reach this one. Valid until the next call.
-    std::optional<ano::FrameView> outbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept;
+    std::optional<ano::FrameView> outbound(ano::FrameView frame, ano::TimePoint now) noexcept;
 
 private:
     void restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
                         ano::TimePoint now) noexcept;
     ano::FrameView finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
-                          QueuePolicy policy, ano::TimePoint now) noexcept;
+                          ano::TimePoint now) noexcept;
 
     std::array<std::uint8_t, 256> as_{};        // by device; 0: none
     std::array<std::uint8_t, 256> device_{};    // by alias; 0: none

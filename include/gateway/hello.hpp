@@ -1,6 +1,8 @@
 // When to speak first on a link whose other end says nothing until it was spoken to.
 #pragma once
+#include <ano/address.hpp>
 #include <ano/frame.hpp>
+#include <ano/messages.hpp>
 #include <ano/time.hpp>
 
 #include <algorithm>
@@ -53,11 +55,11 @@ private:
 constexpr auto device_info_question(std::uint8_t destination) noexcept {
     constexpr std::array<std::uint8_t, 3> device_info{};    // command 0, value 0
     std::array<std::uint8_t, ano::overhead + device_info.size()> frame{};
-    ano::encode(frame, 0xFE, destination, 0xE0, device_info);
+    ano::encode(frame, ano::address::host, destination, ano::id_of<"parameter_command">, device_info);
     return frame;
 }
 
 /// To 0xFF: who is there?
-inline constexpr auto hello_frame = device_info_question(0xFF);
+inline constexpr auto hello_frame = device_info_question(ano::address::broadcast);
 
 }    // namespace anogate

@@ -1,5 +1,6 @@
 // A switch that keeps the ground off the vehicle: which frames may command it, and whose of them are kept off.
 #pragma once
+#include <ano/control.hpp>
 #include <ano/frame.hpp>
 #include <gateway/ids.hpp>
 
@@ -8,10 +9,7 @@
 
 namespace anogate {
 
-/// A frame that commands or changes a vehicle (protocol text, sections 3 and 4): remote and realtime control, a command, a
-/// parameter or waypoint written, firmware, and 0xE0 when it is no question. Questions there are 0 to 3; what else it may say
-/// is an action, known to us or not.
-bool is_control(ano::FrameView frame) noexcept;
+using ano::is_control;
 
 /// A tunnel frame that goes on unopened and may bring a control frame: one is inside, or what is inside can't be told (bytes
 /// that are no whole good frame, another tunnel frame). False for every other frame.

@@ -4,9 +4,7 @@
 #include <ano/time.hpp>
 
 #include <array>
-#include <cstdint>
 #include <functional>
-#include <span>
 
 namespace anogate {
 
@@ -30,7 +28,6 @@ private:
         ano::Duration period;
         ano::TimePoint next;
     };
-    void send(std::uint8_t id, std::span<const std::uint8_t> data, const Send& send) const;
     void inertial(double t, const Send&) const;
     void euler(double t, const Send&) const;
     void altitude(double t, const Send&) const;

@@ -7,6 +7,7 @@
 //         tunnel.begin_wrap(rule, …), add(), end_wrap()
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/messages.hpp>
 #include <ano/room.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/settings.hpp>
@@ -22,9 +23,9 @@
 
 namespace anogate {
 
-inline constexpr std::uint8_t ip_tunnel = 0xB1;          // whole addresses
-inline constexpr std::uint8_t ip_tunnel_short = 0xB2;    // their last bytes
-inline constexpr std::size_t max_datagram = 65507;       // of UDP over IPv4
+inline constexpr std::uint8_t ip_tunnel = ano::id_of<"ip_tunnel">;                // whole addresses
+inline constexpr std::uint8_t ip_tunnel_short = ano::id_of<"ip_tunnel_short">;    // their last bytes
+inline constexpr std::size_t max_datagram = 65507;                                // of UDP over IPv4
 
 constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
 

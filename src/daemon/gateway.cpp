@@ -17,7 +17,7 @@ constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
 constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr QueuePolicy probe_policy{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
-constexpr std::uint8_t firmware_id = 0xF0;
+constexpr std::uint8_t firmware_id = ano::id_of<"firmware">;
 constexpr Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
 constexpr Duration calm_beat = std::chrono::milliseconds{500};
 constexpr Duration calm_after = std::chrono::seconds{2};    // without a byte of a stream: who sends nothing is to cost nothing
@@ -297,7 +297,7 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
     const QueuePolicy policy = policy_of(frame.id());
     const ano::FrameView brought = frame;
-    if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, policy, now_);
+    if (Aliases* aliases = links_[index(from.link)].aliases.get()) frame = aliases->inbound(frame, now_);
     if (!loop_guard_.rings().is_ring(from.id, now_) && router_.heard_again(from.id, frame.source(), now_)) log_conflict();
     Said said = said_at(from, frame);
     said.waited = releasing_;
@@ -529,7 +529,7 @@ void Gateway::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePol
         const auto cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr;
         const bool as_it_is = is_probe(frame);    // or nobody would know it again
         if (link.present_as && !cause && !as_it_is) frame = link.present_as->outbound(frame, frame_number_, now_);
-        const auto seen = link.aliases && !as_it_is ? link.aliases->outbound(frame, policy, now_) : std::optional{frame};
+        const auto seen = link.aliases && !as_it_is ? link.aliases->outbound(frame, now_) : std::optional{frame};
         if (cause || !seen) return channel.outbox.refuse(cause ? cause : &SendCounters::denied_out);
         frame = *seen;
         if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);

@@ -1,3 +1,4 @@
+#include <ano/control.hpp>
 #include <gateway/alias.hpp>
 
 #include <algorithm>
@@ -6,8 +7,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint8_t check_id = 0x00;          // DATA: the id and both checks of the frame that is acknowledged
-constexpr std::uint8_t device_info_id = 0xE3;    // DATA: the device's id first
+constexpr std::uint8_t check_id = ano::id_of<"check">;    // DATA: the id and both checks of the frame that is acknowledged
+constexpr std::uint8_t device_info_id = ano::id_of<"device_info">;    // DATA: the device's id first
 
 // By whom, to or from which alias, which frame.
 std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_t id, ano::Checks checks) noexcept {
@@ -18,11 +19,6 @@ std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_
 std::span<std::uint8_t> copy(ano::FrameView frame, std::uint8_t* to) noexcept {
     std::copy(frame.bytes().begin(), frame.bytes().end(), to);
     return {to, frame.bytes().size()};
-}
-
-// Streams are never acknowledged and would push what is out of the memory.
-constexpr bool may_be_acknowledged(QueuePolicy policy) noexcept {
-    return policy.traffic == TrafficClass::urgent && policy.replaces == Replaces::nothing;
 }
 
 }    // namespace
@@ -36,7 +32,7 @@ Aliases::Aliases(const std::vector<AliasRule>& rules, std::size_t max_data)
     }
 }
 
-ano::FrameView Aliases::inbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept {
+ano::FrameView Aliases::inbound(ano::FrameView frame, ano::TimePoint now) noexcept {
     const std::uint8_t alias = as_[frame.source()];
     if (alias == 0 || frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, in_.get());
@@ -44,17 +40,17 @@ ano::FrameView Aliases::inbound(ano::FrameView frame, QueuePolicy policy, ano::T
     if (frame.id() == check_id) restore_checks(bytes, frame.destination(), alias, now);
     if (frame.id() == device_info_id && !frame.data().empty() && frame.data()[0] == frame.source())
         bytes[ano::header_size] = alias;
-    return finish(bytes, frame, alias, alias, policy, now);
+    return finish(bytes, frame, alias, alias, now);
 }
 
-std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now) noexcept {
+std::optional<ano::FrameView> Aliases::outbound(ano::FrameView frame, ano::TimePoint now) noexcept {
     const std::uint8_t alias = frame.destination();
     if (device_[alias] == 0) return as_[alias] == 0 ? std::optional{frame} : std::nullopt;
     if (frame.bytes().size() > max_size_) return frame;
     const auto bytes = copy(frame, out_.get());
     bytes[2] = device_[alias];
     if (frame.id() == check_id) restore_checks(bytes, alias, alias, now);
-    return finish(bytes, frame, frame.source(), alias, policy, now);
+    return finish(bytes, frame, frame.source(), alias, now);
 }
 
 void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8_t requester, std::uint8_t alias,
@@ -68,10 +64,10 @@ void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8
 }
 
 ano::FrameView Aliases::finish(std::span<std::uint8_t> bytes, ano::FrameView original, std::uint8_t requester, std::uint8_t alias,
-                               QueuePolicy policy, ano::TimePoint now) noexcept {
+                               ano::TimePoint now) noexcept {
     ano::seal(bytes);
     const ano::FrameView frame{bytes};
-    if (may_be_acknowledged(policy) && frame.id() != check_id)
+    if (ano::may_be_acknowledged(frame.id()))
         sent_as_.put(memory_key(requester, alias, frame.id(), frame.checks()), original.checks(), now);
     return frame;
 }

@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/control.hpp>
 #include <gateway/far_peer.hpp>
 
 namespace anogate {
@@ -9,16 +10,8 @@ constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_addr
 
 bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }
 
-// Protocol text, section 3.
-bool is_acknowledged(ano::FrameView frame) noexcept {
-    switch (frame.id()) {
-    case 0x61:
-    case 0xC0:
-    case 0xE1: return true;
-    case 0xE0: return !frame.data().empty() && frame.data()[0] == 0x10;
-    default: return false;
-    }
-}
+// Protocol text, section 3: what is written or done, not what is asked.
+bool is_acknowledged(ano::FrameView frame) noexcept { return ano::may_be_acknowledged(frame.id()) && ano::is_control(frame); }
 
 }    // namespace
 
@@ -47,7 +40,7 @@ std::optional<FarPeer::Question> FarPeer::question(const std::function<std::uint
     asked_at_ = now;
     Question question;
     const std::uint8_t who_are_you[] = {0, 0, 0};
-    ano::encode(question, asked_as_, ano::address::broadcast, 0xE0, who_are_you);
+    ano::encode(question, asked_as_, ano::address::broadcast, ano::id_of<"parameter_command">, who_are_you);
     return question;
 }
 
@@ -59,8 +52,9 @@ void FarPeer::sent(ano::FrameView frame, TimePoint now) noexcept {
 
 bool FarPeer::heard(ano::FrameView frame, TimePoint now) noexcept {
     roll(now);
-    if (frame.id() == 0x00) acknowledges(frame, now);
-    if (frame.id() != 0xE3 || asked_as_ == 0 || now - asked_at_ > answer_within || !is_user_address(frame.destination()))
+    if (frame.id() == ano::id_of<"check">) acknowledges(frame, now);
+    if (frame.id() != ano::id_of<"device_info"> || asked_as_ == 0 || now - asked_at_ > answer_within ||
+        !is_user_address(frame.destination()))
         return false;
     const bool right = frame.destination() == asked_as_;
     answers_ = right ? answers_ + 1 : 0;

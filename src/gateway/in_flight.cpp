@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/messages.hpp>
 #include <gateway/in_flight.hpp>
 
 #include <algorithm>
@@ -6,8 +7,10 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint8_t waypoint_read = 0x60, waypoint = 0x61, command_query = 0xC1, command_info = 0xC2, parameter_command = 0xE0,
-                       parameter_value = 0xE1, parameter_info = 0xE2, device_info = 0xE3;
+constexpr std::uint8_t waypoint_read = ano::id_of<"waypoint_read">, waypoint = ano::id_of<"waypoint">,
+                       command_query = ano::id_of<"command_query">, command_info = ano::id_of<"command_info">,
+                       parameter_command = ano::id_of<"parameter_command">, parameter_value = ano::id_of<"parameter_value">,
+                       parameter_info = ano::id_of<"parameter_info">, device_info = ano::id_of<"device_info">;
 
 constexpr std::uint8_t how_many = 0xFF;    // of waypoints
 

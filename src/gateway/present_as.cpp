@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/control.hpp>
 #include <gateway/inhibit.hpp>
 #include <gateway/present_as.hpp>
 #include <gateway/queue_policy.hpp>
@@ -12,16 +13,16 @@ namespace {
 namespace address = ano::address;
 
 enum : std::uint8_t {
-    check = 0x00,
-    waypoint_read = 0x60,
-    waypoint = 0x61,
-    command_query = 0xC1,
-    command_info = 0xC2,
-    parameter_command = 0xE0,
-    parameter_value = 0xE1,
-    parameter_info = 0xE2,
-    device_info = 0xE3,
-    firmware = 0xF0,
+    check = ano::id_of<"check">,
+    waypoint_read = ano::id_of<"waypoint_read">,
+    waypoint = ano::id_of<"waypoint">,
+    command_query = ano::id_of<"command_query">,
+    command_info = ano::id_of<"command_info">,
+    parameter_command = ano::id_of<"parameter_command">,
+    parameter_value = ano::id_of<"parameter_value">,
+    parameter_info = ano::id_of<"parameter_info">,
+    device_info = ano::id_of<"device_info">,
+    firmware = ano::id_of<"firmware">,
 };
 
 // What both a question and its answer lead to: the id of the answer, and what the answer repeats of the question.
@@ -53,8 +54,7 @@ std::optional<std::uint32_t> answer_to(ano::FrameView frame) noexcept {
         }
         break;
     }
-    const QueuePolicy policy = policy_of(frame.id());
-    if (policy.traffic != TrafficClass::urgent || policy.replaces != Replaces::nothing) return std::nullopt;
+    if (!ano::may_be_acknowledged(frame.id())) return std::nullopt;
     return acknowledgement_key(frame.id(), frame.checks());
 }
 

@@ -1,25 +1,15 @@
 #include <ano/address.hpp>
+#include <ano/messages.hpp>
+#include <ano/typed.hpp>
 #include <gateway/simulated_fc.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <string_view>
 
 namespace anogate {
 namespace {
-
-// Function codes of what it says and hears (protocol text, section 4).
-enum : std::uint8_t {
-    id_inertial = 0x01,
-    id_euler = 0x03,
-    id_altitude = 0x05,
-    id_mode = 0x06,
-    id_velocity = 0x07,
-    id_power = 0x0D,
-    id_parameter_command = 0xE0,
-    id_device_info = 0xE3,
-};
-constexpr std::uint8_t cmd_device_info = 0;
 
 constexpr double gravity = 981;           // cm/s²
 constexpr double hover_height = 120;      // cm
@@ -27,27 +17,26 @@ constexpr double full_battery = 12.6;     // V
 constexpr double empty_battery = 10.8;    // V
 constexpr double flight_time = 900;       // s until it starts again with a full one
 
-// DATA in the making: little-endian values, one behind the other.
-class Payload {
-public:
-    Payload& u8(unsigned v) { return put(v, 1); }
-    Payload& i16(double v) { return put(static_cast<std::uint64_t>(std::lround(v)), 2); }
-    Payload& u16(double v) { return i16(v); }
-    Payload& i32(double v) { return put(static_cast<std::uint64_t>(std::lround(v)), 4); }
-    Payload& text(std::string_view s) {
-        for (const char c : s) put(static_cast<unsigned char>(c), 1);
-        return *this;
-    }
-    std::span<const std::uint8_t> bytes() const { return {bytes_.data(), size_}; }
+constexpr std::uint8_t cmd_device_info = 0;
 
-private:
-    Payload& put(std::uint64_t v, unsigned n) {
-        for (unsigned i = 0; i < n; ++i) bytes_[size_++] = static_cast<std::uint8_t>(v >> (8 * i));
-        return *this;
-    }
-    std::array<std::uint8_t, 64> bytes_{};
-    std::size_t size_ = 0;
-};
+// What it says is within what the fields carry.
+template <ano::Name F, class Draft, class Value>
+void set(Draft& draft, Value value) {
+    [[maybe_unused]] const bool fits = draft.template set<F>(value);
+    assert(fits);
+}
+
+template <class Draft>
+void send(const Draft& draft, std::uint8_t destination, const SimulatedFc::Send& out) {
+    std::array<std::uint8_t, 72> buffer;
+    const std::size_t size = draft.encode(buffer, ano::address::flight_controller, destination);
+    out(ano::FrameView{{buffer.data(), size}});
+}
+
+template <class Draft>
+void send(const Draft& draft, const SimulatedFc::Send& out) {
+    send(draft, ano::address::host, out);
+}
 
 }    // namespace
 
@@ -82,59 +71,70 @@ ano::TimePoint SimulatedFc::next() const noexcept {
 void SimulatedFc::receive(ano::FrameView frame, const Send& send) const {
     namespace address = ano::address;
     if (frame.destination() != address::flight_controller && frame.destination() != address::broadcast) return;
-    if (frame.id() != id_parameter_command || frame.data().empty() || frame.data()[0] != cmd_device_info) return;
-    const auto info = Payload{}.u8(address::flight_controller).u16(100).u16(100).u16(0).u16(800).text("SimFC");
-    std::array<std::uint8_t, 64> buffer;
-    const std::size_t size = ano::encode(buffer, address::flight_controller, frame.source(), id_device_info, info.bytes());
-    send(ano::FrameView{{buffer.data(), size}});
-}
-
-void SimulatedFc::send(std::uint8_t id, std::span<const std::uint8_t> data, const Send& send) const {
-    namespace address = ano::address;
-    std::array<std::uint8_t, 72> buffer;
-    const std::size_t size = ano::encode(buffer, address::flight_controller, address::host, id, data);
-    send(ano::FrameView{{buffer.data(), size}});
+    if (frame.id() != ano::id_of<"parameter_command"> || frame.data().empty() || frame.data()[0] != cmd_device_info) return;
+    ano::Draft<"device_info"> info;
+    set<"dev_id">(info, address::flight_controller);
+    set<"hw_ver">(info, 100);
+    set<"sw_ver">(info, 100);
+    set<"bl_ver">(info, 0);
+    set<"pt_ver">(info, 800);
+    set<"name">(info, std::string_view{"SimFC"});
+    anogate::send(info, frame.source(), send);
 }
 
 void SimulatedFc::inertial(double t, const Send& out) const {
-    const double scale = 32768.0 / 2000;    // per °/s
-    send(id_inertial,
-         Payload{}
-             .i16(8 * std::sin(1.1 * t))
-             .i16(8 * std::cos(0.9 * t))
-             .i16(gravity + 5 * std::sin(2.3 * t))
-             .i16(scale * 3 * std::cos(0.7 * t))
-             .i16(scale * 2 * std::cos(0.5 * t))
-             .i16(scale * 6)
-             .u8(0)
-             .bytes(),
-         out);
+    ano::Draft<"inertial"> draft;
+    set<"acc_x">(draft, 8 * std::sin(1.1 * t));
+    set<"acc_y">(draft, 8 * std::cos(0.9 * t));
+    set<"acc_z">(draft, gravity + 5 * std::sin(2.3 * t));
+    set<"gyr_x">(draft, 3 * std::cos(0.7 * t));
+    set<"gyr_y">(draft, 2 * std::cos(0.5 * t));
+    set<"gyr_z">(draft, 6);
+    send(draft, out);
 }
 
 void SimulatedFc::euler(double t, const Send& out) const {
-    const double yaw = std::remainder(6 * t, 360);
-    send(id_euler, Payload{}.i16(100 * 4 * std::sin(0.7 * t)).i16(100 * 3 * std::sin(0.5 * t)).i16(100 * yaw).u8(1).bytes(), out);
+    ano::Draft<"euler"> draft;
+    set<"rol">(draft, 4 * std::sin(0.7 * t));
+    set<"pit">(draft, 3 * std::sin(0.5 * t));
+    set<"yaw">(draft, std::remainder(6 * t, 360));
+    set<"fusion_sta">(draft, 1);
+    send(draft, out);
 }
 
 void SimulatedFc::altitude(double t, const Send& out) const {
     const double height = hover_height + 4 * std::sin(0.4 * t);
-    send(id_altitude, Payload{}.i32(height + 15).i32(height).i32(height).u8(1).bytes(), out);
+    ano::Draft<"altitude"> draft;
+    set<"alt_bar">(draft, height + 15);
+    set<"alt_add">(draft, height);
+    set<"alt_fu">(draft, height);
+    set<"alt_sta">(draft, 1);
+    send(draft, out);
 }
 
 void SimulatedFc::mode(double, const Send& out) const {
     constexpr unsigned position_hold = 3;
     constexpr unsigned airborne = 2;
-    send(id_mode, Payload{}.u8(position_hold).u8(airborne).u8(0).u8(0).u8(0).bytes(), out);
+    ano::Draft<"mode"> draft;
+    set<"mode">(draft, position_hold);
+    set<"sflag">(draft, airborne);
+    send(draft, out);
 }
 
 void SimulatedFc::velocity(double t, const Send& out) const {
-    send(id_velocity, Payload{}.i16(5 * std::sin(0.3 * t)).i16(5 * std::cos(0.3 * t)).i16(1.6 * std::cos(0.4 * t)).bytes(), out);
+    ano::Draft<"velocity"> draft;
+    set<"speed_x">(draft, 5 * std::sin(0.3 * t));
+    set<"speed_y">(draft, 5 * std::cos(0.3 * t));
+    set<"speed_z">(draft, 1.6 * std::cos(0.4 * t));
+    send(draft, out);
 }
 
 void SimulatedFc::power(double t, const Send& out) const {
     const double used = std::fmod(t, flight_time) / flight_time;
-    const double volts = full_battery - (full_battery - empty_battery) * used;
-    send(id_power, Payload{}.u16(100 * volts).u16(100 * (14 + std::sin(0.4 * t))).bytes(), out);
+    ano::Draft<"power"> draft;
+    set<"voltage">(draft, full_battery - (full_battery - empty_battery) * used);
+    set<"current">(draft, 14 + std::sin(0.4 * t));
+    send(draft, out);
 }
 
 }    // namespace anogate

@@ -41,10 +41,7 @@ std::optional<ano::FrameView> InnerFrames::next() noexcept {
 }
 
 void TunnelWriter::begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept {
-    buffer_[0] = ano::head;
-    buffer_[1] = source;
-    buffer_[2] = destination;
-    buffer_[3] = id;
+    ano::write_header({buffer_.get(), ano::header_size}, source, destination, id, 0);
     end_ = inner_at();
     most_ = ano::header_size + std::min(max_data, ano::max_len);
 }
@@ -71,9 +68,8 @@ ano::FrameView TunnelWriter::finish(const TunnelHead& head) noexcept {
     at[0] = static_cast<std::uint8_t>(head.port);
     at[1] = static_cast<std::uint8_t>(head.port >> 8);
     const std::size_t length = end_ - ano::header_size;
-    buffer_[4] = static_cast<std::uint8_t>(length);
-    buffer_[5] = static_cast<std::uint8_t>(length >> 8);
     const std::span<std::uint8_t> frame{buffer_.get(), ano::overhead + length};
+    ano::write_header(frame, buffer_[1], buffer_[2], buffer_[3], length);
     ano::seal(frame);
     return ano::FrameView{frame};
 }

@@ -18,7 +18,6 @@ using support::Bytes;
 
 namespace {
 
-constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 constexpr std::uint8_t host = 0xFE;
 constexpr std::uint8_t device = 0xDE;    // what both call themselves
 
@@ -31,9 +30,9 @@ struct Network {
 
     // What arrives of `frame`, which its sender, known as `from` to the others, puts on its line.
     Bytes carry(Bytes frame, std::uint8_t from) {
-        if (Aliases* link = link_of(from)) frame = bytes(link->inbound(ano::FrameView{frame}, command, now));
+        if (Aliases* link = link_of(from)) frame = bytes(link->inbound(ano::FrameView{frame}, now));
         EXPECT_EQ(frame[1], from);
-        if (Aliases* link = link_of(frame[2])) frame = bytes(link->outbound(ano::FrameView{frame}, command, now).value());
+        if (Aliases* link = link_of(frame[2])) frame = bytes(link->outbound(ano::FrameView{frame}, now).value());
         return frame;
     }
     static Bytes bytes(ano::FrameView frame) {
@@ -94,8 +93,8 @@ TEST(Alias, allocates_nothing) {
     const Bytes out = support::frame(host, 31, 0xE1, {1, 2, 3});
     const auto before = support::allocations;
     for (int n = 0; n < 10000; ++n) {
-        aliases.inbound(ano::FrameView{in}, command, ano::TimePoint{} + n * 1ms);
-        aliases.outbound(ano::FrameView{out}, command, ano::TimePoint{} + n * 1ms);
+        aliases.inbound(ano::FrameView{in}, ano::TimePoint{} + n * 1ms);
+        aliases.outbound(ano::FrameView{out}, ano::TimePoint{} + n * 1ms);
     }
     EXPECT_EQ(support::allocations, before);
 }

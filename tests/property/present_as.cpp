@@ -59,11 +59,9 @@ struct Link {
 
     Bytes out(const Bytes& sent) {
         const auto presented = hosts.outbound(ano::FrameView{sent}, ++number, now);
-        return bytes(aliases.outbound(presented, policy_of(sent[3]), now).value());
+        return bytes(aliases.outbound(presented, now).value());
     }
-    Bytes in(const Bytes& said) {
-        return bytes(hosts.inbound(aliases.inbound(ano::FrameView{said}, policy_of(said[3]), now), now));
-    }
+    Bytes in(const Bytes& said) { return bytes(hosts.inbound(aliases.inbound(ano::FrameView{said}, now), now)); }
 };
 
 // Few of each kind, so that hosts often ask the same.

@@ -211,12 +211,11 @@ TEST_F(Presented, short_and_large_frames_pass) {
 
 // The way out is host, then alias; the way in is alias, then host.
 TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
-    constexpr QueuePolicy command{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
     const Bytes sent = frame(ros, 31, 0xE1, {3, 0, 42});
     const Bytes presented = out(sent);
-    const Bytes reached = whole(*aliases.outbound(ano::FrameView{presented}, command, now));
+    const Bytes reached = whole(*aliases.outbound(ano::FrameView{presented}, now));
     EXPECT_EQ(reached, frame(host, 0xDE, 0xE1, {3, 0, 42}));
-    const Bytes answer = whole(aliases.inbound(ano::FrameView{acknowledgement(reached, 0xDE, host)}, command, now));
+    const Bytes answer = whole(aliases.inbound(ano::FrameView{acknowledgement(reached, 0xDE, host)}, now));
     EXPECT_EQ(in(answer), acknowledgement(sent, 31, ros));
 }
