@@ -1,7 +1,5 @@
 #include <http/session.hpp>
 
-#include <boost/asio/error.hpp>
-
 #include <algorithm>
 #include <new>
 #include <utility>

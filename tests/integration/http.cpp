@@ -126,7 +126,7 @@ protected:
         routes.add("GET", "/short",
                    [](const Request& request) { return text(std::string{request.query_value("n").value_or("")}); });
         routes.add("POST", "/echo", [](const Request& request) { return text(request.body); });
-        routes.add("GET", "/big", [](const Request&) { return text(std::string(4 << 20, ' ')); });
+        routes.add("GET", "/big", [](const Request&) { return text(std::string(16 << 20, ' ')); });
         routes.add("GET", "/none", [](const Request&) -> Response { throw std::bad_alloc{}; });
         routes.add("GET", "/stream", [this](const Request&) {
             Response response;
@@ -276,9 +276,6 @@ protected:
     void SetUp() override {
         ServerLimits limits;
         limits.session.patience = 100ms;
-        limits.session.web_socket.idle = 200ms;
-        limits.session.web_socket.stuck = 100ms;
-        limits.session.web_socket.message = 1000;
         begin(limits);
     }
 };
@@ -299,7 +296,7 @@ TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
     const auto begin = std::chrono::steady_clock::now();
     until([&] { return std::chrono::steady_clock::now() - begin > 300ms; });
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
-    EXPECT_LT(client.heard().size(), std::size_t{4 << 20});
+    EXPECT_LT(client.heard().size(), std::size_t{16 << 20});
 }
 
 TEST_P(HttpServer, streams_parts_as_they_come) {
@@ -343,9 +340,9 @@ TEST_P(HttpServer, a_producer_is_asked_as_the_client_takes_its_parts) {
     client.send(get("/stream"));
     int before = -1;
     ASSERT_TRUE(until([&] { return std::exchange(before, source.asked) == source.asked && source.asked > 0; }));
-    EXPECT_LT(source.asked, 200) << "what the sockets hold, and one";
+    EXPECT_LT(source.asked, 400) << "what the sockets hold, and one";
     const int stopped = source.asked;
-    EXPECT_TRUE(until([&] { return client.heard().size() > (8u << 20); }));
+    EXPECT_TRUE(until([&] { return client.heard().size() > (40u << 20); }));
     EXPECT_GT(source.asked, stopped);
     client.leave();
     EXPECT_TRUE(until([&] { return source.gone; }));
@@ -532,7 +529,7 @@ TEST_P(WebSockets, queue_what_the_client_does_not_take_up_to_a_bound) {
     EXPECT_EQ(message.use_count(), 1 + static_cast<long>(echo.socket->waiting() / message->size())) << "it is not copied";
     const std::size_t frame_size = message->size() + 10;
     EXPECT_TRUE(until([&] { return client.heard().size() >= static_cast<std::size_t>(taken) * frame_size; })) << taken;
-    EXPECT_TRUE(until([&] { return echo.socket->waiting() == 0 && echo.sent_all == 1; }));
+    EXPECT_TRUE(until([&] { return echo.socket->waiting() == 0 && echo.sent_all > 0; }));
     EXPECT_TRUE(echo.socket->send(message, WebSocket::Kind::binary)) << "there is room again";
 }
 
@@ -593,7 +590,7 @@ TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without
 }
 
 // As many as there are places, of one user: their places are taken as long as they take what they are sent.
-TEST_F(ImpatientWebSockets, keep_their_places_while_they_are_used) {
+TEST_F(WebSockets, keep_their_places_while_they_are_used) {
     std::vector<Client> watchers;
     for (int i = 0; i < 32; ++i) {
         watchers.push_back(connect());

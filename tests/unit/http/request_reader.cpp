@@ -69,7 +69,7 @@ TEST(RequestReader, says_what_is_too_large) {
 }
 
 TEST(RequestReader, says_what_is_not_a_request) {
-    for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / \r\n\r\n",
+    for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / XTTP/1.1\r\n\r\n",
                             "GET / HTTP/1.1\r\nno colon\r\n\r\n", "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
                             "POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
                             "POST / HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n",
