@@ -73,7 +73,8 @@ bool Server::make_place(std::uint32_t user) {
 
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
     std::erase_if(farewells_, [](const auto& farewell) { return farewell.expired(); });
-    if (farewells_.size() >= limits_.farewells && !farewells_.empty()) {
+    const std::size_t max_farewells = has_memory() ? limits_.farewells : limits_.farewells_in_need;
+    while (farewells_.size() >= max_farewells && !farewells_.empty()) {
         farewells_.front().lock()->close();
         farewells_.pop_front();
     }

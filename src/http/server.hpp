@@ -17,7 +17,8 @@ namespace anogate::http {
 
 struct ServerLimits {
     std::size_t connections = 32;
-    std::size_t farewells = 32;    // connections that end and are told why
+    std::size_t farewells = 32;           // connections that end and are told why
+    std::size_t farewells_in_need = 4;    // while memory is short: each takes some
     ano::Duration farewell = std::chrono::seconds{1};
     SessionLimits session;
 };

@@ -64,7 +64,11 @@ void Session::read() {
 // While a request is answered, its client is watched for his end alone: what he asks next waits.
 void Session::came(error_code ec, std::size_t size) {
     if (ec) return ec == asio::error::eof ? input_ended() : close();
-    input_.append(room_.data(), size);
+    try {
+        input_.append(room_.data(), size);
+    } catch (const std::bad_alloc&) {
+        return refuse_for_memory();
+    }
     if (asking_ != Asking::whole) {
         since_ = Clock::now();
         asking_ = Asking::half;

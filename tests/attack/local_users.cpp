@@ -604,7 +604,7 @@ protected:
 };
 
 TEST_F(Instances, an_ending_one_removes_only_its_own_socket) {
-    Control ending{io};
+    Server ending{io};
     ASSERT_EQ(ending.start(socket).error, "");
     fs::rename(socket, dir / "aside");
     const int another = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
