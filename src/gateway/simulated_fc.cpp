@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <string_view>
+#include <type_traits>
 
 namespace anogate {
 namespace {
@@ -19,11 +20,14 @@ constexpr double flight_time = 900;       // s until it starts again with a full
 
 constexpr std::uint8_t cmd_device_info = 0;
 
-// What it says is within what the fields carry.
+// What it says is within what the fields carry; those without a scale carry whole numbers only.
 template <ano::Name F, class Draft, class Value>
 void set(Draft& draft, Value value) {
-    [[maybe_unused]] const bool fits = draft.template set<F>(value);
+    bool fits = draft.template set<F>(value);
+    if constexpr (std::is_floating_point_v<Value>)
+        if (!fits) fits = draft.template set<F>(std::round(value));
     assert(fits);
+    static_cast<void>(fits);
 }
 
 template <class Draft>
