@@ -1,5 +1,6 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < gateway < link < daemon. One header of ours includes Asio, one source libgpiod.
+# Each layer includes only what stands before it: ano < gateway < link < http < daemon. Two headers of ours include Asio, one source
+# libgpiod, sources of src/http alone Beast, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
@@ -12,12 +13,23 @@ forbid() {
 }
 third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
-forbid "gateway/|link/|daemon/|$third_party|$system" include/ano src/ano
-forbid "gateway/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
-forbid "link/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
-forbid "daemon/|spdlog/|CLI/" src/link
-forbid "link/asio\.hpp" src/link/*.hpp    # asio_fwd.hpp: or everybody who knows a link would compile it
-if grep -rln 'include *<boost/asio' include src tools tests --include='*.?pp' | grep -vx 'src/link/asio.hpp'; then bad=1; fi
-if grep -rln 'include *<gpiod' include src tools tests --include='*.?pp' | grep -vx 'src/link/gpio_line.cpp'; then bad=1; fi
+forbid "gateway/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
+forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
+forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "http/|daemon/|spdlog/|CLI/" src/link
+forbid "gateway/|config/|daemon/|spdlog/|nlohmann/|CLI/" src/http
+forbid "boost/beast" --include='*.hpp' src/http
+
+# only_in FILES INCLUDE: no other file has such an #include; FILES is a pattern.
+only_in() {
+    if grep -rlE "^ *# *include *<($2)" include src tools tests --include='*.?pp' | grep -vxE "$1"; then bad=1; fi
+}
+forbid "link/asio\.hpp" src/link/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
+only_in 'src/(link|http)/asio\.hpp' 'boost/asio'
+only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
+only_in 'src/link/gpio_line\.cpp' 'gpiod'
+only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
+only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
+only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'
 ((bad == 0)) || echo "These includes reach over a layer."
 exit "$bad"

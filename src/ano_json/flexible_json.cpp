@@ -1,6 +1,8 @@
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/nearest.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <iterator>

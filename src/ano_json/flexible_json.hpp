@@ -5,7 +5,7 @@
 #include <ano/flexible.hpp>
 #include <ano_json/frame_json.hpp>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -6,6 +6,8 @@
 #include <ano_json/typed_values.hpp>
 #include <ano_json/words.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <optional>
 #include <type_traits>

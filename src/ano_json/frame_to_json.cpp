@@ -3,6 +3,8 @@
 #include <ano_json/hex.hpp>
 #include <ano_json/split_frames.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 

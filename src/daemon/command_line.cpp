@@ -6,8 +6,8 @@
 #include <config/read_file.hpp>
 #include <daemon/check_paths.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/control_socket.hpp>
 #include <daemon/service.hpp>
+#include <http/socket_path.hpp>
 #include <link/ip_socket.hpp>
 
 #include <CLI/CLI.hpp>
@@ -154,7 +154,7 @@ void read_config_file(const std::string& path, bool by_default, Draft& draft) {
 void check_control(Draft& draft) {
     const std::string& socket = draft.settings.control.socket;
     if (socket.empty() || socket == "none") return;
-    if (std::string fault = fault_of_socket(socket, this_runner()); !fault.empty())
+    if (std::string fault = http::fault_of_socket(socket, http::this_runner()); !fault.empty())
         draft.errors.push_back({draft.control.key("socket"), std::move(fault)});
 }
 

@@ -43,7 +43,14 @@ Json line_json(const Gpio::Line& line, TimePoint now) {
 // Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-Control::Reply refuse(unsigned status, const std::string& why) { return {status, dump({{"error", why}})}; }
+http::Response reply(unsigned status, const Json& json) {
+    http::Response response;
+    response.status = status;
+    response.body = dump(json);
+    return response;
+}
+
+http::Response refuse(unsigned status, const std::string& why) { return reply(status, {{"error", why}}); }
 
 bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
 
@@ -90,7 +97,7 @@ Json gpio_json(const Gpio& gpio, TimePoint now) {
     return json;
 }
 
-Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) {
+http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) {
     Wanted wanted;
     if (const std::string wrong = read(body, wanted); !wrong.empty()) return refuse(400, wrong);
     std::vector<Gpio::Line*> fitting;
@@ -107,9 +114,9 @@ Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
         return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
-        return {429, dump({{"error", refusal->why}, {"wait_s", seconds(refusal->wait)}})};
+        return reply(429, {{"error", refusal->why}, {"wait_s", seconds(refusal->wait)}});
     }
-    return {200, dump(line_json(line, now))};
+    return reply(200, line_json(line, now));
 }
 
 }    // namespace anogate

@@ -1,7 +1,7 @@
 // GPIO on the control interface: its part of GET /status, and POST /gpio.
 #pragma once
-#include <daemon/control.hpp>
 #include <daemon/gpio.hpp>
+#include <http/response.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,6 +14,6 @@ nlohmann::ordered_json gpio_json(const Gpio& gpio, TimePoint now);
 
 /// POST /gpio: {"line", "chip", "link", "use", "action"} must fit exactly one reset or power line, which is then pulsed or
 /// switched off and on again. Answers with its state, or with an error: 400, 404, 409 or 429.
-Control::Reply gpio_request(Gpio& gpio, const std::string& body, TimePoint now);
+http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now);
 
 }    // namespace anogate

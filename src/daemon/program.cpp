@@ -1,16 +1,16 @@
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
-#include <daemon/control.hpp>
-#include <daemon/control_socket.hpp>
 #include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
-#include <daemon/gpio_control.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
 #include <daemon/rooms.hpp>
+#include <daemon/routes.hpp>
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
+#include <http/server.hpp>
+#include <http/socket_path.hpp>
 #include <link/ip_socket.hpp>
 
 #include <spdlog/spdlog.h>
@@ -28,6 +28,7 @@ namespace {
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
 constexpr Duration control_retry = std::chrono::milliseconds{500};
+constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 
 // Signals that would end the program before it can handle them wait until it does.
 void hold_signals(int how, std::initializer_list<int> signals) {
@@ -54,7 +55,8 @@ void fill_standard_files() {
 class Program {
 public:
     Program(Settings settings, std::string source)
-        : gateway_{io_, std::move(settings)}, source_{std::move(source)}, control_{io_}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+        : gateway_{io_, std::move(settings)}, source_{std::move(source)}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+        add_routes(control_.routes(), gateway_);
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -82,12 +84,11 @@ public:
 private:
     /// False: there can be none at the path that was asked for.
     bool start_control() {
-        const auto socket = control_socket(gateway_.settings().control, this_runner());
+        const auto socket = http::control_socket(gateway_.settings().control.socket, http::this_runner());
         if (!socket) return true;
         socket_ = *socket;
-        control_.get("/status", [this] { return status_json(gateway_); });
-        control_.post("/gpio", [this](const std::string& body) { return gpio_request(gateway_.gpio(), body, gateway_.now()); });
-        const Control::Outcome outcome = control_.start(socket_);
+        const http::Server::Outcome outcome = control_.start(socket_);
+        if (!outcome.notice.empty()) spdlog::info(outcome.notice);
         if (outcome.error.empty()) return true;
         if (!outcome.in_use && !gateway_.settings().control.socket.empty()) {
             spdlog::error("--control: {}", outcome.error);
@@ -100,7 +101,9 @@ private:
 
     // Whoever has the socket may end, and then this one is to be found there.
     void try_control_again() {
-        if (!control_.start(socket_).error.empty()) return;
+        const http::Server::Outcome outcome = control_.start(socket_);
+        if (!outcome.error.empty()) return;
+        if (!outcome.notice.empty()) spdlog::info(outcome.notice);
         control_again_.stop();
         spdlog::info("{}: up", socket_);
     }
@@ -144,7 +147,7 @@ private:
     Gateway gateway_;
     std::string source_;    // where the configuration is from
     std::string why_;       // it ends
-    Control control_;
+    http::Server control_{io_, {}, [] { return memory_is_left(request_memory); }};
     asio::signal_set signals_;
     std::string socket_;    // of the control interface
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};

@@ -1,7 +1,7 @@
 // Who shares the machine with the gateway: greedy and idle clients of the control socket, other users' clients, folders that belong to
 // others. tests/README.md has the figures.
-#include <daemon/control.hpp>
 #include <daemon/status.hpp>
+#include <http/server.hpp>
 #include <link/asio.hpp>
 #include <link/path_claim.hpp>
 #include <support/child.hpp>
@@ -31,7 +31,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace support;
-using anogate::Control;
+using anogate::http::Request;
+using anogate::http::Response;
+using anogate::http::Server;
 namespace fs = std::filesystem;
 
 constexpr uid_t nobody = 65534;
@@ -79,8 +81,17 @@ private:
 class LocalUsers : public testing::Test {
 protected:
     void SetUp() override {
-        control.get("/big", [] { return std::string(1 << 20, ' '); });    // more than a client's socket holds
-        control.get("/status", [this] { return on_request(), anogate::status_json(gateway.gateway()); });
+        const auto with_body = [](std::string body) {
+            Response response;
+            response.body = std::move(body);
+            return response;
+        };
+        // More than a client's socket holds.
+        control.routes().add("GET", "/big", [=](const Request&) { return with_body(std::string(1 << 20, ' ')); });
+        control.routes().add("GET", "/status", [=, this](const Request&) {
+            on_request();
+            return with_body(anogate::status_json(gateway.gateway()));
+        });
         ASSERT_EQ(control.start(socket).error, "");
     }
     void TearDown() override {
@@ -104,7 +115,7 @@ protected:
     TempDir dir;
     std::string socket = dir / "control.sock";
     RunningGateway gateway{udp_listen("ground")};
-    Control control{gateway.io()};
+    Server control{gateway.io()};
     std::function<void()> on_request = [] {};
 };
 
@@ -355,7 +366,7 @@ TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
     int changed = 0;
     for (int i = 0; i < 293; ++i) {
         ASSERT_TRUE(wait_until([&] { return fs::is_symlink(fs::symlink_status(swap())); }, patience, [] { ::usleep(100); }));
-        Control control{io};
+        Server control{io};
         control.start(socket);
         control.stop();
         io.restart();
@@ -372,7 +383,7 @@ TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
 TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
     const std::string socket = theirs + "/control.sock";
     {
-        Control control{io};
+        Server control{io};
         ASSERT_EQ(control.start(socket).error, "");
         struct stat info {};
         ASSERT_EQ(::lstat(socket.c_str(), &info), 0);
@@ -390,7 +401,7 @@ TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
 TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
     ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
     ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
-    Control control{io};
+    Server control{io};
     EXPECT_NE(control.start(theirs + "/way/control.sock").error.find("leads through way, a link of another user"),
               std::string::npos);
     RunningGateway gateway{pty("app", theirs + "/way/app")};
@@ -403,11 +414,11 @@ TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
 TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
     const std::string socket = theirs + "/control.sock";
     Child other{[&] {
-        Control control{io};
+        Server control{io};
         return become_nobody() && control.start(socket).error.empty() ? ::pause() : 1;
     }};
     ASSERT_TRUE(wait_until([&] { return fs::exists(socket); }));
-    Control control{io};
+    Server control{io};
     ASSERT_TRUE(wait_until([&] { return control.start(socket).in_use; }));
     ::kill(other.pid(), SIGKILL);
     other.wait();
@@ -591,7 +602,7 @@ protected:
 };
 
 TEST_F(Instances, an_ending_one_removes_only_its_own_socket) {
-    Control ending{io};
+    Server ending{io};
     ASSERT_EQ(ending.start(socket).error, "");
     fs::rename(socket, dir / "aside");
     const int another = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -619,7 +630,7 @@ TEST_F(Instances, of_three_that_start_at_once_over_a_stale_socket_one_has_it) {
             three.push_back(std::make_unique<Child>([&] {
                 ::close(go[1]);
                 char none;
-                Control control{io};
+                Server control{io};
                 static_cast<void>(::read(go[0], &none, 1));    // all at once
                 const char has = control.start(socket).error.empty() ? 'y' : 'n';
                 return ::write(said[1], &has, 1) == 1 ? ::pause() : 1;

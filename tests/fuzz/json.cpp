@@ -3,6 +3,8 @@
 // DATA.
 #include <ano_json/frame_json.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -82,14 +82,25 @@ TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
     EXPECT_NE(posted.find("Allow: GET"), std::string::npos);
 }
 
-TEST_F(ControlSocket, junk_is_not_answered_and_disturbs_nobody) {
+TEST_F(ControlSocket, who_misses_a_path_is_told_the_nearest) {
+    EXPECT_EQ(body_of(http(socket, "GET /staus HTTP/1.0\r\n\r\n")),
+              "{\"error\": \"there is nothing at this path (did you mean '/status'?)\"}\n");
+    EXPECT_EQ(body_of(http(socket, "GET / HTTP/1.0\r\n\r\n")), "{\"error\": \"there is nothing at this path; try /status\"}\n");
+}
+
+TEST_F(ControlSocket, junk_is_told_in_words_and_disturbs_nobody) {
     a.send(daemon.port("ground"), vendor::who_are_you);
     b.send(daemon.port("ground"), vendor::who_are_you);
-    http(socket, "\r\n\r\n\x01\x02 HELLO WHO IS THERE\r\n\r\n");
-    http(socket, std::string(100000, '\0'));
-    http(socket, "GET /status HTTP/1.1\r\nX: " + std::string(200000, 'x') + "\r\n\r\n");
-    http(socket, "POST /status HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\nx");
-    http(socket, "POST /status HTTP/1.1\r\nContent-Length: -1\r\n\r\nx");
+    const auto is_told = [&](const std::string& junk, const std::string& status) {
+        const std::string answer = http(socket, junk);
+        EXPECT_TRUE(answer.starts_with("HTTP/1.1 " + status)) << answer;
+        EXPECT_TRUE(nlohmann::json::parse(body_of(answer), nullptr, false).value("error", "") != "") << answer;
+    };
+    is_told("\r\n\r\n\x01\x02 HELLO WHO IS THERE\r\n\r\n", "400 Bad Request");
+    is_told(std::string(100000, '\0'), "400 Bad Request");
+    is_told("GET /status HTTP/1.1\r\nX: " + std::string(200000, 'x') + "\r\n\r\n", "431 Request Header Fields Too Large");
+    is_told("POST /status HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\nx", "413 Payload Too Large");
+    is_told("POST /status HTTP/1.1\r\nContent-Length: -1\r\n\r\nx", "400 Bad Request");
     EXPECT_TRUE(forwards());
     EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
 }

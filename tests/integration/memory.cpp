@@ -121,8 +121,26 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
             wait_until([&] { return std::ranges::all_of(clients, [](const auto& client) { return was_heard(client.get()); }); }));
         clients.clear();
         ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
+        ASSERT_TRUE(daemon.until_answers()) << daemon.output();
         EXPECT_EQ(daemon.count("ground", "frames_in"), 0u) << "it lives, and answers";
     }
+}
+
+TEST(Memory, who_asks_while_it_is_short_is_told_so) {
+    if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
+    const TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_answers());
+    const rlim_t some = 128 * 1024;    // to say so in, and not to answer
+    const rlimit little{static_cast<rlim_t>(daemon.proc_status("VmSize")) * 1024 + some, RLIM_INFINITY};
+    const rlimit any{RLIM_INFINITY, RLIM_INFINITY};
+    ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &little, nullptr), 0);
+    const std::string answer = http(dir / "control", "GET /status HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 503 Service Unavailable")) << answer;
+    EXPECT_NE(answer.find("\r\nRetry-After: 1\r\n"), std::string::npos) << answer;
+    EXPECT_EQ(body_of(answer), "{\"error\": \"there is too little memory for a request just now\"}\n");
+    ASSERT_EQ(::prlimit(daemon.pid(), RLIMIT_AS, &any, nullptr), 0);
+    EXPECT_TRUE(daemon.until_answers()) << "there is memory again";
 }
 
 // Rooms are mostly never touched. A huge page would be touched as a whole, and the kernel may join pages to one later.

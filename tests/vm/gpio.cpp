@@ -58,7 +58,7 @@ public:
         throw std::runtime_error("no link " + name);
     }
     std::uint16_t port(const std::string& name) { return link(name)["port"]; }
-    anogate::Control::Reply post(const std::string& body) { return anogate::gpio_request(gateway_.gpio(), body, gateway_.now()); }
+    anogate::http::Response post(const std::string& body) { return anogate::gpio_request(gateway_.gpio(), body, gateway_.now()); }
 
 private:
     static anogate::Settings settings(const std::string& config) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -63,6 +64,28 @@ std::vector<const char*> as_meant(int argc, const char* const* argv) {
     return words;
 }
 
+CLI::Option* declare(CLI::App& app, const std::string& name, const Option::Into& into, const std::string& help) {
+    if (const auto* flag = std::get_if<bool*>(&into)) return app.add_flag(name, **flag, help);
+    if (const auto* word = std::get_if<std::string*>(&into)) return app.add_option(name, **word, help);
+    if (const auto* word = std::get_if<std::optional<std::string>*>(&into)) return app.add_option(name, **word, help);
+    if (const auto* words = std::get_if<std::vector<std::string>*>(&into)) return app.add_option(name, **words, help);
+    return app.add_option_function<std::string>(
+        name,
+        [name, read = std::get<Option::Read>(into)](const std::string& word) {
+            if (const std::string wrong = read(word); !wrong.empty()) throw CLI::ValidationError{name, wrong};
+        },
+        help);
+}
+
+void declare(CLI::App& app, const Options& options) {
+    for (const Option& option : options) {
+        CLI::Option* declared = declare(app, option.name, option.into, option.help)->required(option.required);
+        if (!option.value.empty()) declared->option_text(option.value);
+    }
+    for (const Option& option : options)
+        for (const std::string& other : option.excludes) app.get_option(option.name)->excludes(app.get_option(other));
+}
+
 /// The message for an error of the parser of options.
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     const std::string what = error.what();
@@ -103,8 +126,10 @@ int run(int argc, const char* const* given, Streams& streams) {
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
     for (const Subcommand& s : subcommands()) {
-        CLI::App* options = app.add_subcommand(s.name, s.description);
-        runs.emplace_back(options, s.add(*options));
+        CLI::App* command = app.add_subcommand(s.name, s.description);
+        Options options;
+        runs.emplace_back(command, s.add(options));
+        declare(*command, options);
     }
     const auto complain = [&](const std::string& what, int code) {
         streams.out.flush();
@@ -114,8 +139,8 @@ int run(int argc, const char* const* given, Streams& streams) {
     try {
         reject_unknown_command(argc, argv);
         app.parse(argc, argv);
-        for (const auto& [options, run] : runs) {
-            if (!options->parsed()) continue;
+        for (const auto& [command, run] : runs) {
+            if (!command->parsed()) continue;
             const int code = run(streams);
             if (!streams.out.flush()) throw Failure{"the output can't be written"};
             return code;

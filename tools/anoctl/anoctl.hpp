@@ -1,15 +1,13 @@
 // The command-line tool: each subcommand is one file and one row in the table of subcommands.
 #pragma once
+#include "options.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <span>
 #include <stdexcept>
 #include <string>
-
-namespace CLI {
-class App;
-}
 
 namespace anoctl {
 
@@ -43,13 +41,13 @@ using Run = std::function<int(Streams&)>;
 struct Subcommand {
     const char* name;
     const char* description;
-    Run (*add)(CLI::App& options);    // declares its options; what it returns is run when the subcommand is chosen
+    Run (*add)(Options& options);    // declares its options; what it returns is run when the subcommand is chosen
 };
 
-Run add_decode(CLI::App& options);
-Run add_encode(CLI::App& options);
-Run add_messages(CLI::App& options);
-Run add_monitor(CLI::App& options);
+Run add_decode(Options& options);
+Run add_encode(Options& options);
+Run add_messages(Options& options);
+Run add_monitor(Options& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 

@@ -7,10 +7,11 @@
 #include <ano/parser.hpp>
 #include <ano_json/hex.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -241,13 +242,11 @@ private:
 
 }    // namespace
 
-Run add_decode(CLI::App& options) {
+Run add_decode(Options& options) {
     const auto self = std::make_shared<Decode>();
-    options
-        .add_option("input", self->input,
-                    "Hex digits (0x before them or not), a file, or - for standard input. A file and standard input hold "
-                    "bytes, or hex digits as text and nothing else")
-        ->option_text("[HEX|FILE|-]");
+    options.push_back({"input", &self->input, "[HEX|FILE|-]",
+                       "Hex digits (0x before them or not), a file, or - for standard input. A file and standard input hold "
+                       "bytes, or hex digits as text and nothing else"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

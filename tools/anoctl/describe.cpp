@@ -2,6 +2,8 @@
 
 #include <ano/messages.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <string>
 

@@ -6,8 +6,9 @@
 #include <ano_json/hex.hpp>
 #include <ano_json/syntax_fault.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <cstring>
@@ -171,22 +172,18 @@ private:
 
 }    // namespace
 
-Run add_encode(CLI::App& options) {
+Run add_encode(Options& options) {
     const auto self = std::make_shared<Encode>();
-    options.add_option("name", self->name, "The message, by name or id; - for JSON frames on standard input, one a line")
-        ->required()
-        ->option_text("NAME");
-    options
-        .add_option("fields", self->fields,
-                    "Values in the unit of the field, or words: cmd=action val=save; what is left out is 0 or empty. "
-                    "Typed where a device tells the types: value=f32:1.5 values=u16:100,i32:-5")
-        ->option_text("FIELD=VALUE...");
-    options.add_option("--from", self->from, "Who sends it (default 0xFE, the host)")->option_text("ADDRESS");
-    options.add_option("--to", self->to, "Who it is for (default 0xFF: everybody)")->option_text("ADDRESS");
-    options.add_option("--data", self->data, "The whole of DATA in hex digits, in place of fields")->option_text("HEX");
-    auto* raw = options.add_flag("--raw", self->raw, "Bytes in place of hex digits");
+    options.push_back(
+        {"name", &self->name, "NAME", "The message, by name or id; - for JSON frames on standard input, one a line", true});
+    options.push_back({"fields", &self->fields, "FIELD=VALUE...",
+                       "Values in the unit of the field, or words: cmd=action val=save; what is left out is 0 or empty. "
+                       "Typed where a device tells the types: value=f32:1.5 values=u16:100,i32:-5"});
+    options.push_back({"--from", &self->from, "ADDRESS", "Who sends it (default 0xFE, the host)"});
+    options.push_back({"--to", &self->to, "ADDRESS", "Who it is for (default 0xFF: everybody)"});
+    options.push_back({"--data", &self->data, "HEX", "The whole of DATA in hex digits, in place of fields"});
+    options.push_back({"--raw", &self->raw, "", "Bytes in place of hex digits", false, {"--json"}});
     FrameOptions::add(options, self->frames);
-    raw->excludes("--json");
     return [self](Streams& streams) { return self->run(streams); };
 }
 

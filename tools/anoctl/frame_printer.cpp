@@ -8,7 +8,9 @@
 #include <ano_json/words.hpp>
 #include <config/read_file.hpp>
 
-#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ctime>
@@ -95,31 +97,28 @@ std::string clock_text(double time) {
 
 }    // namespace
 
-void FrameOptions::add(CLI::App& options, FrameOptions& self) {
-    options.add_flag("--json", self.json, "One JSON object a line");
-    const auto read_encoding = [&self](const std::string& word) {
-        const std::string name = CLI::detail::to_lower(word);
-        if (name != "utf8" && name != "gbk")
-            throw CLI::ValidationError{"--encoding", in_quotes(word) + " is neither utf8 nor gbk"};
+void FrameOptions::add(Options& options, FrameOptions& self) {
+    const auto read_encoding = [&self](const std::string& word) -> std::string {
+        std::string name = word;
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+        if (name != "utf8" && name != "gbk") return in_quotes(word) + " is neither utf8 nor gbk";
         self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
+        return {};
     };
-    options
-        .add_option_function<std::string>("--encoding", read_encoding,
-                                          "What text on the wire is written in (default: read as UTF-8, as GBK "
-                                          "where it is not UTF-8; written as UTF-8)")
-        ->option_text("utf8|gbk");
-    const auto read_value_type = [&self](const std::string& word) {
-        if (word != "f32" && word != "u64")
-            throw CLI::ValidationError{"--value-type-7", in_quotes(word) + " is neither f32 nor u64"};
+    const auto read_value_type = [&self](const std::string& word) -> std::string {
+        if (word != "f32" && word != "u64") return in_quotes(word) + " is neither f32 nor u64";
         self.value_type_7 = word == "u64" ? ValueType7::u64 : ValueType7::f32;
+        return {};
     };
-    options
-        .add_option_function<std::string>("--value-type-7", read_value_type,
-                                          "What 7 is among the types of a command's values: f32 (default), or u64 "
-                                          "as on current devices")
-        ->option_text("f32|u64");
-    options.add_option("--config", self.config, "A gateway's configuration, for its layouts of flexible messages")
-        ->option_text("FILE");
+    options.push_back({"--json", &self.json, "", "One JSON object a line"});
+    options.push_back({"--encoding", Option::Read{read_encoding}, "utf8|gbk",
+                       "What text on the wire is written in (default: read as UTF-8, as GBK "
+                       "where it is not UTF-8; written as UTF-8)"});
+    options.push_back({"--value-type-7", Option::Read{read_value_type}, "f32|u64",
+                       "What 7 is among the types of a command's values: f32 (default), or u64 "
+                       "as on current devices"});
+    options.push_back({"--config", &self.config, "FILE", "A gateway's configuration, for its layouts of flexible messages"});
 }
 
 FlexibleLayouts FrameOptions::layouts() const {

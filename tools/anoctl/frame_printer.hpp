@@ -19,7 +19,7 @@ struct FrameOptions {
     std::string config;                             // where the layouts of flexible messages come from
 
     /// `self` must live as long as the run.
-    static void add(CLI::App& options, FrameOptions& self);
+    static void add(Options& options, FrameOptions& self);
     /// Throws UsageError when `config` can't be read.
     ano::FlexibleLayouts layouts() const;
     /// For reading and writing frames; `layouts` must live as long as the result.

@@ -5,7 +5,6 @@
 
 #include <ano/messages.hpp>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -63,17 +62,14 @@ private:
 
 }    // namespace
 
-Run add_messages(CLI::App& options) {
+Run add_messages(Options& options) {
     const auto self = std::make_shared<Messages>();
-    options.add_option("names", self->names, "These messages, by name or id: types, units, ranges and values of their fields")
-        ->option_text("[NAME...]");
-    auto* markdown = options.add_flag("--markdown", self->markdown, "The protocol reference");
-    auto* json = options.add_flag("--json", self->json, "One JSON object a layout, one a line");
-    auto* lua = options.add_flag("--lua", self->lua, "A Wireshark dissector: tshark -X lua_script:FILE");
-    options.add_option("--config", self->config, "With --lua: a gateway's configuration, for its flexible messages")
-        ->option_text("FILE");
-    markdown->excludes(json)->excludes(lua);
-    json->excludes(lua);
+    options.push_back(
+        {"names", &self->names, "[NAME...]", "These messages, by name or id: types, units, ranges and values of their fields"});
+    options.push_back({"--markdown", &self->markdown, "", "The protocol reference", false, {"--json", "--lua"}});
+    options.push_back({"--json", &self->json, "", "One JSON object a layout, one a line", false, {"--lua"}});
+    options.push_back({"--lua", &self->lua, "", "A Wireshark dissector: tshark -X lua_script:FILE"});
+    options.push_back({"--config", &self->config, "FILE", "With --lua: a gateway's configuration, for its flexible messages"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -13,7 +13,6 @@
 #include <link/kinds.hpp>
 #include <link/link_context.hpp>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bitset>
 #include <chrono>
@@ -292,22 +291,21 @@ private:
 
 }    // namespace
 
-Run add_monitor(CLI::App& options) {
+Run add_monitor(Options& options) {
     const auto self = std::make_shared<MonitorOptions>();
-    options.add_option("link", self->link, "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH")
-        ->required()
-        ->option_text("LINK");
-    options.add_option("--id", self->ids, "Only these messages, by name or id")->option_text("ID...");
-    options.add_option("--from", self->from, "Only from these addresses")->option_text("ADDRESS...");
-    options.add_option("--to", self->to, "Only to these addresses")->option_text("ADDRESS...");
-    const auto read_count = [self](const std::string& word) {
+    const auto read_count = [self](const std::string& word) -> std::string {
         const auto number = ano::parse_number(word);
         const auto* count = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
-        if (count == nullptr || *count == 0)
-            throw CLI::ValidationError{"--count", ano::in_quotes(word) + " is not a number of frames, 1 or more"};
+        if (count == nullptr || *count == 0) return ano::in_quotes(word) + " is not a number of frames, 1 or more";
         self->count = *count;
+        return {};
     };
-    options.add_option_function<std::string>("--count", read_count, "Ends after so many frames were shown")->option_text("N");
+    options.push_back({"link", &self->link, "LINK",
+                       "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH", true});
+    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
+    options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many frames were shown"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <ano_json/flexible_json.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <string>
 #include <variant>
 #include <vector>

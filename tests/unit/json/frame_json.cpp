@@ -3,6 +3,8 @@
 #include <ano_json/frame_json.hpp>
 #include <ano_json/hex.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <chrono>
 #include <cstdint>

@@ -3,6 +3,8 @@
 #include <ano_json/frame_json.hpp>
 #include <ano_json/words.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <string>
 #include <string_view>
 #include <variant>

@@ -1,9 +1,9 @@
-#include <daemon/control_places.hpp>
+#include <http/places.hpp>
 
 #include <algorithm>
 #include <map>
 
-namespace anogate {
+namespace anogate::http {
 namespace {
 
 template <class Among>
@@ -42,4 +42,4 @@ std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uin
     return first ? longest(visitors, anybody) : std::nullopt;
 }
 
-}    // namespace anogate
+}    // namespace anogate::http

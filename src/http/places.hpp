@@ -1,4 +1,4 @@
-// Who gives way when all places at the control socket are taken.
+// Who gives way when all places at the server are taken.
 #pragma once
 #include <ano/time.hpp>
 
@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-namespace anogate {
+namespace anogate::http {
 
 /// What was heard of a client.
 enum class Asking : std::uint8_t {
@@ -31,4 +31,4 @@ struct Visitor {
 /// gets a place also where there are more users than places.
 std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, std::uint32_t user, bool first);
 
-}    // namespace anogate
+}    // namespace anogate::http

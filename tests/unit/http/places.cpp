@@ -1,11 +1,11 @@
-#include <daemon/control_places.hpp>
+#include <http/places.hpp>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-namespace anogate {
+namespace anogate::http {
 namespace {
 
 using namespace std::chrono_literals;
@@ -26,24 +26,24 @@ std::vector<Visitor> fill(std::vector<Visitor> visitors, Visitor rest) {
     return visitors;
 }
 
-TEST(ControlPlaces, of_one_user_the_one_that_is_idle_the_longest_gives_way) {
+TEST(Places, of_one_user_the_one_that_is_idle_the_longest_gives_way) {
     EXPECT_EQ(gives_way(fill({idle(alice, 9), busy(alice, 1), idle(alice, 3)}, idle(alice, 5)), alice, false), 2u);
 }
 
-TEST(ControlPlaces, of_ones_own_no_request_is_cut_short) {
+TEST(Places, of_ones_own_no_request_is_cut_short) {
     EXPECT_EQ(gives_way(fill({}, busy(alice, 5)), alice, true), std::nullopt);
     EXPECT_EQ(gives_way(fill({idle(bob, 1)}, busy(alice, 5)), alice, true), std::nullopt)
         << "nor is another within his share driven out";
 }
 
-TEST(ControlPlaces, who_asked_half_a_request_gives_way_before_who_was_not_heard_yet) {
+TEST(Places, who_asked_half_a_request_gives_way_before_who_was_not_heard_yet) {
     EXPECT_EQ(gives_way(fill({unheard(alice, 1), busy(alice, 1), half(alice, 3), half(alice, 2)}, half(alice, 5)), alice, false),
               3u);
     EXPECT_EQ(gives_way(fill({unheard(alice, 2), half(alice, 9)}, unheard(alice, 1)), alice, false), 1u);
     EXPECT_EQ(gives_way(fill({unheard(alice, 2), unheard(alice, 1)}, busy(alice, 1)), alice, false), 1u) << "and then he does";
 }
 
-TEST(ControlPlaces, of_two_sorts_the_crowd_gives_way) {
+TEST(Places, of_two_sorts_the_crowd_gives_way) {
     EXPECT_EQ(gives_way(fill({idle(alice, 1), half(alice, 2), busy(alice, 1)}, half(alice, 3)), alice, false), 1u)
         << "who floods by halves";
     EXPECT_EQ(gives_way(fill({half(alice, 1), idle(alice, 2), busy(alice, 1)}, idle(alice, 3)), alice, false), 1u)
@@ -53,20 +53,20 @@ TEST(ControlPlaces, of_two_sorts_the_crowd_gives_way) {
         << "others' are not counted";
 }
 
-TEST(ControlPlaces, who_has_less_than_his_share_gets_one_of_who_has_most) {
+TEST(Places, who_has_less_than_his_share_gets_one_of_who_has_most) {
     EXPECT_EQ(gives_way(fill({idle(root, 1), busy(alice, 1), idle(alice, 7), idle(alice, 8)}, busy(alice, 3)), bob, false), 2u);
     EXPECT_EQ(gives_way(fill({idle(root, 1), busy(alice, 4), busy(alice, 2)}, busy(alice, 3)), bob, false), 2u)
         << "busy as well, beyond it";
 }
 
-TEST(ControlPlaces, two_users_end_with_half_of_them_each) {
+TEST(Places, two_users_end_with_half_of_them_each) {
     std::vector<Visitor> visitors = fill({}, busy(alice, 1));
     for (int i = 0; i < 100; ++i)
         if (const auto place = gives_way(visitors, bob, false)) visitors[*place] = busy(bob, i);
     EXPECT_EQ(std::count_if(visitors.begin(), visitors.end(), [](const Visitor& v) { return v.user == bob; }), 16);
 }
 
-TEST(ControlPlaces, more_users_than_places_share_what_is_idle_and_root_is_never_locked_out) {
+TEST(Places, more_users_than_places_share_what_is_idle_and_root_is_never_locked_out) {
     std::vector<Visitor> visitors;
     for (std::uint32_t user = 1; user <= places; ++user) visitors.push_back(busy(user, 50 - static_cast<int>(user)));
     EXPECT_EQ(gives_way(visitors, alice, false), std::nullopt);
@@ -77,4 +77,4 @@ TEST(ControlPlaces, more_users_than_places_share_what_is_idle_and_root_is_never_
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::http

@@ -1,4 +1,4 @@
-#include <daemon/control_socket.hpp>
+#include <http/socket_path.hpp>
 #include <link/errors.hpp>
 #include <link/own_folder.hpp>
 
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace anogate {
+namespace anogate::http {
 namespace fs = std::filesystem;
 
 Runner this_runner() {
@@ -15,9 +15,9 @@ Runner this_runner() {
     return {geteuid() == 0 || access(runtime_folder, W_OK) == 0, runtime_dir != nullptr ? runtime_dir : ""};
 }
 
-std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner) {
-    if (settings.socket == "none") return std::nullopt;
-    if (!settings.socket.empty()) return settings.socket;
+std::optional<std::string> control_socket(const std::string& configured, const Runner& runner) {
+    if (configured == "none") return std::nullopt;
+    if (!configured.empty()) return configured;
     // Without either, the error of the first is the one that tells people what to do.
     if (runner.system || runner.runtime_dir.empty()) return std::string{runtime_folder} + "/control.sock";
     return runner.runtime_dir + "/anogate.sock";
@@ -38,4 +38,4 @@ std::string fault_of_socket(const std::string& path, const Runner& runner) {
     return {};
 }
 
-}    // namespace anogate
+}    // namespace anogate::http

@@ -1,11 +1,9 @@
 // Where the control socket is when nobody said, and where there can be one.
 #pragma once
-#include <gateway/settings.hpp>
-
 #include <optional>
 #include <string>
 
-namespace anogate {
+namespace anogate::http {
 
 /// Who runs the program, as far as it matters here.
 struct Runner {
@@ -14,10 +12,10 @@ struct Runner {
 };
 Runner this_runner();
 
-/// The path of the control socket; nothing when it was set to "none".
-std::optional<std::string> control_socket(const ControlSettings& settings, const Runner& runner);
+/// The path of the control socket; nothing when `configured` is "none". Empty: nobody said.
+std::optional<std::string> control_socket(const std::string& configured, const Runner& runner);
 
 /// Why no socket can be made at `path`, as far as it shows without trying; empty: one can, or it is in use.
 std::string fault_of_socket(const std::string& path, const Runner& runner);
 
-}    // namespace anogate
+}    // namespace anogate::http

@@ -1,4 +1,4 @@
-#include <daemon/control_socket.hpp>
+#include <http/socket_path.hpp>
 #include <link/own_folder.hpp>
 
 #include <support/files.hpp>
@@ -7,31 +7,31 @@
 
 #include <unistd.h>
 
-namespace anogate {
+namespace anogate::http {
 namespace {
 
 constexpr char system_wide[] = "/run/anogate/control.sock";
 
-TEST(ControlSocket, is_where_the_settings_say) {
-    EXPECT_EQ(control_socket({"/tmp/x.sock"}, {true, ""}), "/tmp/x.sock");
-    EXPECT_EQ(control_socket({"/tmp/x.sock"}, {false, "/run/user/1000"}), "/tmp/x.sock");
-    EXPECT_EQ(control_socket({"none"}, {true, ""}), std::nullopt);
+TEST(SocketPath, is_where_the_settings_say) {
+    EXPECT_EQ(control_socket("/tmp/x.sock", {true, ""}), "/tmp/x.sock");
+    EXPECT_EQ(control_socket("/tmp/x.sock", {false, "/run/user/1000"}), "/tmp/x.sock");
+    EXPECT_EQ(control_socket("none", {true, ""}), std::nullopt);
 }
 
-TEST(ControlSocket, of_the_system_is_in_run) {
-    EXPECT_EQ(control_socket({}, {true, ""}), system_wide);
-    EXPECT_EQ(control_socket({}, {true, "/run/user/0"}), system_wide);
+TEST(SocketPath, of_the_system_is_in_run) {
+    EXPECT_EQ(control_socket("", {true, ""}), system_wide);
+    EXPECT_EQ(control_socket("", {true, "/run/user/0"}), system_wide);
 }
 
-TEST(ControlSocket, of_a_user_is_in_the_runtime_folder) {
-    EXPECT_EQ(control_socket({}, {false, "/run/user/1000"}), "/run/user/1000/anogate.sock");
+TEST(SocketPath, of_a_user_is_in_the_runtime_folder) {
+    EXPECT_EQ(control_socket("", {false, "/run/user/1000"}), "/run/user/1000/anogate.sock");
 }
 
-TEST(ControlSocket, of_a_user_without_a_runtime_folder_is_the_one_whose_error_tells_why) {
-    EXPECT_EQ(control_socket({}, {false, ""}), system_wide);
+TEST(SocketPath, of_a_user_without_a_runtime_folder_is_the_one_whose_error_tells_why) {
+    EXPECT_EQ(control_socket("", {false, ""}), system_wide);
 }
 
-TEST(ControlSocket, only_folders_of_its_own_are_made) {
+TEST(SocketPath, only_folders_of_its_own_are_made) {
     for (const char* own : {"/run/anogate", "/run/anogate/more", "/var/log/anogate", "/run/user/1000", "/run/user/1000/anogate"})
         EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;
     for (const char* other : {"/run/user/1000/anogaet", "/run/anogaet", "/run", "/tmp/anogate", "/run/anogate/../x", "."})
@@ -39,7 +39,7 @@ TEST(ControlSocket, only_folders_of_its_own_are_made) {
     EXPECT_FALSE(is_own_folder("/run/user/1000", ""));
 }
 
-TEST(ControlSocket, a_path_where_none_can_be_is_told) {
+TEST(SocketPath, a_path_where_none_can_be_is_told) {
     const support::TemporaryFolder folder;
     const std::string here = folder.path().string();
     const Runner runner{true, here + "/xdg"};
@@ -59,4 +59,4 @@ TEST(ControlSocket, a_path_where_none_can_be_is_told) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::http

@@ -1,13 +1,16 @@
-#include <daemon/socket_file.hpp>
+#include <http/local_socket.hpp>
 #include <link/errors.hpp>
 #include <link/own_folder.hpp>
 
 #include <fcntl.h>
+#include <grp.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 
-namespace anogate {
+#include <filesystem>
+
+namespace anogate::http {
 namespace {
 
 constexpr int backlog = 128;    // clients that come while the loop is at other work
@@ -52,6 +55,14 @@ bool is_same(const struct stat& one, const struct stat& other) {
     return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
+// In a folder of his own, as $XDG_RUNTIME_DIR is, nobody else was to come in.
+bool is_private(const std::filesystem::path& folder) {
+    struct stat info {};
+    return ::stat(folder.c_str(), &info) == 0 && (info.st_mode & 0011) == 0;
+}
+
+LocalSocket::Outcome failed(std::string error, bool used = false) { return {std::move(error), used, {}, {}}; }
+
 UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat& info) {
     UniqueFd there{::openat(folder.fd(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC)};
     if (there && ::fstat(there.get(), &info) != 0) return {};
@@ -60,56 +71,67 @@ UniqueFd look_at(const HeldFolder& folder, const std::string& name, struct stat&
 
 }    // namespace
 
-SocketFile::Outcome SocketFile::listen(int socket, const std::string& path) {
+LocalSocket::Outcome LocalSocket::listen(const std::string& path) {
     if (path.size() >= sizeof sockaddr_un{}.sun_path)
-        return {path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) + " bytes"};
-    if (auto folder = make_folder_of(path); !folder) return {std::move(folder.error())};
+        return failed(path + ": the path of a socket has at most " + std::to_string(sizeof sockaddr_un{}.sun_path - 1) +
+                      " bytes");
+    UniqueFd socket{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+    if (!socket) return failed(error_text(path, errno));
+    if (auto folder = make_folder_of(path); !folder) return failed(std::move(folder.error()));
     if (const auto taken = claim_.take(path); !taken)
-        return {taken.error().in_use ? path + in_use : taken.error().why + another_path, taken.error().in_use};
+        return failed(taken.error().in_use ? path + in_use : taken.error().why + another_path, taken.error().in_use);
     Outcome outcome = make_room(path);
-    if (outcome.error.empty()) outcome = make(socket, path);
-    if (!outcome.error.empty()) claim_.release();
+    if (outcome.error.empty()) outcome = make(socket.get(), path);
+    if (!outcome.error.empty()) {
+        claim_.release();
+        return outcome;
+    }
+    const group* group = ::getgrnam("anogate");
+    if ((!group || !let_in(group->gr_gid)) && !is_private(folder_of(path)))
+        outcome.notice = path + ": only this user may use it, for there is no group `anogate` we are in";
+    outcome.fd = std::move(socket);
     return outcome;
 }
 
 // What a dead process of ours left goes, or of anybody in a folder of ours.
-SocketFile::Outcome SocketFile::make_room(const std::string& path) {
+LocalSocket::Outcome LocalSocket::make_room(const std::string& path) {
     auto folder = HeldFolder::of(folder_of(path));
     name_ = std::filesystem::path{path}.filename().string();
-    if (!folder) return {path + ": " + folder.error() + another_path};
+    if (!folder) return failed(path + ": " + folder.error() + another_path);
     folder_ = std::move(*folder);
     struct stat info {
     }, around{};
     const UniqueFd there = look_at(folder_, name_, info);
     if (!there) return {};
-    if (!S_ISSOCK(info.st_mode)) return {path + ": exists and is not a socket (give another path by --control)"};
-    if (is_alive(there)) return {path + in_use, true};
+    if (!S_ISSOCK(info.st_mode)) return failed(path + ": exists and is not a socket (give another path by --control)");
+    if (is_alive(there)) return failed(path + in_use, true);
     const bool in_our_folder = ::fstat(folder_.fd(), &around) == 0 && around.st_uid == ::geteuid();
     if (info.st_uid != ::geteuid() && !in_our_folder)
-        return {path + ": is a socket of another user: it is left alone (give another path by --control)"};
+        return failed(path + ": is a socket of another user: it is left alone (give another path by --control)");
     ::unlinkat(folder_.fd(), name_.c_str(), 0);
     return {};
 }
 
-SocketFile::Outcome SocketFile::make(int socket, const std::string& path) {
+LocalSocket::Outcome LocalSocket::make(int socket, const std::string& path) {
     // bind() gives the file this mode: nobody gets in before let_in(). The umask would be that of every thread.
     const sockaddr_un address = address_of(folder_.is_fixed() ? path : folder_.at(name_));
     if (::fchmod(socket, 0600) != 0 || ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
         ::listen(socket, backlog) != 0)
-        return {error_text(path, errno) + another_path, errno == EADDRINUSE};
+        return failed(error_text(path, errno) + another_path, errno == EADDRINUSE);
     struct stat info {};
     made_ = look_at(folder_, name_, info);
     if (made_ && S_ISSOCK(info.st_mode) && is_our_own(made_)) return {};
     made_ = UniqueFd{};
-    return {path + ": what was made there is not there: somebody changes this folder" + another_path};
+    return failed(path + ": what was made there is not there: somebody changes this folder" + another_path);
 }
 
-bool SocketFile::let_in(gid_t group) {
+// False: it may not, for we are not in it, or it is not ours to let in.
+bool LocalSocket::let_in(gid_t group) {
     const bool given = ::fchownat(made_.get(), "", uid_t(-1), group, AT_EMPTY_PATH) == 0;
     return given && ::chmod(path_of(made_).c_str(), 0660) == 0;
 }
 
-void SocketFile::remove() noexcept {
+void LocalSocket::remove() noexcept {
     struct stat ours {
     }, there{};
     if (made_ && ::fstat(made_.get(), &ours) == 0 && ::fstatat(folder_.fd(), name_.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 &&
@@ -119,4 +141,4 @@ void SocketFile::remove() noexcept {
     claim_.release();
 }
 
-}    // namespace anogate
+}    // namespace anogate::http

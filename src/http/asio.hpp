@@ -1,0 +1,8 @@
+// Asio for connections of any protocol.
+#pragma once
+#include <link/asio.hpp>
+
+#include <boost/asio/basic_socket_acceptor.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>

@@ -1,0 +1,46 @@
+// One request, read whole.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate::http {
+
+/// A header field, a parameter of the path, a word of the query.
+struct Field {
+    std::string name, value;
+    bool operator==(const Field&) const = default;
+};
+
+/// Of a client whom the system does not name.
+inline constexpr std::uint32_t unknown_user = 0xFFFFFFFF;
+
+struct Request {
+    std::string method;    // "GET"
+    std::string target;    // "/links/fc?n=1", as it came
+    std::vector<Field> headers;
+    std::string body;
+    unsigned version = 11;    // 10 for HTTP/1.0
+    bool keep_alive = true;
+    std::uint32_t user = unknown_user;    // who asks by a Unix socket
+
+    /// Of the path, in the order of the pattern, decoded: any bytes, '/' among them. Filled by Routes, like `query`.
+    std::vector<Field> parameters;
+    std::vector<Field> query;
+
+    /// Empty: there is none of this name.
+    std::string_view parameter(std::string_view name) const noexcept;
+    /// The first of this name; nothing: it is not there. "?dry_run" is there and empty.
+    std::optional<std::string_view> query_value(std::string_view name) const noexcept;
+    /// Whatever the case of its name; empty: it is not there.
+    std::string_view header(std::string_view name) const noexcept;
+    /// One of the words of a header that lists words, such as Connection, is `word`.
+    bool header_has(std::string_view name, std::string_view word) const noexcept;
+};
+
+/// The request wants to become a WebSocket.
+bool is_web_socket(const Request& request) noexcept;
+
+}    // namespace anogate::http

@@ -1,0 +1,46 @@
+// Requests out of bytes as they come.
+#pragma once
+#include <http/request.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate::http {
+
+struct RequestLimits {
+    std::uint32_t header = 8 * 1024;    // bytes, with the request line
+    std::uint64_t body = 64 * 1024;
+};
+
+/// One request. Flow: put() what came, again with what it left and more, until is_done() or fault().
+class RequestReader {
+public:
+    explicit RequestReader(const RequestLimits& limits);
+    RequestReader(RequestReader&&) noexcept;
+    RequestReader& operator=(RequestReader&&) noexcept;
+    ~RequestReader();
+
+    /// Takes what it can from the front of `bytes`, and says how much that was: what it left comes again.
+    std::size_t put(std::string_view bytes);
+    bool is_done() const;
+
+    /// Why it will not become a request.
+    struct Fault {
+        unsigned status;
+        std::string words;
+    };
+    const std::optional<Fault>& fault() const noexcept { return fault_; }
+
+    /// Once it is done.
+    Request take();
+
+private:
+    struct Parser;
+    RequestLimits limits_;
+    std::unique_ptr<Parser> parser_;
+    std::optional<Fault> fault_;
+};
+
+}    // namespace anogate::http

@@ -1,0 +1,110 @@
+#include <http/response.hpp>
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace anogate::http {
+namespace {
+
+constexpr std::pair<unsigned, std::string_view> reasons[] = {
+    {101, "Switching Protocols"},
+    {200, "OK"},
+    {201, "Created"},
+    {202, "Accepted"},
+    {204, "No Content"},
+    {206, "Partial Content"},
+    {303, "See Other"},
+    {304, "Not Modified"},
+    {400, "Bad Request"},
+    {401, "Unauthorized"},
+    {403, "Forbidden"},
+    {404, "Not Found"},
+    {405, "Method Not Allowed"},
+    {409, "Conflict"},
+    {413, "Payload Too Large"},
+    {415, "Unsupported Media Type"},
+    {416, "Range Not Satisfiable"},
+    {422, "Unprocessable Entity"},
+    {426, "Upgrade Required"},
+    {429, "Too Many Requests"},
+    {431, "Request Header Fields Too Large"},
+    {500, "Internal Server Error"},
+    {502, "Bad Gateway"},
+    {503, "Service Unavailable"},
+    {504, "Gateway Timeout"},
+};
+
+std::string_view reason(unsigned status) {
+    for (const auto& [number, words] : reasons)
+        if (number == status) return words;
+    return "Unknown Status";
+}
+
+// What the words quote may hold anything.
+std::string json_text(std::string_view words) {
+    std::string text = "\"";
+    for (const char c : words) {
+        if (c == '"' || c == '\\') text += '\\';
+        text += static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) >= 0x7F ? '?' : c;
+    }
+    return text + '"';
+}
+
+void add(std::string& head, std::string_view name, std::string_view value) {
+    head.append(name).append(": ").append(value).append("\r\n");
+}
+
+}    // namespace
+
+Response error(unsigned status, std::string_view words) {
+    Response response;
+    response.status = status;
+    response.body = "{\"error\": " + json_text(words) + "}\n";
+    return response;
+}
+
+Response try_again(std::string_view words) {
+    Response response = error(503, words);
+    response.headers.push_back({"Retry-After", "1"});
+    return response;
+}
+
+Response web_socket_fault(const Request& request) {
+    constexpr std::size_t key_size = 24;    // 16 bytes in base64
+    if (!is_web_socket(request)) {
+        Response response = error(426, "this path answers as a WebSocket only");
+        response.headers.push_back({"Upgrade", "websocket"});
+        return response;
+    }
+    if (request.header("Sec-WebSocket-Version") != "13") {
+        Response response = error(426, "a WebSocket of version 13 only");
+        response.headers.push_back({"Sec-WebSocket-Version", "13"});
+        return response;
+    }
+    if (request.header("Sec-WebSocket-Key").size() != key_size) return error(400, "Sec-WebSocket-Key must be 16 bytes in base64");
+    return {};
+}
+
+std::string head_of(const Response& response, const Sending& sending) {
+    std::string head = sending.version == 10 ? "HTTP/1.0 " : "HTTP/1.1 ";
+    head.append(std::to_string(response.status)).append(" ").append(reason(response.status)).append("\r\n");
+    for (const Field& field : response.headers) add(head, field.name, field.value);
+    if (!response.type.empty()) add(head, "Content-Type", response.type);
+    add(head, "Server", "anogate");
+    if (sending.version == 10 && sending.keep_alive) add(head, "Connection", "keep-alive");
+    if (sending.version != 10 && !sending.keep_alive) add(head, "Connection", "close");
+    if (sending.chunked) add(head, "Transfer-Encoding", "chunked");
+    else if (!response.producer) add(head, "Content-Length", std::to_string(response.body.size()));
+    return head + "\r\n";
+}
+
+std::string last_words(const Response& response) { return head_of(response, {.keep_alive = false}) + response.body; }
+
+std::string chunk(std::string_view part) {
+    std::array<char, 20> size{};
+    const int digits = std::snprintf(size.data(), size.size(), "%zx\r\n", part.size());
+    return std::string{size.data(), static_cast<std::size_t>(digits)}.append(part).append("\r\n");
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,49 @@
+// What a request is answered with: a text, a stream of parts, or a WebSocket.
+#pragma once
+#include <http/producer.hpp>
+#include <http/request.hpp>
+#include <http/web_socket.hpp>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate::http {
+
+struct Response {
+    unsigned status = 200;
+    std::string body;
+    std::string type = "application/json";
+    std::vector<Field> headers;                   // more of them
+    std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
+    std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
+};
+
+/// {"error": words}
+Response error(unsigned status, std::string_view words);
+
+/// 503: it may be asked again in a second.
+Response try_again(std::string_view words);
+
+/// Why a WebSocket can't be made of this request, as the answer to it; its status is 200 when it can.
+Response web_socket_fault(const Request& request);
+
+/// How a response is sent.
+struct Sending {
+    unsigned version = 11;
+    bool keep_alive = true;
+    bool chunked = false;    // else its length is told, or, with a producer, its end is that of the connection
+};
+
+/// The status line and the header, with the empty line.
+std::string head_of(const Response& response, const Sending& sending);
+
+/// The whole of a response that is the last one of its connection.
+std::string last_words(const Response& response);
+
+/// A part of a chunked body; not empty.
+std::string chunk(std::string_view part);
+inline constexpr std::string_view last_chunk = "0\r\n\r\n";
+
+}    // namespace anogate::http

@@ -1,0 +1,106 @@
+#include <ano_json/nearest.hpp>
+#include <http/routes.hpp>
+#include <http/target.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate::http {
+namespace {
+
+/// The segment at the front of `path`, behind its '/', which is taken off.
+std::string_view take_segment(std::string_view& path) {
+    path.remove_prefix(1);
+    const std::string_view segment = path.substr(0, path.find('/'));
+    path.remove_prefix(segment.size());
+    return segment;
+}
+
+bool is_parameter(std::string_view segment) { return segment.starts_with('{') && segment.ends_with('}'); }
+
+/// Calls `visit` with each pair of segments while it says true; false: it said false, or one path has more of them.
+template <class Visit>
+bool side_by_side(std::string_view pattern, std::string_view path, Visit visit) {
+    while (pattern.starts_with('/') && path.starts_with('/')) {
+        const std::string_view wanted = take_segment(pattern);
+        if (!visit(wanted, take_segment(path))) return false;
+    }
+    return pattern.empty() && path.empty();
+}
+
+bool fits(std::string_view pattern, std::string_view path) {
+    return side_by_side(pattern, path, [](std::string_view wanted, std::string_view given) {
+        return is_parameter(wanted) ? !given.empty() : wanted == given;
+    });
+}
+
+/// False: one of them has a bad encoding.
+bool read_parameters(std::string_view pattern, std::string_view path, std::vector<Field>& parameters) {
+    return side_by_side(pattern, path, [&](std::string_view wanted, std::string_view given) {
+        if (!is_parameter(wanted)) return true;
+        auto value = percent_decoded(given);
+        if (!value) return false;
+        parameters.push_back({std::string{wanted.substr(1, wanted.size() - 2)}, std::move(*value)});
+        return true;
+    });
+}
+
+/// The pattern with what was asked for in the place of its parameters, so that they count as right.
+std::string filled(std::string_view pattern, std::string_view path) {
+    std::string all;
+    const std::string_view whole = pattern;
+    const bool same_length = side_by_side(pattern, path, [&](std::string_view wanted, std::string_view given) {
+        all.append("/").append(is_parameter(wanted) ? given : wanted);
+        return true;
+    });
+    return same_length ? all : std::string{whole};
+}
+
+bool answers(const Routes::Row& row, std::string_view method) {
+    return row.method == method || (method == "HEAD" && row.method == "GET");
+}
+
+Response not_allowed(const std::string& allowed) {
+    Response response = error(405, "this path answers " + allowed + " only");
+    response.headers.push_back({"Allow", allowed});
+    return response;
+}
+
+}    // namespace
+
+void Routes::add(std::string method, std::string pattern, Function function) {
+    rows_.push_back({std::move(method), std::move(pattern), std::move(function)});
+}
+
+Response Routes::answer(Request request) const {
+    const Target target = split(request.target);
+    std::string allowed;
+    for (const Row& row : rows_) {
+        if (!fits(row.pattern, target.path)) continue;
+        if (!answers(row, request.method)) {
+            allowed += (allowed.empty() ? "" : ", ") + row.method + (row.method == "GET" ? ", HEAD" : "");
+            continue;
+        }
+        if (!read_parameters(row.pattern, target.path, request.parameters))
+            return error(400, "the path has a % that is not followed by two hex digits of a byte");
+        auto query = parse_query(target.query);
+        if (!query) return error(400, "the query has a % that is not followed by two hex digits of a byte");
+        request.query = std::move(*query);
+        return row.function(request);
+    }
+    return allowed.empty() ? not_found(target.path) : not_allowed(allowed);
+}
+
+Response Routes::not_found(std::string_view path) const {
+    const std::string nothing = "there is nothing at this path";
+    if (rows_.empty()) return error(404, nothing);
+    std::vector<std::string> paths;
+    for (const Row& row : rows_) paths.push_back(filled(row.pattern, path));
+    const std::vector<std::string_view> candidates{paths.begin(), paths.end()};
+    const std::string_view near = ano::nearest(path, candidates);
+    if (near.empty()) return error(404, nothing + "; try " + rows_.front().pattern);
+    const auto row = static_cast<std::size_t>(std::find(candidates.begin(), candidates.end(), near) - candidates.begin());
+    return error(404, nothing + " (did you mean '" + rows_[row].pattern + "'?)");
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,36 @@
+// The table of what the server answers.
+#pragma once
+#include <http/request.hpp>
+#include <http/response.hpp>
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate::http {
+
+/// Rows of method, pattern and function. A pattern is a path such as /links/{name}, where {name} stands for any one segment that is
+/// not empty. Where several patterns fit, the one that was added first counts. Who answers GET answers HEAD as well.
+class Routes {
+public:
+    using Function = std::function<Response(const Request& request)>;
+    struct Row {
+        std::string method, pattern;
+        Function function;
+    };
+
+    void add(std::string method, std::string pattern, Function function);
+    const std::vector<Row>& rows() const noexcept { return rows_; }
+
+    /// What the function of the row that fits says, or, in words: 400 for a path or query with a bad encoding, 404 with the nearest
+    /// pattern, 405 with what the path does answer.
+    Response answer(Request request) const;
+
+private:
+    Response not_found(std::string_view path) const;
+
+    std::vector<Row> rows_;
+};
+
+}    // namespace anogate::http

@@ -1,0 +1,45 @@
+// What waits to be sent to one client.
+#pragma once
+#include <http/web_socket.hpp>
+
+#include <deque>
+#include <utility>
+
+namespace anogate::http {
+
+/// Bounded by bytes. What does not fit is refused, and what waits stays as it is.
+class SendQueue {
+public:
+    struct Entry {
+        WebSocket::Message message;
+        WebSocket::Kind kind;
+    };
+    explicit SendQueue(std::size_t max_bytes) noexcept : max_bytes_{max_bytes} {}
+
+    /// One that is longer than the whole queue is never taken.
+    bool push(WebSocket::Message message, WebSocket::Kind kind) {
+        if (message->size() > max_bytes_ - bytes_) return false;
+        bytes_ += message->size();
+        entries_.push_back({std::move(message), kind});
+        return true;
+    }
+    bool empty() const noexcept { return entries_.empty(); }
+    std::size_t bytes() const noexcept { return bytes_; }
+    /// Not empty.
+    const Entry& front() const noexcept { return entries_.front(); }
+    void pop() noexcept {
+        bytes_ -= entries_.front().message->size();
+        entries_.pop_front();
+    }
+    void clear() noexcept {
+        entries_.clear();
+        bytes_ = 0;
+    }
+
+private:
+    std::size_t max_bytes_;
+    std::size_t bytes_ = 0;
+    std::deque<Entry> entries_;
+};
+
+}    // namespace anogate::http

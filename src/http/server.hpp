@@ -1,0 +1,77 @@
+// Sessions for whoever comes: who gets a place, whose turn it is, who has to go.
+#pragma once
+#include <http/asio.hpp>
+#include <http/farewell.hpp>
+#include <http/local_socket.hpp>
+#include <http/routes.hpp>
+#include <http/session.hpp>
+#include <http/turns.hpp>
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate::http {
+
+struct ServerLimits {
+    std::size_t connections = 32;
+    std::size_t farewells = 32;           // connections that end and are told why
+    std::size_t farewells_in_need = 4;    // while memory is short: each takes some
+    ano::Duration farewell = std::chrono::seconds{1};
+    SessionLimits session;
+};
+
+/// Its clients take turns with the loop: one request of one of them, whoever asks longest, then what came in meanwhile.
+class Server : private SessionOwner {
+public:
+    /// Whether the system has memory for one request and its answer.
+    using HasMemory = std::function<bool()>;
+
+    explicit Server(asio::io_context& io, const ServerLimits& limits = {}, HasMemory has_memory = {});
+    ~Server() override { stop(); }
+    Server(const Server&) = delete;
+    Server& operator=(const Server&) = delete;
+
+    /// What is answered. Changed before the first client comes.
+    Routes& routes() noexcept { return routes_; }
+
+    struct Outcome {
+        std::string error;      // empty: it listens
+        bool in_use = false;    // another program has the path: it may be free later
+        std::string notice;     // it listens, but not for all whom one might expect
+    };
+    /// Listens at the path of a Unix socket (LocalSocket). After an error it may be tried again.
+    Outcome start(const std::string& path);
+    /// A client by a connection of any sort.
+    void admit(std::unique_ptr<Stream> stream);
+    /// Closes everything at once and removes the socket; producers and users of WebSockets are gone then. The loop may still hold what
+    /// will not run: it must not run after us.
+    void stop();
+
+private:
+    using Acceptor = asio::basic_socket_acceptor<asio::generic::stream_protocol>;
+
+    void accept();
+    bool make_place(std::uint32_t user);
+    void give_turn();
+
+    void wait_for_turn(std::shared_ptr<Session> session) override;
+    Response answer(Request request) override { return routes_.answer(std::move(request)); }
+    void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
+    bool has_memory() override { return !has_memory_ || has_memory_(); }
+
+    asio::io_context& io_;
+    ServerLimits limits_;
+    HasMemory has_memory_;
+    Routes routes_;
+    LocalSocket local_;
+    Acceptor acceptor_;
+    asio::steady_timer pause_;
+    std::vector<std::weak_ptr<Session>> sessions_;
+    Turns<std::shared_ptr<Session>> turns_;    // each with a whole request
+    std::deque<std::weak_ptr<Farewell>> farewells_;
+};
+
+}    // namespace anogate::http

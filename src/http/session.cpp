@@ -1,0 +1,211 @@
+#include <http/session.hpp>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+namespace anogate::http {
+namespace {
+
+using ano::Clock;
+
+}    // namespace
+
+Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits)
+    : io_{io}, owner_{owner}, limits_{limits}, stream_{std::move(stream)}, deadline_{io}, user_{stream_->user()} {}
+
+void Session::start() { await_request(); }
+
+void Session::close() {
+    deadline_.cancel();
+    producer_.reset();
+    if (const auto socket = web_socket_.lock()) socket->end();
+    if (stream_) stream_->close();
+    stream_.reset();
+}
+
+void Session::leave(const Response& words) {
+    const bool is_answered = asking_ == Asking::whole && !awaits_turn_;
+    if (!stream_ || asking_ == Asking::nothing || is_answered) return close();
+    refuse(words);
+}
+
+Visitor Session::visitor(ano::TimePoint now) const {
+    bool stalled = !awaits_turn_ && !part_awaited_ && now - since_ >= limits_.stalled_after;
+    if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
+    return {user_, stalled ? Asking::nothing : asking_, since_};
+}
+
+// Some of the next request may be here.
+void Session::await_request() {
+    reader_.emplace(limits_.request);
+    expect_progress();
+    if (input_.empty()) return read();
+    asking_ = Asking::half;
+    hear();
+}
+
+void Session::expect_progress() {
+    since_ = Clock::now();
+    deadline_.expires_after(limits_.patience);
+    deadline_.async_wait([weak = weak_from_this()](error_code ec) {
+        if (const auto self = weak.lock(); self && !ec) self->close();
+    });
+}
+
+void Session::read() {
+    if (std::exchange(reading_, true)) return;
+    stream_->read_some(asio::buffer(room_), [self = shared_from_this()](error_code ec, std::size_t size) {
+        self->reading_ = false;
+        if (self->stream_) self->came(ec, size);
+    });
+}
+
+// While a request is answered, its client is watched for his end alone: what he asks next waits.
+void Session::came(error_code ec, std::size_t size) {
+    if (ec) return ec == asio::error::eof ? input_ended() : close();
+    try {
+        input_.append(room_.data(), size);
+    } catch (const std::bad_alloc&) {
+        return refuse_for_memory();
+    }
+    if (asking_ != Asking::whole) {
+        since_ = Clock::now();
+        asking_ = Asking::half;
+        return hear();
+    }
+    if (input_.size() > limits_.request.header) return close();
+    if (part_awaited_) read();
+}
+
+// The client may still read an answer. But a part of a stream may never come, and then nothing else would show that he is gone.
+void Session::input_ended() {
+    input_ended_ = true;
+    if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was whole"));
+    if (asking_ != Asking::whole || part_awaited_) close();
+}
+
+void Session::hear() {
+    if (!owner_.has_memory()) return refuse_for_memory();
+    try {
+        input_.erase(0, reader_->put(input_));
+    } catch (const std::bad_alloc&) {
+        return refuse_for_memory();
+    }
+    if (const auto& fault = reader_->fault()) return refuse(error(fault->status, fault->words));
+    if (!reader_->is_done()) return read();
+    asking_ = Asking::whole;
+    awaits_turn_ = true;
+    deadline_.cancel();
+    owner_.wait_for_turn(shared_from_this());
+}
+
+void Session::take_turn() {
+    if (!stream_) return;
+    if (!owner_.has_memory()) return refuse_for_memory();
+    awaits_turn_ = false;
+    expect_progress();
+    try {
+        answer(reader_->take());
+    } catch (const std::bad_alloc&) {
+        if (stream_) refuse_for_memory();
+    }
+}
+
+void Session::answer(Request request) {
+    request.user = user_;
+    sending_ = {request.version, request.keep_alive};
+    const bool head_only = request.method == "HEAD";
+    Response response = owner_.answer(request);
+    if (!stream_) return;    // the answer was that all ends
+    if (response.web_socket) {
+        Response fault = web_socket_fault(request);
+        if (fault.status == 200 && reading_) fault = error(400, "a WebSocket does not follow a stream on one connection");
+        if (fault.status == 200) {
+            deadline_.cancel();
+            web_socket_ = open_web_socket(io_, std::move(stream_), request, std::move(input_), std::move(response.web_socket),
+                                          limits_.web_socket, shared_from_this());
+            return;
+        }
+        response = std::move(fault);
+    }
+    if (response.producer && request.version == 10)
+        sending_.keep_alive = false;    // the end of the body is that of the connection
+    sending_.chunked = response.producer && request.version != 10;
+    head_ = head_of(response, sending_);
+    if (!head_only) {
+        body_ = std::move(response.body);
+        producer_ = std::move(response.producer);
+    }
+    if (producer_)
+        producer_->start([weak = weak_from_this()] {
+            if (const auto self = weak.lock()) self->wake();
+        });
+    write();
+}
+
+void Session::write() {
+    const std::size_t of_head = std::min(written_, head_.size());
+    stream_->write_some({asio::buffer(head_) + of_head, asio::buffer(body_) + (written_ - of_head)},
+                        [self = shared_from_this()](error_code ec, std::size_t size) {
+                            if (!self->stream_) return;
+                            if (ec) return self->close();
+                            self->written_ += size;
+                            if (self->written_ < self->head_.size() + self->body_.size()) return self->write();
+                            self->wrote();
+                        });
+}
+
+void Session::wrote() {
+    head_.clear();
+    body_.clear();
+    written_ = 0;
+    if (producer_) return next_part();
+    asking_ = Asking::nothing;
+    if (sending_.keep_alive) return await_request();
+    stream_->end_output();
+    close();
+}
+
+void Session::next_part() {
+    const Producer::Next next = producer_->next(body_);
+    if (!stream_) return;
+    if (next == Producer::Next::end) producer_.reset();
+    if (sending_.chunked && !body_.empty()) body_ = chunk(body_);
+    if (sending_.chunked && !producer_) body_ += last_chunk;
+    part_awaited_ = next == Producer::Next::later && body_.empty();
+    if (part_awaited_) {
+        deadline_.cancel();
+        return input_ended_ ? close() : read();    // read() shows whether the client is still there
+    }
+    expect_progress();
+    write();
+}
+
+// From anywhere, also from within next(): so the loop calls the producer.
+void Session::wake() {
+    if (std::exchange(woken_, true)) return;
+    asio::post(io_, [weak = weak_from_this()] {
+        const auto self = weak.lock();
+        if (!self) return;
+        self->woken_ = false;
+        if (self->stream_ && std::exchange(self->part_awaited_, false)) self->next_part();
+    });
+}
+
+void Session::refuse_for_memory() noexcept {
+    try {
+        refuse(try_again("there is too little memory for a request just now"));
+    } catch (const std::bad_alloc&) {
+        close();
+    }
+}
+
+void Session::refuse(const Response& words) {
+    deadline_.cancel();
+    producer_.reset();
+    stream_->cancel();
+    owner_.refuse(std::move(stream_), words);
+}
+
+}    // namespace anogate::http

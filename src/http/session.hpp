@@ -1,0 +1,96 @@
+// One connection, from its first request to its last.
+#pragma once
+#include <http/open_web_socket.hpp>
+#include <http/places.hpp>
+#include <http/request_reader.hpp>
+#include <http/response.hpp>
+#include <http/stream.hpp>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace anogate::http {
+
+class Session;
+
+struct SessionLimits {
+    RequestLimits request;
+    WebSocketLimits web_socket;
+    /// Until a whole request has come, until an answer or a part of one was taken.
+    ano::Duration patience = std::chrono::seconds{30};
+    /// Who has not taken anything of an answer for so long counts as idle.
+    ano::Duration stalled_after = std::chrono::seconds{1};
+};
+
+/// Whoever let sessions in. It outlives what they do: none calls it after close().
+class SessionOwner {
+public:
+    virtual ~SessionOwner() = default;
+    /// Calls take_turn() in its time.
+    virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
+    virtual Response answer(Request request) = 0;
+    /// The connection ends with these words.
+    virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
+    /// There is enough of it for one request and its answer.
+    virtual bool has_memory() = 0;
+};
+
+/// Reads requests one after the other, each answered before the next is looked at. It lives as long as its connection, unless it is
+/// closed. Who sends nothing, takes nothing or speaks nonsense is told or cut off.
+class Session : public std::enable_shared_from_this<Session> {
+public:
+    Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits);
+
+    void start();
+    /// Its turn: the request is answered.
+    void take_turn();
+    /// At once. What makes a streamed answer, or uses a WebSocket, is gone then.
+    void close();
+    /// Its place is another's. Who is not in the middle of an answer, and may be about to read one, is told by `words`.
+    void leave(const Response& words);
+    Visitor visitor(ano::TimePoint now) const;
+
+private:
+    void await_request();
+    void read();
+    void came(error_code ec, std::size_t size);
+    void refuse_for_memory() noexcept;
+    void input_ended();
+    void hear();
+    void answer(Request request);
+    void send(Response response);
+    void write();
+    void wrote();
+    void next_part();
+    void wake();
+    void refuse(const Response& words);
+    void expect_progress();
+
+    asio::io_context& io_;
+    SessionOwner& owner_;
+    const SessionLimits& limits_;
+    std::unique_ptr<Stream> stream_;    // none: closed, refused or a WebSocket
+    asio::steady_timer deadline_;
+    std::uint32_t user_;
+
+    Asking asking_ = Asking::unheard;
+    bool awaits_turn_ = false;    // with a whole request
+    bool reading_ = false;
+    bool input_ended_ = false;
+    ano::TimePoint since_;    // it came, or came on
+    std::array<char, 4 * 1024> room_;
+    std::string input_;    // what came and is not read yet
+    std::optional<RequestReader> reader_;
+
+    Sending sending_;
+    std::string head_, body_;    // what is being written
+    std::size_t written_ = 0;
+    std::unique_ptr<Producer> producer_;
+    bool part_awaited_ = false;    // the producer has none for now
+    bool woken_ = false;
+    std::weak_ptr<OpenWebSocket> web_socket_;
+};
+
+}    // namespace anogate::http

@@ -1,0 +1,44 @@
+#include <http/request.hpp>
+#include <http/stream.hpp>
+
+#include <sys/socket.h>
+
+#include <utility>
+
+namespace anogate::http {
+namespace {
+
+class SocketStream final : public Stream {
+public:
+    explicit SocketStream(Socket socket) : socket_{std::move(socket)} {}
+
+    void read_some(asio::mutable_buffer into, Done done) override { socket_.async_read_some(into, std::move(done)); }
+    void write_some(const Parts& from, Done done) override { socket_.async_write_some(from, std::move(done)); }
+    void cancel() override {
+        error_code ignored;
+        socket_.cancel(ignored);
+    }
+    void end_output() override {
+        error_code ignored;
+        socket_.shutdown(Socket::shutdown_send, ignored);
+    }
+    void close() override {
+        error_code ignored;
+        socket_.close(ignored);
+    }
+    std::uint32_t user() const override {
+        ucred who{};
+        socklen_t size = sizeof who;
+        const int fd = const_cast<Socket&>(socket_).native_handle();
+        return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : unknown_user;
+    }
+
+private:
+    Socket socket_;
+};
+
+}    // namespace
+
+std::unique_ptr<Stream> stream_of(Socket socket) { return std::make_unique<SocketStream>(std::move(socket)); }
+
+}    // namespace anogate::http

@@ -1,0 +1,216 @@
+#include <link/asio.hpp>
+
+#include <http/open_web_socket.hpp>
+#include <http/send_queue.hpp>
+
+#include <boost/beast/core/bind_handler.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/websocket/stream.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate::http {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+// A Stream as Beast wants it, which has the client's first bytes already.
+class Under {
+public:
+    using executor_type = asio::io_context::executor_type;
+
+    Under(asio::io_context& io, std::unique_ptr<Stream> stream, std::string early)
+        : io_{&io}, stream_{std::move(stream)}, early_{std::move(early)} {}
+
+    executor_type get_executor() const noexcept { return io_->get_executor(); }
+    Stream& stream() { return *stream_; }
+    ano::TimePoint taken_at() const { return taken_at_; }
+
+    template <class Buffers, class Handler>
+    void async_read_some(const Buffers& into, Handler&& handler) {
+        asio::mutable_buffer room;
+        for (auto it = asio::buffer_sequence_begin(into); it != asio::buffer_sequence_end(into) && room.size() == 0; ++it)
+            room = *it;
+        if (early_.empty()) return stream_->read_some(room, done(std::forward<Handler>(handler)));
+        const std::size_t size = asio::buffer_copy(room, asio::buffer(early_));
+        early_.erase(0, size);
+        asio::post(*io_, [done = done(std::forward<Handler>(handler)), size] { done({}, size); });
+    }
+
+    template <class Buffers, class Handler>
+    void async_write_some(const Buffers& from, Handler&& handler) {
+        Stream::Parts parts;
+        std::size_t count = 0;
+        for (auto it = asio::buffer_sequence_begin(from); it != asio::buffer_sequence_end(from) && count < parts.size(); ++it)
+            if (const asio::const_buffer part = *it; part.size() > 0) parts[count++] = part;
+        stream_->write_some(parts, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
+            taken_at_ = ano::Clock::now();    // the handler has what owns us
+            done(ec, size);
+        });
+    }
+
+private:
+    // Beast's handlers can be moved only.
+    template <class Handler>
+    static Stream::Done done(Handler&& handler) {
+        auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
+        return [held](error_code ec, std::size_t size) { std::move (*held)(ec, size); };
+    }
+
+    asio::io_context* io_;
+    std::unique_ptr<Stream> stream_;
+    std::string early_;
+    ano::TimePoint taken_at_ = ano::Clock::now();
+};
+
+// Found by Beast.
+void beast_close_socket(Under& under) { under.stream().close(); }
+
+template <class Handler>
+void async_teardown(beast::role_type, Under& under, Handler&& handler) {
+    under.stream().end_output();
+    asio::post(under.get_executor(), beast::bind_handler(std::forward<Handler>(handler), error_code{}));
+}
+
+beast::http::request<beast::http::empty_body> beasts(const Request& request) {
+    beast::http::request<beast::http::empty_body> same{beast::http::verb::get, request.target, request.version};
+    for (const Field& field : request.headers) same.insert(field.name, field.value);
+    return same;
+}
+
+class BeastWebSocket final : public OpenWebSocket, public std::enable_shared_from_this<BeastWebSocket> {
+public:
+    BeastWebSocket(asio::io_context& io, std::unique_ptr<Stream> stream, std::string early, std::unique_ptr<WebSocketUser> user,
+                   const WebSocketLimits& limits, std::shared_ptr<void> place)
+        : socket_{io, std::move(stream), std::move(early)},
+          limits_{limits},
+          queue_{limits.queue},
+          stuck_{io},
+          user_{std::move(user)},
+          place_{std::move(place)} {}
+
+    void open(const Request& request) {
+        websocket::stream_base::timeout patience{};
+        patience.handshake_timeout = limits_.stuck;
+        patience.idle_timeout = limits_.idle;
+        patience.keep_alive_pings = true;
+        socket_.set_option(patience);
+        socket_.set_option(websocket::stream_base::decorator(
+            [](websocket::response_type& response) { response.set(beast::http::field::server, "anogate"); }));
+        socket_.read_message_max(limits_.message);
+        socket_.auto_fragment(false);    // a message is one frame
+        socket_.async_accept(beasts(request), [self = shared_from_this()](error_code ec) {
+            if (!self->user_) return;
+            if (ec) return self->end();
+            self->read();
+            const auto user = self->user_;    // for it may end us
+            user->opened(*self);
+        });
+    }
+
+    bool send(Message message, Kind kind) override {
+        if (!user_ || closing_ || !queue_.push(std::move(message), kind)) return false;
+        if (!writing_) write();
+        return true;
+    }
+    std::size_t waiting() const noexcept override { return queue_.bytes(); }
+
+    void close(std::uint16_t code, std::string_view reason) override {
+        if (!user_ || std::exchange(closing_, true)) return;
+        begun_at_ = ano::Clock::now();
+        watch();
+        constexpr std::size_t max_reason = 123;    // in a control frame
+        websocket::close_reason why{websocket::close_code{code}};
+        why.reason.assign(reason.data(), std::min(reason.size(), max_reason));
+        socket_.async_close(why, [self = shared_from_this()](error_code) { self->end(); });
+    }
+
+    void end() override {
+        if (!user_) return;
+        stuck_.cancel();
+        socket_.next_layer().stream().close();
+        if (!writing_) queue_.clear();    // else what is being written is still looked at
+        place_.reset();
+        const auto user = std::move(user_);
+        user_.reset();
+    }
+
+    bool is_stalled_since(ano::TimePoint time) const override {
+        return (writing_ || closing_) && std::max(begun_at_, socket_.next_layer().taken_at()) < time;
+    }
+
+private:
+    void read() {
+        socket_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
+            if (!self->user_) return;
+            if (ec) return self->end();
+            const auto user = self->user_;
+            const auto data = self->buffer_.cdata();
+            if (!self->closing_)
+                user->heard({static_cast<const char*>(data.data()), data.size()},
+                            self->socket_.got_text() ? Kind::text : Kind::binary);
+            self->buffer_.clear();
+            if (self->user_) self->read();
+        });
+    }
+
+    void write() {
+        writing_ = true;
+        begun_at_ = ano::Clock::now();
+        watch();
+        const SendQueue::Entry& entry = queue_.front();
+        socket_.text(entry.kind == Kind::text);
+        socket_.async_write(asio::buffer(*entry.message), [self = shared_from_this()](error_code ec, std::size_t) {
+            self->writing_ = false;
+            if (!self->user_) return;
+            if (ec) return self->end();
+            self->queue_.pop();
+            if (self->closing_) return;
+            if (!self->queue_.empty()) return self->write();
+            const auto user = self->user_;
+            user->sent_all();
+        });
+    }
+
+    // A timer for as long as something is under way, however often something is taken meanwhile.
+    void watch() {
+        if (std::exchange(watching_, true)) return;
+        stuck_.expires_at(std::max(begun_at_, socket_.next_layer().taken_at()) + limits_.stuck);
+        stuck_.async_wait([weak = weak_from_this()](error_code) {
+            const auto self = weak.lock();
+            if (!self) return;
+            self->watching_ = false;
+            if (!self->user_ || (!self->writing_ && !self->closing_)) return;
+            if (self->is_stalled_since(ano::Clock::now() - self->limits_.stuck)) return self->end();
+            self->watch();
+        });
+    }
+
+    websocket::stream<Under, false> socket_;
+    beast::flat_buffer buffer_;
+    const WebSocketLimits limits_;
+    SendQueue queue_;
+    asio::steady_timer stuck_;
+    ano::TimePoint begun_at_{};
+    bool writing_ = false;
+    bool closing_ = false;
+    bool watching_ = false;
+    std::shared_ptr<WebSocketUser> user_;    // none: it has ended
+    std::shared_ptr<void> place_;
+};
+
+}    // namespace
+
+std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
+                                               std::string early, std::unique_ptr<WebSocketUser> user,
+                                               const WebSocketLimits& limits, std::shared_ptr<void> place) {
+    auto socket = std::make_shared<BeastWebSocket>(io, std::move(stream), std::move(early), std::move(user), limits,
+                                                   std::move(place));
+    socket->open(request);
+    return socket;
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,83 @@
+#include <http/request_reader.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::http {
+namespace {
+
+/// All of `bytes`, `step` of them at a time, and what was not taken.
+std::string put(RequestReader& reader, std::string bytes, std::size_t step = 1 << 20) {
+    std::string came;
+    while (!bytes.empty() && !reader.is_done() && !reader.fault()) {
+        came += bytes.substr(0, step);
+        bytes.erase(0, step);
+        came.erase(0, reader.put(came));
+    }
+    return came + bytes;
+}
+
+const std::string question = "POST /gpio?n=1 HTTP/1.1\r\nHost: x\r\nContent-Length: 4\r\n\r\nbody";
+
+TEST(RequestReader, reads_a_request_however_it_is_cut) {
+    for (const std::size_t step : {1u, 2u, 7u, 1000u}) {
+        RequestReader reader{{}};
+        EXPECT_EQ(put(reader, question + "GET", step).substr(0, 3), "GET") << "which is the next one's";
+        ASSERT_TRUE(reader.is_done());
+        const Request request = reader.take();
+        EXPECT_EQ(request.method, "POST");
+        EXPECT_EQ(request.target, "/gpio?n=1");
+        EXPECT_EQ(request.body, "body");
+        EXPECT_EQ(request.version, 11u);
+        EXPECT_TRUE(request.keep_alive);
+        EXPECT_EQ(request.header("host"), "x");
+    }
+}
+
+TEST(RequestReader, reads_a_body_in_chunks) {
+    RequestReader reader{{}};
+    put(reader, "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n1\r\nd\r\n0\r\n\r\n", 1);
+    ASSERT_TRUE(reader.is_done());
+    EXPECT_EQ(reader.take().body, "abcd");
+}
+
+TEST(RequestReader, knows_whether_the_connection_stays) {
+    for (const auto& [text, stays] : {std::pair{"GET / HTTP/1.0\r\n\r\n", false},
+                                      {"GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", true},
+                                      {"GET / HTTP/1.1\r\nConnection: close\r\n\r\n", false},
+                                      {"GET / HTTP/1.1\r\n\r\n", true}}) {
+        RequestReader reader{{}};
+        put(reader, text);
+        ASSERT_TRUE(reader.is_done()) << text;
+        EXPECT_EQ(reader.take().keep_alive, stays) << text;
+    }
+}
+
+unsigned status_of(const std::string& text, std::size_t step = 1 << 20) {
+    RequestReader reader{{.header = 200, .body = 10}};
+    put(reader, text, step);
+    return reader.fault() ? reader.fault()->status : 0;
+}
+
+TEST(RequestReader, says_what_is_too_large) {
+    EXPECT_EQ(status_of("GET / HTTP/1.1\r\nX: " + std::string(200, 'x') + "\r\n\r\n"), 431u);
+    EXPECT_EQ(status_of("GET / HTTP/1.1\r\nX: " + std::string(200, 'x') + "\r\n\r\n", 1), 431u);
+    EXPECT_EQ(status_of("GET /" + std::string(300, 'x')), 431u);
+    EXPECT_EQ(status_of("POST / HTTP/1.1\r\nContent-Length: 11\r\n\r\n"), 413u) << "before it comes";
+    EXPECT_EQ(status_of("POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"), 413u);
+    EXPECT_EQ(status_of("POST / HTTP/1.1\r\nContent-Length: 10\r\n\r\n"), 0u);
+    EXPECT_EQ(status_of("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nb\r\n01234567890\r\n0\r\n\r\n"), 413u);
+}
+
+TEST(RequestReader, says_what_is_not_a_request) {
+    for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / XTTP/1.1\r\n\r\n",
+                            "GET / HTTP/1.1\r\nno colon\r\n\r\n", "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
+                            "POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
+                            "POST / HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n",
+                            "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n"}) {
+        EXPECT_EQ(status_of(bad), 400u) << bad;
+        EXPECT_EQ(status_of(bad, 1), 400u) << bad;
+    }
+}
+
+}    // namespace
+}    // namespace anogate::http

@@ -1,0 +1,54 @@
+#include <http/target.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::http {
+namespace {
+
+using namespace std::string_literals;
+
+TEST(Target, is_a_path_and_a_query) {
+    for (const auto& [target, path, query] : {std::tuple{"/status", "/status", ""},
+                                              {"/status?a=1&b", "/status", "a=1&b"},
+                                              {"/?", "/", ""},
+                                              {"/a?b?c", "/a", "b?c"},
+                                              {"/a#part", "/a", ""},
+                                              {"http://anogate/links/fc?x", "/links/fc", "x"},
+                                              {"https://[::1]:80/a", "/a", ""},
+                                              {"http://anogate", "/", ""},
+                                              {"http://anogate?x", "", "x"},
+                                              {"*", "*", ""},
+                                              {"", "", ""}}) {
+        EXPECT_EQ(split(target).path, path) << target;
+        EXPECT_EQ(split(target).query, query) << target;
+    }
+}
+
+TEST(PercentDecoded, bytes_are_themselves_and_two_digits_are_one_byte) {
+    EXPECT_EQ(percent_decoded(""), "");
+    EXPECT_EQ(percent_decoded("fc"), "fc");
+    EXPECT_EQ(percent_decoded("a%20b%2Fc%2fd"), "a b/c/d");
+    EXPECT_EQ(percent_decoded("%E5%8C%BF"), "匿");
+    EXPECT_EQ(percent_decoded("%FF"), "\xFF"s);
+    EXPECT_EQ(percent_decoded("a+b"), "a+b");
+    EXPECT_EQ(percent_decoded("a+b%2B", true), "a b+");
+    EXPECT_EQ(percent_decoded("%2525"), "%25") << "once";
+}
+
+TEST(PercentDecoded, what_is_no_byte_is_refused) {
+    for (const char* bad : {"%", "a%", "%2", "%2g", "%g2", "% 2", "%-1", "%+1", "%0x", "%%20", "a%2", "%00"})
+        EXPECT_EQ(percent_decoded(bad), std::nullopt) << bad;
+}
+
+TEST(Query, has_names_with_values_in_their_order) {
+    EXPECT_EQ(parse_query(""), std::vector<Field>{});
+    EXPECT_EQ(parse_query("&&"), std::vector<Field>{});
+    EXPECT_EQ(parse_query("dry_run"), (std::vector<Field>{{"dry_run", ""}}));
+    EXPECT_EQ(parse_query("a=1&b=2&a=3"), (std::vector<Field>{{"a", "1"}, {"b", "2"}, {"a", "3"}}));
+    EXPECT_EQ(parse_query("a=b=c&=x&"), (std::vector<Field>{{"a", "b=c"}, {"", "x"}}));
+    EXPECT_EQ(parse_query("name=my+link%26co"), (std::vector<Field>{{"name", "my link&co"}}));
+    for (const char* bad : {"%", "a=%2", "a=1&%zz=2", "a=%00"}) EXPECT_EQ(parse_query(bad), std::nullopt) << bad;
+}
+
+}    // namespace
+}    // namespace anogate::http
