@@ -39,18 +39,19 @@ public:
 
     /// A frame to leave, that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
     /// full, the oldest of who has most waiting gives way, in the lowest class that has more than is kept for each: a tenth
-    /// of the room, or one frame of up to a quarter. That may be the frame itself.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
+    /// of the room, or one frame of up to a quarter. That may be the frame itself. nullptr: it waits; else why it does not.
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that never grows stale.
-    void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
+    SendCause push(ano::FrameView frame) noexcept { return store(frame, {}, ano::TimePoint::max(), ourselves); }
     /// Whether a frame of this age is to leave no more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
     /// The clock by which ages are told has stood still for `time`, though it passed: all that waits is that much older.
     void grow_older(ano::Duration time) noexcept;
     /// A frame that was to leave and is kept back before it could wait, for `cause` (limited, denied_out, link_down).
-    void refuse(std::uint64_t SendCounters::*cause) noexcept {
+    SendCause refuse(SendCause cause) noexcept {
         ++counters_.offered;
         ++(counters_.*cause);
+        return cause;
     }
 
     /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether an urgent one waits.
@@ -69,7 +70,7 @@ public:
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
     /// The first frame of what gather() gave can't be sent, for `cause`. Not for one that has begun to leave.
-    void drop_frame(std::uint64_t SendCounters::*cause) noexcept;
+    void drop_frame(SendCause cause) noexcept;
     /// The wire takes no more for now: until nothing waits, newer frames replace those they may replace.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
@@ -101,7 +102,7 @@ private:
         ClassShares shares;
     };
 
-    void store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
+    SendCause store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
     std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
     std::size_t gives_way(std::size_t own, bool entitled) const noexcept;
@@ -111,7 +112,7 @@ private:
     Index new_entry() noexcept;
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
-    void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
+    void drop(Index i, SendCause cause) noexcept;
     // The queue of everything that waits, when it leaves in the order in which it came: then nothing has to be chosen, which
     // is so wherever a line keeps up. nullptr: not so.
     FairQueue* in_order() noexcept {

@@ -31,12 +31,13 @@ public:
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Into the outbox, but a question that finds InFlight::most before it waits.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
-        push(frame, policy, now, from, now);
+    /// Into the outbox, but a question that finds InFlight::most before it waits. As Outbox::push() it says why it does not.
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
+        return push(frame, policy, now, from, now);
     }
     /// The same for one that had arrived before.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
+                   ano::TimePoint arrived_at) noexcept;
     /// A frame came in by the channel. True: it was an answer, and what waited for it is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Hands what may go to the outbox and drops what is stale. True: something is in the outbox now.
@@ -54,11 +55,11 @@ public:
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    void store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
+    SendCause store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
     FrameIndex oldest() const noexcept { return in_room_.first; }
     ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
     void hand_over(FrameIndex i) noexcept;
-    void drop(FrameIndex i, std::uint64_t SendCounters::*cause) noexcept;
+    void drop(FrameIndex i, SendCause cause) noexcept;
     void forget(FrameIndex i) noexcept;
     void compact() noexcept;
 
