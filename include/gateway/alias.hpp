@@ -2,7 +2,7 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
-#include <gateway/recent.hpp>
+#include <gateway/expiring_cache.hpp>
 
 #include <array>
 #include <cstddef>
@@ -45,8 +45,8 @@ private:
     std::array<std::uint8_t, 256> as_{};        // by device; 0: none
     std::array<std::uint8_t, 256> device_{};    // by alias; 0: none
     std::size_t max_size_;
-    std::unique_ptr<std::uint8_t[]> in_, out_;     // apart: a frame may go from one device of the link to another
-    Recent<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now
+    std::unique_ptr<std::uint8_t[]> in_, out_;            // apart: a frame may go from one device of the link to another
+    ExpiringCache<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now
 };
 
 }    // namespace anogate

@@ -8,10 +8,15 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace anogate {
 
 struct Channel {
+    Channel(ChannelId its_id, LinkId its_link, std::string its_peer, const ano::FrameParser::Options& of_parser,
+            const Outbox::Options& of_outbox, ano::TimePoint now)
+        : id{its_id}, link{its_link}, peer{std::move(its_peer)}, parser{of_parser}, outbox{of_outbox}, opened_at{now} {}
+
     ChannelId id{};
     LinkId link{};
     std::string peer;    // for people: the device, or the peer's endpoint

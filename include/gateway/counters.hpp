@@ -39,6 +39,10 @@ struct SendCounters {
     std::uint64_t offered{};        // every frame that was to leave by this channel
 };
 
+/// Why a frame that came in went no further, and why one that was to leave did not: what is counted then.
+using ReceiveCause = std::uint64_t ReceiveCounters::*;
+using SendCause = std::uint64_t SendCounters::*;
+
 /// Counters of the tunnel: what it carried, and what it refused, by cause.
 struct TunnelCounters {
     std::uint64_t out{};          // datagrams that left for tunnel frames of devices

@@ -114,7 +114,7 @@ public:
     bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
     /// nullptr: it may leave; otherwise the counter of why not. A frame that goes to several channels of the link counts once
     /// for its limits: `number`, above 0, is the number of the frame in the gateway.
-    std::uint64_t SendCounters::*refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
+    SendCause refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;
         if ((!sends_empty_ && frame.data().empty()) || (send_ && !passes(*send_, frame)))
@@ -132,7 +132,7 @@ private:
     std::unique_ptr<Limit> limit_;
     bool sends_empty_;
     std::uint64_t judged_ = 0;
-    std::uint64_t SendCounters::*verdict_ = nullptr;
+    SendCause verdict_ = nullptr;
 };
 
 }    // namespace anogate

@@ -28,6 +28,11 @@ public:
         switches_[place].on = on;
         gather();
     }
+    /// The link is no more: no switch keeps off what gets its number.
+    void remove_link(LinkId link) noexcept {
+        for (Switch& s : switches_) s.links.erase(link);
+        gather();
+    }
     bool is_on(std::size_t place) const noexcept { return switches_[place].on; }
     /// The links whose control frames are dropped.
     LinkSet links() const noexcept { return links_; }

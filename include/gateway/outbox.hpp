@@ -40,17 +40,19 @@ public:
     /// Queues a frame that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
     /// the queue is full, the oldest frame of the sender with the most bytes waiting is dropped, in the lowest class that has more
     /// than is reserved for each class: a tenth of the room, or one frame of up to a quarter. That may be the frame itself.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
+    /// nullptr: it waits; otherwise the counter of why it does not.
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that is never dropped as stale.
-    void push(ano::FrameView frame) noexcept { store(frame, {}, ano::TimePoint::max(), ourselves); }
+    SendCause push(ano::FrameView frame) noexcept { return store(frame, {}, ano::TimePoint::max(), ourselves); }
     /// Whether a frame of this age must not be sent any more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
     /// The clock that ages are measured by did not count `time` (the machine was suspended): all that waits is that much older.
     void grow_older(ano::Duration time) noexcept;
-    /// Counts a frame that was refused before it was queued, for `cause` (limited, denied_out, link_down).
-    void refuse(std::uint64_t SendCounters::*cause) noexcept {
+    /// Counts a frame that was refused before it was queued, for `cause` (limited, denied_out, link_down), and returns the cause.
+    SendCause refuse(SendCause cause) noexcept {
         ++counters_.offered;
         ++(counters_.*cause);
+        return cause;
     }
 
     /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether an urgent one waits.
@@ -69,7 +71,7 @@ public:
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
     /// The first frame of what gather() gave can't be sent, for `cause`. Must not be called for a frame that has begun to leave.
-    void drop_frame(std::uint64_t SendCounters::*cause) noexcept;
+    void drop_frame(SendCause cause) noexcept;
     /// The wire takes no more for now: until nothing waits, newer frames replace older ones of their kind.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
@@ -101,7 +103,7 @@ private:
         ClassShares shares;
     };
 
-    void store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
+    SendCause store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
     std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
     std::size_t gives_way(std::size_t own, bool entitled) const noexcept;
@@ -111,7 +113,7 @@ private:
     Index new_entry() noexcept;
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
-    void drop(Index i, std::uint64_t SendCounters::*cause) noexcept;
+    void drop(Index i, SendCause cause) noexcept;
     // When everything that waits leaves in the order in which it came, the queue that holds it, else nullptr. Then nothing has
     // to be chosen; that is usual where a line keeps up.
     FairQueue* in_order() noexcept {

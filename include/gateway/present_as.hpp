@@ -33,6 +33,10 @@ public:
     std::uint8_t address() const noexcept { return address_; }
     /// The port id of the link: what is sent to it reaches devices of any address.
     void add_port(std::uint8_t id) noexcept { everybody_.set(id); }
+    /// No link has it any more.
+    void remove_port(std::uint8_t id) noexcept { everybody_.reset(id); }
+    /// One more link, of this `max_data`. Allocates when that is more than any had.
+    void make_room(std::size_t max_data);
 
     /// A frame to the link as its devices are to see it: from `address`, when the host addresses (0xFE, 0xD2) sent it, or
     /// anybody what only a host says: questions, commands, parameters, waypoints, sticks, firmware. The measurements of

@@ -31,12 +31,14 @@ public:
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Passes a frame to the outbox; a question waits here when InFlight::most are unanswered.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
-        push(frame, policy, now, from, now);
+    /// Passes a frame to the outbox; a question waits here when InFlight::most are unanswered. As Outbox::push() it returns why the
+    /// frame does not wait.
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
+        return push(frame, policy, now, from, now);
     }
     /// The same for a frame that arrived earlier.
-    void push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from, ano::TimePoint arrived_at) noexcept;
+    SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
+                   ano::TimePoint arrived_at) noexcept;
     /// A frame came in by the channel. True: it was an answer, and a question that waited is in the outbox now.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Passes to the outbox what may be sent and drops what is stale. True: something was passed.
@@ -54,11 +56,11 @@ public:
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
-    void store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
+    SendCause store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept;
     FrameIndex oldest() const noexcept { return in_room_.first; }
     ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
     void hand_over(FrameIndex i) noexcept;
-    void drop(FrameIndex i, std::uint64_t SendCounters::*cause) noexcept;
+    void drop(FrameIndex i, SendCause cause) noexcept;
     void forget(FrameIndex i) noexcept;
     void compact() noexcept;
 

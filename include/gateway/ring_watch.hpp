@@ -4,14 +4,14 @@
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <gateway/expiring_cache.hpp>
 #include <gateway/ids.hpp>
-#include <gateway/recent.hpp>
 
-#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 namespace anogate {
 
@@ -56,17 +56,10 @@ public:
     explicit RingWatch(std::uint64_t station = 1) : station_{station} {}
 
     /// The channel is new, one of `link`. `probed`: a probe may leave by it.
-    void open(ChannelId channel, LinkId link, bool probed) noexcept {
-        of(channel) = {};
-        of(channel).link = link;
-        rings_.erase(channel);
-        if (probed) probed_.insert(channel);
-        else probed_.erase(channel);
-    }
-    void close(ChannelId channel) noexcept {
-        rings_.erase(channel);
-        probed_.erase(channel);
-    }
+    void open(ChannelId channel, LinkId link, bool probed) noexcept;
+    void close(ChannelId channel) noexcept;
+    /// The link is no more, its channels are closed: no ring is made of it.
+    void remove_link(LinkId link) noexcept;
 
     /// By which a probe may leave: ours, and those of others that go on.
     ChannelSet probed() const noexcept { return probed_; }
@@ -82,11 +75,7 @@ public:
     /// Since when the channel is known to be a ring; for one that is.
     TimePoint ring_since(ChannelId channel) const noexcept { return facts_[index(channel)].ring_since; }
     /// It is known to be none: the probe stayed away, or where no probe may go, half of what hosts said or all that devices did.
-    bool is_clear(ChannelId channel, TimePoint now) noexcept {
-        Facts& f = of(channel);
-        if (!is_probed(channel)) roll(f, now);
-        return now < f.clear_until || (f.asked_at != never && now - f.asked_at >= patience && now - f.asked_at < holds);
-    }
+    bool is_clear(ChannelId channel, TimePoint now) noexcept;
     /// It was asked for the first time so lately that a slow ring may not have answered yet.
     bool is_new(ChannelId channel, TimePoint now) const noexcept {
         const Facts& f = facts_[index(channel)];
@@ -100,11 +89,7 @@ public:
         LinkId out{}, back{};
         bool certain = true;    // or a device on two links
     };
-    std::optional<Ring> ring(ChannelId channel, TimePoint now) const noexcept {
-        const Facts& f = facts_[index(channel)];
-        if (!rings_.contains(channel) || now >= f.ring_until) return std::nullopt;
-        return f.ring;
-    }
+    std::optional<Ring> ring(ChannelId channel, TimePoint now) const noexcept;
 
     /// A probe should leave by the channel, for the last is `since` ago; spacing at least.
     bool is_due(ChannelId channel, TimePoint now, Duration since = spacing) const noexcept {
@@ -112,90 +97,29 @@ public:
         return is_probed(channel) && (f.asked_at == never || now - f.asked_at >= since);
     }
     /// The next probe to leave by the channel, now. Valid until the next call.
-    ano::FrameView ask(ChannelId channel, TimePoint now) noexcept {
-        Facts& f = of(channel);
-        if (f.asked_at != never && !rings_.contains(channel) && now - f.asked_at >= patience && now - f.asked_at < holds)
-            f.clear_until = now + holds;    // the one before was not answered
-        if (now >= f.clear_until) last_asked_at_ = now;
-        if (f.asked_at == never || now - f.asked_at >= holds) f.first_asked_at = now;
-        f.asked_at = now;
-        std::move_backward(f.questions.begin(), f.questions.end() - 1, f.questions.end());
-        f.questions[0] = ++questions_;
-        std::array<std::uint8_t, probe_data> data{};
-        std::copy(probe_word.begin(), probe_word.end(), data.begin());
-        for (unsigned i = 0; i < 8; ++i) data[4 + i] = static_cast<std::uint8_t>(station_ >> 8 * i);
-        for (unsigned i = 0; i < 4; ++i) data[12 + i] = static_cast<std::uint8_t>(f.questions[0] >> 8 * i);
-        data[16] = static_cast<std::uint8_t>(channel);
-        ano::encode(probe_, ano::address::host, ano::address::broadcast, probe_id, data);
-        return ano::FrameView{probe_};
-    }
+    ano::FrameView ask(ChannelId channel, TimePoint now) noexcept;
     /// What becomes of a probe, is_probe(), that came in by `from`.
     enum class Probe : std::uint8_t {
         ours,     // answered: the channel that it left by and `from` are a ring
         known,    // goes no further
         news,     // another gateway's: it goes on, once
     };
-    Probe take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept {
-        const auto data = probe.data();
-        std::uint64_t station = 0;
-        std::uint32_t question = 0;
-        for (unsigned i = 0; i < 8; ++i) station |= std::uint64_t{data[4 + i]} << 8 * i;
-        for (unsigned i = 0; i < 4; ++i) question |= std::uint32_t{data[12 + i]} << 8 * i;
-        if (station == station_) {
-            answered(static_cast<ChannelId>(data[16] % max_channels), question, from, now);
-            return Probe::ours;
-        }
-        const std::uint64_t key = (station ^ std::uint64_t{data[16]} << 56) + std::uint64_t{question} * 0x9E3779B97F4A7C15u;
-        if (seen_.find(key, now)) return Probe::known;
-        seen_.put(key, {}, now);
-        return Probe::news;
-    }
+    Probe take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept;
 
     /// It brought back what its one sender had said and what had gone out by it. Where no probe may go, that is what tells a
     /// ring; a device with two cables looks the same.
-    void brought_back_ones_own(ChannelId channel, TimePoint now) noexcept {
-        if (is_probed(channel)) return;
-        const auto known = ring(channel, now);
-        note(channel, known && known->certain ? *known : Ring{of(channel).link, of(channel).link, false}, now);
-    }
+    void brought_back_ones_own(ChannelId channel, TimePoint now) noexcept;
     /// Whatever the probe said, what goes out comes round by it.
     void came_round(ChannelId channel, TimePoint now) noexcept { note(channel, {of(channel).link, of(channel).link}, now); }
     /// It brought what a host had said before and what others may say as well; `first`: since that was spread. True: this
     /// often only a ring does.
-    bool brought_back(ChannelId channel, bool first, TimePoint spread_at, TimePoint now) noexcept {
-        Facts& f = of(channel);
-        if (now - f.second >= std::chrono::seconds{1}) {
-            f.second = now;
-            f.in_second = 0;
-        }
-        if (!is_probed(channel)) {
-            roll(f, now);
-            if (first) ++(spread_at < f.period ? f.back_before : f.back);
-        }
-        if (++f.in_second <= storm) return false;
-        came_round(channel, now);
-        return true;
-    }
+    bool brought_back(ChannelId channel, bool first, TimePoint spread_at, TimePoint now) noexcept;
     /// What a host said leaves by `channels`, for the first time.
-    void spread(ChannelSet channels, TimePoint now) noexcept {
-        for (const ChannelId channel : channels - probed_) {
-            roll(of(channel), now);
-            ++of(channel).spread;
-        }
-    }
+    void spread(ChannelSet channels, TimePoint now) noexcept;
     /// What a device said to everybody leaves by `channels`.
-    void told(ChannelSet channels, TimePoint now) noexcept {
-        for (const ChannelId channel : channels - probed_) {
-            roll(of(channel), now);
-            ++of(channel).told;
-        }
-    }
+    void told(ChannelSet channels, TimePoint now) noexcept;
     /// Every one of them is known to be none.
-    bool are_clear(ChannelSet channels, TimePoint now) noexcept {
-        for (const ChannelId channel : channels)
-            if (is_ring(channel, now) || !is_clear(channel, now)) return false;
-        return true;
-    }
+    bool are_clear(ChannelSet channels, TimePoint now) noexcept;
 
 private:
     static constexpr TimePoint never = TimePoint::min();
@@ -215,44 +139,10 @@ private:
     };
     Facts& of(ChannelId channel) noexcept { return facts_[index(channel)]; }
 
-    void note(ChannelId channel, Ring ring, TimePoint now) noexcept {
-        Facts& f = of(channel);
-        if (!is_ring(channel, now)) f.ring_since = now;
-        f.ring = ring;
-        f.ring_until = now + holds;
-        f.clear_until = never;
-        f.told = f.told_before = f.told_in_vain = 0;
-        rings_.insert(channel);
-    }
-    void answered(ChannelId out, std::uint32_t question, ChannelId back, TimePoint now) noexcept {
-        const auto& asked = of(out).questions;
-        const bool known = question != 0 && std::find(asked.begin(), asked.end(), question) != asked.end();
-        if (!is_probed(out) || !known || now - of(out).asked_at >= holds) return;
-        const Ring ring{of(out).link, of(back).link};
-        note(out, ring, now);
-        note(back, ring, now);
-    }
-    static void roll(Facts& f, TimePoint now) noexcept {
-        const Duration age = now - f.period;
-        if (age < ripe) return;
-        const bool ripened = age >= 2 * ripe;    // what was spread in this period as well
-        weigh(f, f.spread_before, f.back_before, now);
-        if (ripened) weigh(f, f.spread, f.back, now);
-        const std::uint32_t in_vain = f.told_before + (ripened ? f.told : 0);
-        f.told_in_vain = std::min(f.told_in_vain + in_vain, telling);
-        if (in_vain > 0 && f.told_in_vain == telling) f.clear_until = now + holds;
-        f.told_before = ripened ? 0 : f.told;
-        f.told = 0;
-        f.spread_before = ripened ? 0 : f.spread;
-        f.back_before = ripened ? 0 : f.back;
-        f.spread = f.back = 0;
-        f.period = now;
-    }
-    static void weigh(Facts& f, std::uint32_t spread, std::uint32_t back, TimePoint now) noexcept {
-        if (spread == 0) return;
-        if (back * 2 <= spread) f.clear_until = now + holds;
-        else if (spread > 1 && back * 4 >= spread * 3) f.clear_until = never;
-    }
+    void note(ChannelId channel, Ring ring, TimePoint now) noexcept;
+    void answered(ChannelId out, std::uint32_t question, ChannelId back, TimePoint now) noexcept;
+    static void roll(Facts& f, TimePoint now) noexcept;
+    static void weigh(Facts& f, std::uint32_t spread, std::uint32_t back, TimePoint now) noexcept;
 
     std::uint64_t station_;
     std::uint32_t questions_ = 0;
@@ -260,7 +150,7 @@ private:
     ChannelSet probed_, rings_;
     std::array<Facts, max_channels> facts_{};
     struct Nothing {};
-    Recent<Nothing> seen_{calm, 1024};
+    ExpiringCache<Nothing> seen_{calm, 1024};
     std::array<std::uint8_t, ano::overhead + probe_data> probe_{};
 };
 

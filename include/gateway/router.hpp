@@ -57,9 +57,13 @@ public:
 
     explicit Router(const GatewaySettings& settings);
 
+    /// The lowest number that is free; there is one.
     LinkId add_link(const LinkRule& rule);
+    /// Its channels are closed. Forgets what leads to it and every conflict that is none without it.
+    void remove_link(LinkId link);
     /// Frames to `first`…`last` go to `link`; to every such link when called for several.
     void pin(std::uint8_t first, std::uint8_t last, LinkId link);
+    void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
     /// Where frames to unheard addresses go, for Unknown::link.
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
@@ -114,6 +118,7 @@ public:
     /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
+    LinkSet group(std::uint8_t number) const { return groups_[number]; }
     LinkSet port(std::uint8_t address) const { return address <= ano::address::last_port_id ? ports_[address] : LinkSet{}; }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
@@ -132,6 +137,7 @@ private:
     void claim(std::uint8_t source, ChannelId from, TimePoint now);
     void refuse(std::uint8_t source, TimePoint now);
     void settle();
+    void forget_conflict(std::uint8_t address);
     /// Of the addresses in `untold`, new_conflicts_ or new_claimants_, the first: it counts as told now.
     std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
     void move(std::uint8_t source, ChannelId to);
@@ -153,7 +159,8 @@ private:
     Unknown unknown_;
     LinkSet unknown_links_;
 
-    std::vector<LinkRule> links_;
+    LinkSet used_;
+    std::array<LinkRule, max_links> links_{};
     std::array<LinkSet, ano::address::last_port_id + 1> ports_{};
     std::array<LinkSet, 256> pinned_{};
 

@@ -4,8 +4,8 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <gateway/claims.hpp>
+#include <gateway/frame_key.hpp>
 #include <gateway/queue_policy.hpp>
-#include <gateway/recent.hpp>
 
 #include <cstdint>
 
@@ -13,7 +13,7 @@ namespace anogate {
 
 /// What the guard has to know of a frame.
 struct Said {
-    std::uint64_t key;       // key_of()
+    std::uint64_t key;       // frame_key()
     bool by_host;            // others may say the very same
     bool state = false;      // a newer one of its kind replaces it: sticks, telemetry
     bool to_all = false;     // everybody is meant
@@ -23,14 +23,16 @@ struct Said {
     Speaks speaks = Speaks::somewhere;
     ano::TimePoint arrived = ano::TimePoint::max();    // where it waited to be read; else it arrived when it is judged
 };
-inline Said said_by(ano::FrameView frame) noexcept {
+/// `key`: its frame_key().
+inline Said said_by(ano::FrameView frame, std::uint64_t key) noexcept {
     const QueuePolicy policy = policy_of(frame.id());
     const bool host = ano::address::is_host(frame.source()), state = policy.replaces != Replaces::nothing;
-    return {.key = key_of(frame),
+    return {.key = key,
             .by_host = host,
             .state = state,
             .to_all = frame.destination() == ano::address::broadcast,
             .command = !state && (host || policy.traffic == TrafficClass::urgent)};
 }
+inline Said said_by(ano::FrameView frame) noexcept { return said_by(frame, frame_key(frame)); }
 
 }    // namespace anogate

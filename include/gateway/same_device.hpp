@@ -16,10 +16,11 @@ public:
     /// How much later another link may bring the same frame.
     static constexpr ano::Duration window = std::chrono::milliseconds{500};
 
-    /// `source` said the frame `key` (key_of()) by `link`. The other link that brought it within the window, when it was the
+    /// `source` said the frame `key` (frame_key()) by `link`. The other link that brought it within the window, when it was the
     /// sample; nothing: it was not, or came by no other.
     std::optional<LinkId> heard(std::uint8_t source, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         Sample& sample = samples_[source];
+        sample.links.insert(link);
         if (now < sample.at + window) {
             if (link == sample.link) return std::nullopt;
             sample.elsewhere = true;
@@ -29,6 +30,11 @@ public:
         }
         take(sample, link, key, now);
         return std::nullopt;
+    }
+    /// The link is no more: whom it brought is looked at anew.
+    void remove_link(LinkId link) noexcept {
+        for (Sample& sample : samples_)
+            if (sample.links.contains(link)) sample = {};
     }
     /// Two links bring frames of `source`, and hardly ever the same ones.
     bool differ(std::uint8_t source) const noexcept {
@@ -42,6 +48,7 @@ private:
     struct Sample {
         std::uint64_t key = 0;
         ano::TimePoint at = ano::TimePoint::min();
+        LinkSet links;    // all that brought any
         LinkId link{};
         bool elsewhere = false;                 // another link brought frames meanwhile
         bool met = false;                       // and this one
@@ -54,7 +61,7 @@ private:
         const bool others_turn = sample.elsewhere && link == sample.link && now < sample.at + 2 * window;
         if (others_turn || key == sample.key) return;
         if (sample.elsewhere && !sample.met) count(sample.missed, sample.met_before);
-        sample = {key, now, link, false, false, sample.met_before, sample.missed};
+        sample = {key, now, sample.links, link, false, false, sample.met_before, sample.missed};
     }
     static void count(unsigned& counted, unsigned& other) noexcept {
         if (++counted < most) return;

@@ -128,11 +128,16 @@ public:
 
     /// The index in the settings of the first rule that matches `sender`, if any.
     std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
-    /// Starts a tunnel frame for the frames of one datagram; false: refused and counted. `max_data` is that of the rule's link.
+    /// Starts a tunnel frame for the frames of one datagram; false: refused and counted, once a datagram. `max_data` is that of
+    /// the rule's link.
     bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
+    /// The rule of begin_wrap() until end_wrap(); nothing: none has begun.
+    std::optional<std::size_t> wrapping() const noexcept { return wrapping_; }
+    /// begin_wrap() has not refused this datagram.
+    bool can_wrap() const noexcept { return !refused_wrap_; }
     /// Adds a frame. When it does not fit, the tunnel frame so far is given to `send` first.
     void add_to_wrap(ano::FrameView frame, const Take& send);
-    /// Gives the last tunnel frame to `send`.
+    /// The datagram ends: gives the last tunnel frame to `send`.
     void end_wrap(const Take& send);
 
     const TunnelSettings& settings() const noexcept { return settings_; }
@@ -143,7 +148,9 @@ private:
     bool is_own_port(std::uint16_t port) const;
     bool is_ours(const IpAddress& address) const noexcept;
     bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
+    bool refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept;
     void start_wrap() noexcept;
+    void send_wrap(const Take& send);
 
     TunnelSettings settings_;
     std::uint8_t own_id_;
@@ -153,7 +160,8 @@ private:
     TunnelWriter out_;
 
     TunnelWriter wrap_;
-    std::size_t wrap_rule_ = 0;
+    std::optional<std::size_t> wrapping_;    // the rule
+    bool refused_wrap_ = false;
     std::size_t wrap_max_data_ = 0;
     TunnelHead wrap_head_;
 

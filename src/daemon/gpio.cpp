@@ -39,10 +39,11 @@ std::string Gpio::Line::what() const {
     return "gpio " + text(s.use) + (names.empty() ? "" : " of " + names);
 }
 
-Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find)
-    : chips_{io, "gpiochip", [this] {
-                 for (const auto& line : lines_) line->pin.look();
-             }} {
+Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find,
+           Inhibit& inhibit)
+    : inhibit_{inhibit}, chips_{io, "gpiochip", [this] {
+                                    for (const auto& line : lines_) line->pin.look();
+                                }} {
     for (const GpioSettings& s : settings) {
         Line& line = *lines_.emplace_back(std::make_unique<Line>(*this, s, io, alarms));
         if (!s.link.empty()) line.links.insert(find(s.link).id());

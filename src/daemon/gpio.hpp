@@ -21,8 +21,10 @@ public:
     struct Line;
     using FindLink = std::function<Link&(const std::string& name)>;
 
-    /// `find` knows every link that the settings name. A link with rs485 calls this object, so it must be destroyed first.
-    Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find);
+    /// `find` knows every link that the settings name; `inhibit` gets the switches. A link with rs485 calls this object, so it must
+    /// be destroyed first.
+    Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find,
+         Inhibit& inhibit);
     ~Gpio();
 
     /// To be called before the links start, so that a switch holds from the first frame on.
@@ -37,8 +39,6 @@ public:
     void heard(LinkId link, TimePoint now);
     /// Frames leave by a link that is watched.
     void sends(LinkId link, TimePoint now);
-    /// The links whose control frames are dropped now.
-    LinkSet inhibited() const noexcept { return inhibit_.links(); }
 
     const std::vector<std::unique_ptr<Line>>& lines() const noexcept { return lines_; }
     /// Why a request is refused.
@@ -59,7 +59,7 @@ private:
     void inhibit_changed(Line& line);
     void tell_inhibit(Line& line, TimePoint now);
 
-    Inhibit inhibit_;
+    Inhibit& inhibit_;
     LinkSet watched_;
     std::vector<std::unique_ptr<Line>> lines_;
     DeviceWatch chips_;

@@ -36,10 +36,10 @@ struct Totals {
 
 SharedSource shared_source(const Gateway& gateway, LinkId link, TimePoint now) {
     SharedSource shared = SharedSource::none;
-    for (const Conflict& c : gateway.router().conflicts(now)) {
+    for (const Conflict& c : gateway.forwarder().router().conflicts(now)) {
         if (!c.links.contains(link)) continue;
         if (!c.links.has_several()) return SharedSource::two_peers;
-        if (!gateway.same_device().differ(c.address)) return SharedSource::one_device;
+        if (!gateway.forwarder().same_device().differ(c.address)) return SharedSource::one_device;
         shared = SharedSource::two_devices;
     }
     return shared;
@@ -47,7 +47,7 @@ SharedSource shared_source(const Gateway& gateway, LinkId link, TimePoint now) {
 
 // A device on this link whose frames go to another, for it has the port id of that.
 std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
-    const Router& router = gateway.router();
+    const Router& router = gateway.forwarder().router();
     for (std::uint8_t a = 1; a <= ano::address::last_port_id; ++a) {
         const LinkSet port = router.port(a);
         if (!port.empty() && !port.contains(link) && router.learned(a, now).links.contains(link)) return a;
@@ -63,30 +63,31 @@ bool leads_hosts_to(const Settings& settings, const std::string& link) {
 
 Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     Totals t;
+    const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
     LinkFigures& f = t.figures;
     f.kind = state.link->settings().kind;
     f.up = state.up;
     f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
-    f.channels = state.channels.size();
+    f.channels = traffic.channels.size();
     f.waits_to_hear = !f.listens && state.link->settings().hello_interval() == Duration{};
     f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
     f.up_for = now - state.since;
-    f.untaken_for = state.untaken.duration(now);
+    f.untaken_for = traffic.untaken.duration(now);
     f.shared = shared_source(gateway, state.link->id(), now);
     f.hidden = hidden_device(gateway, state.link->id(), now);
-    f.received = state.gone_received;
-    f.sent = state.gone_sent;
-    f.came_stale = state.came_stale;
+    f.received = traffic.gone_received;
+    f.sent = traffic.gone_sent;
+    f.came_stale = traffic.came_stale;
     const UnassignedTraffic unassigned = state.link->unassigned_traffic();
     add(f.received, unassigned.received);
     f.v7_frames = unassigned.v7_frames;
     f.gateways = unassigned.gateways;
     f.no_place = unassigned.no_place;
-    for (const ChannelId id : state.channels) {
+    for (const ChannelId id : traffic.channels) {
         const Channel& channel = gateway.channel(id);
-        if (const auto ring = gateway.rings().ring(id, now)) {
-            f.ring_out = gateway.links()[index(ring->out)].link->name();
-            f.ring_back = gateway.links()[index(ring->back)].link->name();
+        if (const auto ring = gateway.forwarder().rings().ring(id, now)) {
+            f.ring_out = gateway.name(ring->out);
+            f.ring_back = gateway.name(ring->back);
             f.ring_is_certain = ring->certain;
         }
         add(f.received, channel.received());
@@ -127,14 +128,15 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     if (state.link->settings().required) json["required"] = true;
     if (!state.link->settings().group.empty()) json["group"] = state.link->settings().group;
     json["channels"] = Json::array();
-    for (const ChannelId id : state.channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
+    const ChannelSet channels = gateway.forwarder().traffic(state.link->id()).channels;
+    for (const ChannelId id : channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
     put(json, total.figures.received, total.figures.sent, total.waiting);
     return json;
 }
 
 Json names(const Gateway& gateway, LinkSet links) {
     Json json = Json::array();
-    for (const LinkId id : links) json.push_back(gateway.links()[index(id)].link->name());
+    for (const LinkId id : links) json.push_back(gateway.name(id));
     return json;
 }
 
@@ -146,7 +148,7 @@ Json route_json(const Gateway& gateway, std::uint8_t address, LinkSet links, Via
 
 // One row an address, by the rule that decides for it.
 Json routes_json(const Gateway& gateway, TimePoint now) {
-    const Router& router = gateway.router();
+    const Router& router = gateway.forwarder().router();
     Json json = Json::array();
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {
         const auto address = static_cast<std::uint8_t>(a);
@@ -166,11 +168,11 @@ Json routes_json(const Gateway& gateway, TimePoint now) {
 
 Json conflicts_json(const Gateway& gateway, TimePoint now) {
     Json json = Json::array();
-    for (const Conflict& c : gateway.router().conflicts(now)) {
+    for (const Conflict& c : gateway.forwarder().router().conflicts(now)) {
         json.push_back({{"address", hex(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
         Json& by = json.back()["claimed_by"] = nullptr;
-        if (const Gateway::Claimant* claimant = gateway.claimant(c))
-            by = {{"link", gateway.links()[index(claimant->link)].link->name()}, {"peer", claimant->peer}};
+        if (const Forwarder::Claimant* claimant = gateway.forwarder().claimant(c))
+            by = {{"link", gateway.name(claimant->link)}, {"peer", claimant->peer}};
     }
     return json;
 }
@@ -185,7 +187,7 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["uptime_s"] = seconds(now - gateway.started_at());
     json["standstills"] = gateway.loop().standstills();
     json["longest_standstill_s"] = seconds(gateway.loop().longest());
-    json["own_frames"] = gateway.router().own_frames();
+    json["own_frames"] = gateway.forwarder().router().own_frames();
     return json;
 }
 

@@ -16,7 +16,7 @@ constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 25
 // How many frames of one bucket are looked at: addresses chosen by an attacker must not make push() slow.
 constexpr int max_search = 16;
 
-std::uint32_t key_of(ano::FrameView frame, Replaces replaces) noexcept {
+std::uint32_t replacement_key(ano::FrameView frame, Replaces replaces) noexcept {
     const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
     return static_cast<std::uint32_t>(frame.source() | frame.destination() << 8 | frame.id() << 16) | first_byte << 24;
 }
@@ -35,8 +35,8 @@ Outbox::Outbox(const Options& options)
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
 }
 
-void Outbox::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from) noexcept {
-    store(frame, policy, arrived_at + limit(options_.age, policy.age), from);
+SendCause Outbox::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from) noexcept {
+    return store(frame, policy, arrived_at + limit(options_.age, policy.age), from);
 }
 
 bool Outbox::is_stale(QueuePolicy policy, ano::Duration age) const noexcept { return age >= limit(options_.age, policy.age); }
@@ -46,7 +46,7 @@ void Outbox::grow_older(ano::Duration time) noexcept {
         if (entries_[i].stale_at != ano::Duration::max()) entries_[i].stale_at -= time;
 }
 
-void Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept {
+SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept {
     const auto bytes = frame.bytes();
     if (!open_) return refuse(&SendCounters::link_down);
     if (bytes.size() > ano::overhead + options_.max_data) return refuse(&SendCounters::too_big);
@@ -56,7 +56,7 @@ void Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stal
     std::uint64_t turn = number;
     const bool replaceable = policy.replaces == Replaces::same_id ||
                              (policy.replaces == Replaces::same_first_byte && !frame.data().empty());
-    const std::uint32_t key = replaceable ? key_of(frame, policy.replaces) : 0;
+    const std::uint32_t key = replaceable ? replacement_key(frame, policy.replaces) : 0;
     if (replaceable && congested) turn = std::min(turn, supersede(key, from));
     if (!make_room(bytes.size(), policy.traffic)) return refuse(&SendCounters::queue_full);
 
@@ -83,6 +83,7 @@ void Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stal
     append<&WaitingFrame::in_arena>(entries_.get(), in_arena_, i);
     if (replaceable) append<&WaitingFrame::in_bucket>(entries_.get(), bucket(key, from), i);
     if (in_flight_) in_flight_->queued(frame);
+    return nullptr;
 }
 
 Outbox::Next Outbox::next(ano::TimePoint now) noexcept {
@@ -155,7 +156,7 @@ void Outbox::sent_frame() noexcept {
     if (empty()) shares_.clear();
 }
 
-void Outbox::drop_frame(std::uint64_t SendCounters::*cause) noexcept {
+void Outbox::drop_frame(SendCause cause) noexcept {
     assert(frames_ > 0 && begun_ == none);    // otherwise the receiver would take the next frame for the rest of this one
     ++(counters_.*cause);
     const Index i = take_first();
@@ -265,7 +266,7 @@ void Outbox::release(Index i) noexcept {
     congested_ = false;
 }
 
-void Outbox::drop(Index i, std::uint64_t SendCounters::*cause) noexcept {
+void Outbox::drop(Index i, SendCause cause) noexcept {
     ++(counters_.*cause);
     if (in_flight_) in_flight_->dropped(view(i));
     leave_bucket(i);

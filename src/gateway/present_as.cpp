@@ -97,6 +97,14 @@ PresentAs::PresentAs(std::uint8_t address, std::size_t max_data)
     everybody_.set(address::broadcast);
 }
 
+void PresentAs::make_room(std::size_t max_data) {
+    if (ano::overhead + max_data <= max_size_) return;
+    max_size_ = ano::overhead + max_data;
+    in_.reset(new std::uint8_t[max_size_]);
+    out_.reset(new std::uint8_t[max_size_]);
+    last_number_ = 0;
+}
+
 ano::FrameView PresentAs::outbound(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
     const std::uint8_t from = frame.source(), to = frame.destination();
     if (to == address_ || address::is_host(to) || frame.bytes().size() > max_size_) return frame;

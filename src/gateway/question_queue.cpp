@@ -22,12 +22,12 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
     outbox_.tell(&in_flight_);
 }
 
-void QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
-                         ano::TimePoint arrived_at) noexcept {
+SendCause QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
+                              ano::TimePoint arrived_at) noexcept {
     if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, policy, arrived_at, from);
     release(now);    // what waits goes first
     if (in_flight_.has_room(now)) return outbox_.push(frame, policy, arrived_at, from);
-    store(frame, arrived_at, from);
+    return store(frame, arrived_at, from);
 }
 
 void QuestionQueue::grow_older(ano::Duration time) noexcept {
@@ -62,10 +62,13 @@ void QuestionQueue::close() noexcept {
     in_flight_.clear();
 }
 
-void QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept {
+SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, ChannelId from) noexcept {
     ++counters_.offered;
     const auto bytes = frame.bytes();
-    if (bytes.size() > options_.bytes) return void(++counters_.queue_full);
+    if (bytes.size() > options_.bytes) {
+        ++counters_.queue_full;
+        return &SendCounters::queue_full;
+    }
     while (turns_.bytes() + bytes.size() > options_.bytes) drop(turns_.gives_way(), &SendCounters::queue_full);
     if (end_ + bytes.size() > 2 * options_.bytes) compact();
     const FrameIndex i = free_ != no_frame ? free_ : used_++;
@@ -79,6 +82,7 @@ void QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, Chann
     end_ += bytes.size();
     append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
     turns_.push(i, from, 0);    // all askers of a channel are one
+    return nullptr;
 }
 
 void QuestionQueue::hand_over(FrameIndex i) noexcept {
@@ -89,7 +93,7 @@ void QuestionQueue::hand_over(FrameIndex i) noexcept {
     forget(i);
 }
 
-void QuestionQueue::drop(FrameIndex i, std::uint64_t SendCounters::*cause) noexcept {
+void QuestionQueue::drop(FrameIndex i, SendCause cause) noexcept {
     ++(counters_.*cause);
     turns_.remove(i);
     forget(i);

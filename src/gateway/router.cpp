@@ -22,14 +22,13 @@ std::string_view text(Via via) noexcept {
 }
 
 Router::Router(const GatewaySettings& settings)
-    : forget_after_{settings.forget_after}, own_id_{settings.id}, unknown_{settings.unknown} {
-    links_.reserve(max_links);
-}
+    : forget_after_{settings.forget_after}, own_id_{settings.id}, unknown_{settings.unknown} {}
 
 LinkId Router::add_link(const LinkRule& rule) {
-    assert(links_.size() < max_links && rule.port_id <= address::last_port_id && rule.group <= max_links);
-    const auto id = static_cast<LinkId>(links_.size());
-    links_.push_back(rule);
+    assert(used_.size() < max_links && rule.port_id <= address::last_port_id && rule.group <= max_links);
+    const LinkId id = *(~used_).begin();
+    used_.insert(id);
+    links_[index(id)] = rule;
     if (address::is_port_id(rule.port_id)) ports_[rule.port_id].insert(id);
     if (rule.group != 0) {
         groups_[rule.group].insert(id);
@@ -38,8 +37,36 @@ LinkId Router::add_link(const LinkRule& rule) {
     return id;
 }
 
+void Router::remove_link(LinkId link) {
+    assert(used_.contains(link) && channels_of_link_[index(link)].empty());
+    used_.erase(link);
+    links_[index(link)] = {};
+    heard_link_[index(link)] = TimePoint::min();
+    unknown_links_.erase(link);
+    for (LinkSet& port : ports_) port.erase(link);
+    for (LinkSet& pinned : pinned_) pinned.erase(link);
+    for (LinkSet& group : groups_) group.erase(link);
+    grouped_ = std::any_of(groups_.begin(), groups_.end(), [](LinkSet group) { return !group.empty(); });
+    for (Conflict& c : conflicts_) {
+        if (!c.links.contains(link)) continue;
+        c.links.erase(link);
+        if (!c.links.has_several()) forget_conflict(c.address);
+    }
+}
+
+void Router::forget_conflict(std::uint8_t address) {
+    conflicts_[address] = {};
+    new_conflicts_.reset(address);
+    new_claimants_.reset(address);
+    untold_ = new_conflicts_.any() || new_claimants_.any();
+}
+
 void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
     for (unsigned a = first; a <= last; ++a) pinned_[a].insert(link);
+}
+
+void Router::unpin(std::uint8_t first, std::uint8_t last, LinkId link) {
+    for (unsigned a = first; a <= last; ++a) pinned_[a].erase(link);
 }
 
 void Router::open(ChannelId channel, LinkId link) {

@@ -170,37 +170,44 @@ std::optional<std::size_t> Tunnel::wrap_rule(const IpAddress& sender) const noex
 
 bool Tunnel::begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender) {
     const auto ours = environment_.our_address(sender.address);
-    if (!ours) {
-        refuse(&TunnelCounters::tunnel_no_way);
-        return false;
-    }
-    if (settings_.wrap[rule].id == ip_tunnel_short && !same_short_network(sender.address, *ours)) {
-        refuse(&TunnelCounters::tunnel_other_network);
-        return false;
-    }
-    wrap_rule_ = rule;
+    if (!ours) return refuse_wrap(&TunnelCounters::tunnel_no_way);
+    if (settings_.wrap[rule].id == ip_tunnel_short && !same_short_network(sender.address, *ours))
+        return refuse_wrap(&TunnelCounters::tunnel_other_network);
+    wrapping_ = rule;
     wrap_max_data_ = max_data;
     wrap_head_ = {sender.address, *ours, sender.port};
     start_wrap();
     return true;
 }
 
+bool Tunnel::refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept {
+    refuse(cause);
+    refused_wrap_ = true;
+    return false;
+}
+
 void Tunnel::start_wrap() noexcept {
-    const WrapSettings& rule = settings_.wrap[wrap_rule_];
+    const WrapSettings& rule = settings_.wrap[*wrapping_];
     wrap_.begin(rule.id, rule.source, rule.to, wrap_max_data_);
 }
 
 void Tunnel::add_to_wrap(ano::FrameView frame, const Take& send) {
     if (wrap_.add(frame)) return;
-    end_wrap(send);
+    send_wrap(send);
     if (!wrap_.add(frame)) refuse(&TunnelCounters::tunnel_too_big);
 }
 
-void Tunnel::end_wrap(const Take& send) {
+void Tunnel::send_wrap(const Take& send) {
     if (wrap_.empty()) return;
     ++counters_.wrapped;
     send(wrap_.finish(wrap_head_));
     start_wrap();
+}
+
+void Tunnel::end_wrap(const Take& send) {
+    if (wrapping_) send_wrap(send);
+    wrapping_.reset();
+    refused_wrap_ = false;
 }
 
 }    // namespace anogate

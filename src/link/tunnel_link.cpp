@@ -3,29 +3,31 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 namespace anogate {
 namespace {
 
 constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and ways come and go
 
+}    // namespace
+
 // A peer's frame may be as large as any link of ours carries, as long as a datagram holds it.
-LinkSettings link_settings(const Settings& settings) {
+LinkSettings TunnelLink::link_settings(const Settings& settings) {
     LinkSettings link;
     link.kind = link.name = "tunnel";
     for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
     link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(max_datagram - ano::overhead));
     link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
+    link.rules = settings.tunnel->rules;
     link.udp_listen.local = {{settings.tunnel->bind, settings.tunnel->port}};
     return link;
 }
 
-}    // namespace
-
 TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> wrap_to, const LinkContext& context,
-                       TunnelHost& host)
+                       Forwarder& forwarder)
     : UdpListenLink{id, link_settings(settings), context},
-      host_{host},
+      forwarder_{forwarder},
       tunnel_{*settings.tunnel,
               settings.gateway.id,
               {[this](const IpAddress& there) { return our_address(there); },
@@ -33,14 +35,10 @@ TunnelLink::TunnelLink(LinkId id, const Settings& settings, std::vector<Target> 
       wrap_to_{std::move(wrap_to)} {}
 
 void TunnelLink::carry(Channel& from, ano::FrameView frame) {
-    refresh_networks(context().host.now());
-    host_.learn(from, frame);
-    const auto passes = [&](ano::FrameView inner) {
-        if (!host_.admit(from, inner) || !host_.admit_unopened(from, inner) || !host_.passes_loop_guard(from, inner, id()))
-            return false;
-        host_.learn(from, inner);
-        return host_.may_leave(id(), inner);
-    };
+    const TimePoint now = context().host.now();
+    refresh_networks(now);
+    forwarder_.learn(from, frame, now);
+    const auto passes = [&](ano::FrameView inner) { return forwarder_.passes_into_tunnel(from, inner, now); };
     const auto datagram = tunnel_.out(frame, passes);
     if (!datagram) return;
     if (!is_open()) return tunnel_.refuse(&TunnelCounters::tunnel_down);
@@ -69,8 +67,9 @@ bool TunnelLink::welcomes(const Endpoint& sender, ano::FrameView frame) {
 
 void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     if (!is_tunnel_frame(frame)) return pass_on(channel, sender, frame);
-    refresh_networks(context().host.now());
-    if (!host_.admit(channel, frame)) return;
+    const TimePoint now = context().host.now();
+    refresh_networks(now);
+    if (!forwarder_.admit(channel, frame, now)) return;
     tunnel_.in(frame, sender.address, [&](ano::FrameView inner) { pass_on(channel, sender, inner); });
 }
 
@@ -83,24 +82,19 @@ void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameVie
 
 void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender, ano::FrameView frame) {
     const Target& to = wrap_to_[rule];
-    if (cannot_wrap_ || !host_.admit(channel, frame) || !host_.admit_unopened(channel, frame)) return;
-    if (!host_.passes_loop_guard(channel, frame, to.link) || !host_.may_leave(to.link, frame)) return;
-    if (!wrapping_) {
-        refresh_networks(context().host.now());
-        if (!tunnel_.begin_wrap(rule, to.max_data, sender)) {
-            cannot_wrap_ = true;
-            return;
-        }
-        wrapping_ = rule;
+    const TimePoint now = context().host.now();
+    if (!tunnel_.can_wrap() || !forwarder_.passes_to_wrap(channel, frame, to.link, now)) return;
+    if (!tunnel_.wrapping()) {
+        refresh_networks(now);
+        if (!tunnel_.begin_wrap(rule, to.max_data, sender)) return;
     }
-    tunnel_.add_to_wrap(frame, [&](ano::FrameView full) { host_.send(to.link, full); });
+    tunnel_.add_to_wrap(frame, [&](ano::FrameView full) { forwarder_.send(to.link, full, now); });
 }
 
 void TunnelLink::delivered() {
-    if (took_) tunnel_.came_in();
-    if (wrapping_) tunnel_.end_wrap([&](ano::FrameView full) { host_.send(wrap_to_[*wrapping_].link, full); });
-    wrapping_.reset();
-    took_ = cannot_wrap_ = false;
+    if (std::exchange(took_, false)) tunnel_.came_in();
+    const auto rule = tunnel_.wrapping();
+    tunnel_.end_wrap([&](ano::FrameView full) { forwarder_.send(wrap_to_[*rule].link, full, context().host.now()); });
 }
 
 void TunnelLink::refresh_networks(TimePoint now) {

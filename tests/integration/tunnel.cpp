@@ -1,5 +1,4 @@
 // Two gateways in two network namespaces joined by a cable, a device on a pty behind each.
-#include <gateway/recent.hpp>
 #include <gateway/tunnel.hpp>
 #include <support/namespaces.hpp>
 #include <support/pty_device.hpp>

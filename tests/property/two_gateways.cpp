@@ -1,18 +1,18 @@
 // Two gateways joined by two links, each direction with its own delay: every broadcast arrives everywhere, nothing goes
 // round, and with the links in one group a command arrives exactly once, while a link fails as well.
-#include <gateway/held.hpp>
-#include <gateway/loop_guard.hpp>
-#include <gateway/router.hpp>
+#include <gateway/forwarder.hpp>
 
 #include <support/bytes.hpp>
 #include <support/random.hpp>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
 #include <queue>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -24,103 +24,60 @@ namespace {
 
 constexpr unsigned device = 0;    // channel 0 of each; 1 and 2 join the two
 
-constexpr Replaces replace_of(const Bytes& frame) { return frame[3] == 0x40 ? Replaces::same_id : Replaces::nothing; }
-
-// The order of the steps is that of Gateway::receive(), Gateway::ask() and Gateway::take_probe().
+// A gateway: every channel is that of a link of its own, and what is offered to it leaves at once.
 struct Node {
     struct Leaves {
         ChannelId to;
         Bytes bytes;
     };
     Node(std::uint64_t number, std::uint8_t group, unsigned joints, bool probed)
-        : group_of_links{group}, router{std::make_unique<Router>(GatewaySettings{})}, loops{number} {
-        for (unsigned n = 0; n <= joints; ++n) {
-            const auto channel = static_cast<ChannelId>(n);
-            const std::uint8_t its = n == device ? 0 : group;
-            const LinkId link = router->add_link({.group = its});
-            router->open(channel, link);
-            loops.open(channel, link, its, n != device && probed, TimePoint::min());
-            channels.insert(channel);
-        }
+        : group_of_links{group}, forwarder{std::make_unique<Forwarder>(GatewaySettings{}, number)} {
+        for (unsigned n = 0; n <= joints; ++n) add(n, n != device && probed);
     }
     /// Anew, as one that may be probed, or not.
     void open(unsigned channel, bool probed) {
-        loops.open(static_cast<ChannelId>(channel), static_cast<LinkId>(channel), 0, probed, TimePoint::min());
+        forwarder->remove_link(channels[channel]->link);
+        add(channel, probed);
     }
     std::vector<Leaves> receive(unsigned channel, const Bytes& bytes, TimePoint now) {
-        std::vector<Leaves> leave;
-        const ano::FrameView frame{bytes};
-        const auto from = static_cast<ChannelId>(channel);
-        const bool host = ano::address::is_host(frame.source()) && !is_probe(frame);
-        const bool goes_on = held.goes_on(from, frame, now);
-        if (goes_on || (host && held.due(from) && !held.fits(frame)))
-            while (const auto first = held.take(from)) append(leave, judge(channel, bytes_of(*first), now, true, goes_on));
-        if (const auto due = held.due(from); due && host && replace_of(bytes) == Replaces::nothing && held.put(from, frame, *due))
-            return leave;
-        append(leave, judge(channel, bytes, now, false));
-        return leave;
+        channels[channel]->arrived_at = now;
+        forwarder->receive(*channels[channel], ano::FrameView{bytes}, now);
+        return flushed(now);
     }
-    std::vector<Leaves> release(TimePoint now) {
-        std::vector<Leaves> leave;
-        while (const auto first = held.take(now))
-            append(leave, judge(static_cast<unsigned>(index(first->from)), bytes_of(*first), now, true));
-        return leave;
+    std::vector<Leaves> tick(TimePoint now) {
+        forwarder->tick(now);
+        return flushed(now);
     }
-    static Bytes bytes_of(const Held::Frame& frame) { return {frame.view().bytes().begin(), frame.view().bytes().end()}; }
-    static void append(std::vector<Leaves>& to, const std::vector<Leaves>& more) {
-        to.insert(to.end(), more.begin(), more.end());
-    }
-    std::vector<Leaves> judge(unsigned channel, const Bytes& bytes, TimePoint now, bool waited, bool hurried = false) {
-        std::vector<Leaves> leave;
-        const ano::FrameView frame{bytes};
-        const auto from = static_cast<ChannelId>(channel);
-        Said said = said_by(frame);
-        said.waited = waited;
-        said.hurried = hurried;
-        if (!loops.rings().is_ring(from, now)) router->heard_again(from, frame.source(), now);
-        said.speaks = router->speaks(frame.source(), from);
-        const auto judgement = loops.judge(said, from, now);
-        if (judgement.probe) {
-            const auto probe = loops.rings().ask(from, now).bytes();
-            leave.push_back({from, {probe.begin(), probe.end()}});
-            ++probes;
-        }
-        if (judgement.fate == LoopGuard::Fate::waits && !waited &&
-            held.put(from, frame, now + judgement.wait, {judgement.repeats, now + LoopGuard::come_together}))
-            return leave;
-        if (judgement.fate == LoopGuard::Fate::ends) {
-            ++looped;
-            if (ano::address::is_host(frame.source()) && !loops.rings().is_ring(from, now))
-                router->learn(from, frame.source(), now);
-            return leave;
-        }
-        if (judgement.fate == LoopGuard::Fate::withheld) return leave;
-        const std::uint8_t group = channel == device ? 0 : group_of_links;
-        if (group != 0 && copies.duplicate(said.key, group, static_cast<LinkId>(channel), replace_of(bytes), now)) {
-            ++duplicates;
-            return leave;
-        }
-        if (is_probe(frame)) {
-            if (loops.rings().take(frame, from, now) == RingWatch::Probe::news && group == 0)
-                for (const ChannelId to : loops.rings().probed() - from) leave.push_back({to, bytes});
-            return leave;
-        }
-        const Route route = router->route(from, frame.source(), frame.destination(), now);
-        if (!route.guarded.empty()) loops.remember(said, from, route.guarded, now);
-        for (std::uint32_t n = 0; n < judgement.copies; ++n)
-            for (const ChannelId to : route.channels) leave.push_back({to, bytes});
-        return leave;
+    int looped() const {
+        std::uint64_t all = 0;
+        for (const Channel* channel : channels) all += channel->routed.looped;
+        return static_cast<int>(all);
     }
 
     std::uint8_t group_of_links;
-    std::unique_ptr<Router> router;
-    LoopGuard loops;
-    DuplicateGuard copies;
-    ChannelSet channels;
-    Held held;
-    int looped = 0;
-    int duplicates = 0;
-    int probes = 0;
+    std::unique_ptr<Forwarder> forwarder;
+    std::vector<Channel*> channels;
+    TimePoint ticks_at = TimePoint::max();    // the next call that was arranged
+
+private:
+    void add(unsigned channel, bool probed) {
+        ForwarderLink link;
+        link.route.group = channel == device ? 0 : group_of_links;
+        link.takes_probes = probed;
+        const LinkId id = forwarder->add_link(link);
+        channels.resize(std::max<std::size_t>(channels.size(), channel + 1));
+        channels[channel] = forwarder->open_channel(id, {}, TimePoint::min());
+        forwarder->link_up(id, TimePoint::min());
+    }
+    std::vector<Leaves> flushed(TimePoint now) {
+        std::vector<Leaves> leave;
+        while (Channel* const to = forwarder->next_to_flush()) {
+            std::span<const std::uint8_t> piece[1];
+            for (; to->outbox.gather(piece, now) == 1; to->outbox.sent_frame())
+                leave.push_back({to->id, {piece[0].begin(), piece[0].end()}});
+        }
+        return leave;
+    }
 };
 
 struct World {
@@ -128,7 +85,7 @@ struct World {
         TimePoint at;
         std::uint64_t number;
         unsigned node, channel;
-        Bytes bytes;    // none: something is due that was held
+        Bytes bytes;    // none: something is due
         bool operator>(const Event& other) const { return std::tie(at, number) > std::tie(other.at, other.number); }
     };
     /// Where a way leads from a channel of a node.
@@ -161,24 +118,30 @@ struct World {
             ASSERT_LT(++handled, most) << "a storm";
             now = event.at;
             Node& node = nodes[event.node];
-            for (const Node::Leaves& out :
-                 event.bytes.empty() ? node.release(now) : node.receive(event.channel, event.bytes, now)) {
+            for (const Node::Leaves& out : event.bytes.empty() ? tick(node) : node.receive(event.channel, event.bytes, now)) {
                 const unsigned channel = static_cast<unsigned>(index(out.to));
                 const auto way = ways.find({event.node, channel});
-                if (way == ways.end()) ++arrived[event.node][key_of(ano::FrameView{out.bytes})];
+                if (way == ways.end()) ++arrived[event.node][frame_key(ano::FrameView{out.bytes})];
                 else if (carries(out.bytes) && (channel > 2 || channel == 0 || now < failing_from[channel - 1]))
                     send(way->second.first.node, way->second.first.channel, out.bytes,
                          now + way->second.second + delay_of(event.node, channel));
             }
-            if (const auto due = node.held.due()) send(event.node, 0, {}, *due);
+            if (const auto due = node.forwarder->due(); due && *due < node.ticks_at) {
+                node.ticks_at = *due;
+                send(event.node, 0, {}, *due);
+            }
         }
+    }
+    std::vector<Node::Leaves> tick(Node& node) {
+        if (now >= node.ticks_at) node.ticks_at = TimePoint::max();
+        return node.tick(now);
     }
     Duration delay_of(unsigned node, unsigned channel) const {
         return node < 2 && (channel == 1 || channel == 2) ? delay[node][channel - 1] : Duration{};
     }
     int looped() const {
         int all = 0;
-        for (const Node& node : nodes) all += node.looped;
+        for (const Node& node : nodes) all += node.looped();
         return all;
     }
 
@@ -188,8 +151,8 @@ struct World {
     Duration delay[2][2]{};
     TimePoint failing_from[2] = {TimePoint::max(), TimePoint::max()};
     std::priority_queue<Event, std::vector<Event>, std::greater<>> events;
-    std::vector<std::map<std::uint64_t, int>> arrived;    // how often, by key_of()
-    int times(unsigned node, const Bytes& bytes) { return arrived[node][key_of(ano::FrameView{bytes})]; }
+    std::vector<std::map<std::uint64_t, int>> arrived;    // how often, by frame_key()
+    int times(unsigned node, const Bytes& bytes) { return arrived[node][frame_key(ano::FrameView{bytes})]; }
     TimePoint now{};
     std::uint64_t numbers = 0;
     std::size_t handled = 0, most;

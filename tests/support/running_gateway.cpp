@@ -83,8 +83,9 @@ nlohmann::json RunningGateway::route(const std::string& address) {
 
 bool RunningGateway::counters_add_up() {
     for (const anogate::LinkState& state : gateway_.links()) {
-        if (anogate::unaccounted(state.gone_sent) != 0) return false;
-        for (const anogate::ChannelId id : state.channels) {
+        const anogate::LinkTraffic& traffic = gateway_.forwarder().traffic(state.link->id());
+        if (anogate::unaccounted(traffic.gone_sent) != 0) return false;
+        for (const anogate::ChannelId id : traffic.channels) {
             const anogate::Channel& channel = gateway_.channel(id);
             if (anogate::unaccounted(channel.sent()) != channel.waiting()) return false;
         }
@@ -93,11 +94,12 @@ bool RunningGateway::counters_add_up() {
 }
 
 std::optional<std::uint64_t> RunningGateway::figure(const anogate::LinkState& state, const std::string& counter) {
-    auto received = state.gone_received;
-    auto sent = state.gone_sent;
+    const anogate::LinkTraffic& traffic = gateway_.forwarder().traffic(state.link->id());
+    auto received = traffic.gone_received;
+    auto sent = traffic.gone_sent;
     std::size_t waiting = 0;
     add(received, state.link->unassigned_traffic().received);
-    for (const anogate::ChannelId id : state.channels) {
+    for (const anogate::ChannelId id : traffic.channels) {
         const anogate::Channel& channel = gateway_.channel(id);
         add(received, channel.received());
         add(sent, channel.sent());

@@ -100,15 +100,10 @@ private:
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
         const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
-        channels_[i].reset(new Channel{static_cast<ChannelId>(i),
-                                       link.id(),
-                                       std::move(peer),
-                                       ano::FrameParser{{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet}},
-                                       Outbox{{s.queue, s.effective_max_data_out()}},
-                                       {},
-                                       now_,
-                                       {},
-                                       {}});
+        channels_[i] = std::make_unique<Channel>(
+            static_cast<ChannelId>(i), link.id(), std::move(peer),
+            ano::FrameParser::Options{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet},
+            Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
         return channels_[i].get();
     }
     void close_channel(Channel& channel) override {

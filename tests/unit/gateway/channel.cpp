@@ -9,7 +9,7 @@
 using namespace anogate;
 
 TEST(Channel, received_is_what_the_parser_and_the_gateway_counted) {
-    Channel channel{.peer = "", .parser = ano::FrameParser{{}}, .outbox = Outbox{{}}, .routed = {}};
+    Channel channel{{}, {}, "", {}, {}, {}};
     channel.routed.no_route = 2;
     channel.routed.looped = 1;
     const auto bytes = support::frame(0xDC, 0xFE, 0x03, {1, 2, 3});

@@ -81,3 +81,13 @@ TEST(Inhibit, of_two_switches_for_a_link_one_is_enough) {
     inhibit.set(first, true);
     EXPECT_EQ(inhibit.links(), LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
 }
+
+TEST(Inhibit, a_link_that_is_removed_leaves_its_switch_to_the_others) {
+    Inhibit inhibit;
+    const std::size_t place = inhibit.add(LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
+    inhibit.remove_link(LinkId{1});
+    EXPECT_EQ(inhibit.links(), LinkSet{LinkId{2}});
+    inhibit.set(place, false);
+    inhibit.set(place, true);
+    EXPECT_EQ(inhibit.links(), LinkSet{LinkId{2}}) << "what gets its number is not kept off";
+}

@@ -302,3 +302,28 @@ TEST_F(Guarded, a_thousand_in_a_second_are_a_ring_whatever_the_probe_said) {
     EXPECT_LE(passed, RingWatch::storm);
     EXPECT_TRUE(guard.rings().is_ring(channel(1), start + 2s));
 }
+
+TEST_F(Guarded, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
+    guard.remember(device(1), channel(5), channels({3, 4}), start);
+    guard.remember(device(2), channel(4), channels({3, 5}), start);
+    guard.close(channel(5));
+    guard.remove_link(link(5));
+    EXPECT_EQ(fate(device(1), 3, start + 1ms), Fate::passes) << "nobody knows who said it";
+    EXPECT_EQ(fate(device(2), 3, start + 1ms), Fate::ends) << "another's is known still";
+    guard.open(channel(6), link(5), 0, true, start);
+    guard.remember(device(3), channel(6), channel(4), start + 1ms);
+    EXPECT_EQ(fate(device(3), 5, start + 2ms), Fate::ends) << "the channel that is gone is at no link";
+}
+
+TEST_F(Guarded, a_ring_ends_with_a_link_that_it_is_made_of) {
+    pass(host(1), 0, channels({1, 2}), start);
+    pass(host(1), 1, channels({0, 2}), start + 10ms);
+    come_back(2, start + 20ms);
+    ASSERT_TRUE(guard.rings().ring(channel(1), start + 20ms));
+    guard.close(channel(2));
+    guard.remove_link(link(2));
+    EXPECT_FALSE(guard.rings().ring(channel(1), start + 20ms));
+    EXPECT_FALSE(guard.rings().is_ring(channel(1), start + 20ms));
+    guard.open(channel(2), link(2), 0, true, start + 30ms);
+    EXPECT_FALSE(guard.rings().is_ring(channel(2), start + 30ms));
+}

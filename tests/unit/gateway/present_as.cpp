@@ -219,3 +219,23 @@ TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
     const Bytes answer = whole(aliases.inbound(ano::FrameView{acknowledgement(reached, 0xDE, host)}, now));
     EXPECT_EQ(in(answer), acknowledgement(sent, 31, ros));
 }
+
+TEST_F(Presented, a_link_with_larger_frames_gets_room) {
+    const Bytes largest = frame(user, fc, 0xC0, Bytes(300, 1));
+    EXPECT_EQ(out(largest), largest) << "for the outbox to refuse";
+    hosts.make_room(300);
+    EXPECT_EQ(out(largest), frame(host, fc, 0xC0, Bytes(300, 1)));
+    EXPECT_EQ(out(frame(user, fc, 0xC0, Bytes(301, 1)))[1], user);
+    hosts.make_room(10);
+    EXPECT_EQ(out(largest)[1], host) << "never less";
+}
+
+TEST_F(Presented, a_port_that_is_removed_reaches_nobody) {
+    constexpr std::uint8_t port = 3;
+    hosts.add_port(port);
+    out(frame(user, port, 0xE0, {2, 5, 0}));
+    EXPECT_EQ(asker(0xE1, {5, 0, 1}), user);
+    hosts.remove_port(port);
+    out(frame(user, port, 0xE0, {2, 6, 0}));
+    EXPECT_EQ(asker(0xE1, {6, 0, 1}), host);
+}

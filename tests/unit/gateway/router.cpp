@@ -554,3 +554,50 @@ TEST(Router, what_was_spread_is_guarded) {
     net.route(3, 0xFE, 0xFF);
     EXPECT_EQ(net.route(1, 0xDC, 0xFE).guarded, channels({0, 3})) << "two hosts";
 }
+
+// The channel of the same number goes first.
+TEST(Router, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
+    Net net{{}, {{}, {.port_id = 5, .flood = false, .broadcast = false, .group = 1}, {.group = 1}, {}}};
+    net->pin(40, 42, link(1));
+    net->unpin(41, 41, link(1));
+    expect(net.route(0, 0xFE, 42), channels({1}), Via::pinned);
+    expect(net.route(0, 0xFE, 41), channels({2, 3}), Via::unknown);
+    net.route(1, 0xDC, 0xFE);
+    net->close(channel(1));
+    net->remove_link(link(1));
+    EXPECT_EQ(net->group(1), links({2}));
+    for (const unsigned to : {5u, 40u, 42u, 0xDCu})
+        expect(net.route(0, 0xFE, static_cast<std::uint8_t>(to)), channels({2, 3}), Via::unknown);
+    ASSERT_EQ(net->add_link({}), link(1));
+    net->open(channel(1), link(1));
+    for (const unsigned to : {5u, 40u, 42u, 0xDCu})
+        expect(net.route(0, 0xFE, static_cast<std::uint8_t>(to)), channels({1, 2, 3}), Via::unknown);
+    net.route(1, 0xDD, 0xFE);
+    expect(net.route(2, 0xDE, 0xDD), channels({1}), Via::learned);
+}
+
+TEST(Router, the_lowest_free_number_is_the_next) {
+    Net net;
+    for (const unsigned n : {1u, 2u}) {
+        net->close(channel(n));
+        net->remove_link(link(n));
+    }
+    EXPECT_EQ(net->add_link({}), link(1));
+    EXPECT_EQ(net->add_link({}), link(2));
+    EXPECT_EQ(net->add_link({}), link(4));
+}
+
+TEST(Router, a_conflict_ends_with_one_of_its_two_links) {
+    Net net;
+    net->note_conflict(0xDC, links({1, 2}), std::nullopt, net.now);
+    net->note_conflict(0xDD, links({1, 2, 3}), channel(3), net.now);
+    net->note_conflict(0xDE, links({2}), std::nullopt, net.now);
+    net->close(channel(2));
+    net->remove_link(link(2));
+    ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+    EXPECT_EQ(net->conflicts(net.now)[0].links, links({1, 3}));
+    Conflict conflict;
+    ASSERT_TRUE(net->take_new_conflict(conflict));
+    EXPECT_EQ(conflict.address, 0xDD);
+    EXPECT_FALSE(net->take_new_conflict(conflict)) << "of the others nothing is told";
+}

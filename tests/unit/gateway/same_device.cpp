@@ -84,3 +84,16 @@ TEST(SameDevice, one_link_alone_is_no_other_device) {
     for (std::uint64_t n = 0; n < 10000; ++n, links.now += 10ms) links.device.heard(source, a, n, links.now);
     EXPECT_FALSE(links.device.differ(source));
 }
+
+TEST(SameDevice, a_link_that_is_removed_is_not_compared_with) {
+    TwoLinks links;
+    links.run(3s, 20ms, 7ms, false);
+    EXPECT_TRUE(links.device.differ(source));
+    links.device.remove_link(LinkId{40});
+    EXPECT_TRUE(links.device.differ(source)) << "another";
+    links.device.remove_link(b);
+    EXPECT_FALSE(links.device.differ(source));
+    EXPECT_FALSE(links.device.heard(source, b, 7, links.now));
+    links.device.remove_link(b);
+    EXPECT_FALSE(links.device.heard(source, a, 7, links.now)) << "the sample was of the other";
+}

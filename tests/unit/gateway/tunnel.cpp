@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace {
 
 using anogate::Endpoint;
@@ -400,6 +402,27 @@ TEST_F(Wrapping, the_short_form_cannot_name_a_sender_in_another_network) {
     EXPECT_EQ(tunnel.counters().tunnel_other_network, 1u);
     site.ours.reset();
     EXPECT_FALSE(tunnel.begin_wrap(0, 4096, sender));
+    EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
+}
+
+TEST_F(Wrapping, what_cannot_be_wrapped_is_counted_once_a_datagram_and_the_next_may_be) {
+    rule("0.0.0.0/0");
+    Tunnel tunnel = site.tunnel();
+    const auto none = [](ano::FrameView) { FAIL(); };
+    const auto ours = std::exchange(site.ours, std::nullopt);
+    EXPECT_FALSE(tunnel.begin_wrap(0, 4096, sender));
+    EXPECT_FALSE(tunnel.can_wrap()) << "its other frames are not even looked at";
+    EXPECT_FALSE(tunnel.wrapping());
+    tunnel.end_wrap(none);
+    EXPECT_TRUE(tunnel.can_wrap());
+    site.ours = ours;
+    ASSERT_TRUE(tunnel.begin_wrap(0, 4096, sender));
+    EXPECT_EQ(tunnel.wrapping(), std::optional<std::size_t>{0});
+    tunnel.end_wrap(none);    // nothing passed
+    EXPECT_FALSE(tunnel.wrapping());
+    wrap(tunnel, {euler});
+    EXPECT_EQ(sent.size(), 1u);
+    EXPECT_EQ(tunnel.counters().wrapped, 1u);
     EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
 }
 

@@ -1,6 +1,4 @@
-#include <gateway/recent.hpp>
-
-#include <support/bytes.hpp>
+#include <gateway/duplicate_guard.hpp>
 
 #include <gtest/gtest.h>
 
@@ -12,37 +10,8 @@ namespace {
 
 constexpr TimePoint start{1h};
 constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
-std::uint64_t key(const support::Bytes& frame) { return key_of(ano::FrameView{frame}); }
 
 }    // namespace
-
-TEST(KeyOf, tells_frames_apart) {
-    const auto one = support::frame(1, 2, 3, {4});
-    EXPECT_EQ(key(one), key(support::frame(1, 2, 3, {4})));
-    for (const auto& other : {support::frame(9, 2, 3, {4}), support::frame(1, 9, 3, {4}), support::frame(1, 2, 9, {4}),
-                              support::frame(1, 2, 3, {9}), support::frame(1, 2, 3, {4, 0}), support::frame(1, 2, 3, {})})
-        EXPECT_NE(key(one), key(other));
-}
-
-TEST(Recent, remembers_within_its_window) {
-    Recent<int> recent{2s, 64};
-    EXPECT_EQ(recent.find(0, start), nullptr);
-    recent.put(0, 7, start);
-    ASSERT_NE(recent.find(0, start + 2s - 1ns), nullptr);
-    EXPECT_EQ(*recent.find(0, start), 7);
-    EXPECT_EQ(recent.find(0, start + 2s), nullptr);
-    recent.put(0, 8, start + 1s);
-    EXPECT_EQ(*recent.find(0, start + 2s), 8);
-}
-
-TEST(Recent, forgets_the_oldest_when_full) {
-    Recent<int> recent{1h, 8};
-    for (int n = 0; n < 1000; ++n) recent.put(static_cast<std::uint64_t>(n), n, start + n * 1ms);
-    int known = 0;
-    for (int n = 0; n < 1000; ++n) known += recent.find(static_cast<std::uint64_t>(n), start + 1s) != nullptr;
-    EXPECT_EQ(known, 8);
-    EXPECT_NE(recent.find(999, start + 1s), nullptr);
-}
 
 TEST(DuplicateGuard, lets_one_copy_through) {
     DuplicateGuard guard;
@@ -89,4 +58,28 @@ TEST(DuplicateGuard, a_command_never_comes_twice) {
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 100ms));    // the user's own repeat
     for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 100ms + i * 200ms));
+}
+
+TEST(DuplicateGuard, a_link_that_is_removed_leaves_what_it_brought_and_nothing_else) {
+    DuplicateGuard guard;
+    EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));
+    guard.remove_link(link(0));
+    EXPECT_TRUE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 1s)) << "a command never comes twice";
+    EXPECT_TRUE(guard.duplicate(1, 1, link(0), Replaces::nothing, start + 1s)) << "nor by another of this number";
+}
+
+TEST(DuplicateGuard, a_link_that_is_removed_counts_as_silent) {
+    DuplicateGuard guard;
+    for (int i = 0; i < 2; ++i) EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::same_id, start));
+    guard.remove_link(link(0));
+    EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::same_id, start + 1ms));
+}
+
+TEST(DuplicateGuard, a_group_that_is_removed_leaves_nothing_to_another_of_its_number) {
+    DuplicateGuard guard;
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Replaces::nothing, start));
+    EXPECT_FALSE(guard.duplicate(0xAB, 2, link(2), Replaces::nothing, start));
+    guard.remove_group(1);
+    EXPECT_FALSE(guard.duplicate(0xAB, 1, link(1), Replaces::nothing, start));
+    EXPECT_TRUE(guard.duplicate(0xAB, 2, link(3), Replaces::nothing, start));
 }

@@ -1,0 +1,65 @@
+// Of a frame that comes by several links of a group, lets one through.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/expiring_cache.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/queue_policy.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace anogate {
+
+class DuplicateGuard {
+public:
+    /// How long the link that brought a state must be silent before another may bring the same state again.
+    static constexpr ano::Duration silence = std::chrono::milliseconds{200};
+
+    explicit DuplicateGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
+        : brought_{window, capacity} {}
+
+    /// A frame of this frame_key() came by `from`, a member of `group` (1 to 64); it `arrived` before, where it waited to be
+    /// read. True: another member brought it less than the window before. A sender that repeats one and the same state, such
+    /// as sticks that rest, is still heard when its link fails: once the member that brought it repeatedly is silent, the
+    /// others count. That holds for frames a newer one may replace alone; a command never comes through twice.
+    bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now,
+                   ano::TimePoint arrived = ano::TimePoint::max()) noexcept {
+        key = (key & ~std::uint64_t{0xFF}) | group;    // in place of HEAD, which all share
+        heard_at_[index(from)] = now;
+        if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
+            const bool failed = now - heard_at_[index(known->by)] >= silence;
+            if (!(replaces != Replaces::nothing && known->repeats && failed)) return true;
+            brought_.put(key, {from, true}, now);
+        } else {
+            brought_.put(key, {from, known != nullptr}, now);
+        }
+        return false;
+    }
+
+    /// The link is no more. What it brought stays known to the others of its group.
+    void remove_link(LinkId link) {
+        heard_at_[index(link)] = {};
+        brought_.keep_if([link](std::uint64_t, Brought& brought) {
+            if (brought.by == link) brought.by = nobody;
+            return true;
+        });
+    }
+    /// No link has this number any more.
+    void remove_group(std::uint8_t group) {
+        brought_.keep_if([group](std::uint64_t key, const Brought&) { return (key & 0xFF) != group; });
+    }
+
+private:
+    static constexpr LinkId nobody{max_links};    // a link that is no more: it is silent
+    struct Brought {
+        LinkId by{};
+        bool repeats = false;
+    };
+    ExpiringCache<Brought> brought_;
+    std::array<ano::TimePoint, max_links + 1> heard_at_{};
+};
+
+}    // namespace anogate

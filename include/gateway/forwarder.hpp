@@ -1,0 +1,228 @@
+// What becomes of a frame that came in: alias, guards, rules, tunnel, route, offer, in this order. It does no I/O and reads no
+// clock.
+//
+// Flow:    const LinkId link = forwarder.add_link({...});
+//          Channel* channel = forwarder.open_channel(link, peer, now);
+//          forwarder.link_up(link, now);                         // its wire is there
+//          forwarder.receive(*channel, frame, now);              // every good frame
+//          while (Channel* to = forwarder.next_to_flush()) ...   // at the end of a batch: frames wait in its outbox
+//          forwarder.tick(now);                                  // at due(), and say_hellos(now) at hello_due(); then flush
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/messages.hpp>
+#include <ano/time.hpp>
+#include <gateway/channel.hpp>
+#include <gateway/duplicate_guard.hpp>
+#include <gateway/forwarder_link.hpp>
+#include <gateway/held.hpp>
+#include <gateway/hello.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/inhibit.hpp>
+#include <gateway/loop_guard.hpp>
+#include <gateway/present_as.hpp>
+#include <gateway/router.hpp>
+#include <gateway/same_device.hpp>
+#include <gateway/settings.hpp>
+#include <gateway/tunnel_port.hpp>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// Neither throws nor allocates while the links and channels stay the same. Links and channels come and go at any time but
+/// inside a call of an observer or of the tunnel.
+class Forwarder {
+public:
+    /// Is told of every frame, as long as it is registered. It neither adds nor removes observers in a call.
+    class Observer {
+    public:
+        /// A good frame came in, as it was sent.
+        virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
+        /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. What becomes of
+        /// it there, the counters of the channel tell. `from` may be `ourselves`.
+        virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
+        /// What came in goes no further. A frame that was withheld and whose next never came is counted `looped` without this.
+        virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
+        /// It was to leave by `to` and does not.
+        virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
+
+    protected:
+        ~Observer() = default;
+    };
+
+    /// `station` is a number that no other gateway has.
+    Forwarder(const GatewaySettings& settings, std::uint64_t station);
+    ~Forwarder();
+
+    /// The lowest number that is free; there is one.
+    LinkId add_link(const ForwarderLink& link);
+    /// Closes its channels and forgets all that is known of it: another that gets its number starts anew.
+    void remove_link(LinkId link);
+    void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
+    void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
+    /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
+    /// removed.
+    void set_tunnel(LinkId link, LinkSet carried, TunnelPort& port);
+
+    /// nullptr: all 64 are in use. It lives until close_channel(), or until its link is removed; its outbox starts closed.
+    Channel* open_channel(LinkId link, std::string peer, TimePoint now);
+    void close_channel(Channel& channel);
+    /// The wire of the link is there: opens the outboxes of its channels. To be called again for a channel that is new.
+    void link_up(LinkId link, TimePoint now);
+    void link_down(LinkId link);
+    /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
+    void report_unreachable(LinkId link) { router_.report_unreachable(link); }
+    /// The clock stood still for `time`, though it passed: all that waits is that much older.
+    void grow_older(Duration time);
+    /// The end is near: nothing is asked any more, and no answer awaited.
+    void stop_asking();
+
+    /// A good frame came by `from`, whose `arrived_at` says when.
+    void receive(Channel& from, ano::FrameView frame, TimePoint now);
+    /// What the gateway itself says to the other end of `to`: it came by no channel and teaches no address. Counted, ruled and
+    /// queued like any other frame.
+    void say(ChannelId to, ano::FrameView frame, TimePoint now);
+
+    /// For the tunnel. A tunnel frame came by it: whether it may be opened.
+    bool admit(Channel& from, ano::FrameView frame, TimePoint now);
+    /// A frame inside a tunnel frame that came by `from` and leaves by the tunnel takes all steps of receive() that keep one
+    /// back. False: it does not leave, and was counted.
+    bool passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now);
+    /// The same for one that came by the tunnel and is to go to the devices of `to` inside a tunnel frame.
+    bool passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, TimePoint now);
+    /// The source of the frame is behind `from`: answers go there.
+    void learn(Channel& from, ano::FrameView frame, TimePoint now);
+    /// To every channel of `to`: a tunnel frame of passes_to_wrap().
+    void send(LinkId to, ano::FrameView frame, TimePoint now);
+
+    /// A channel in whose outbox frames wait since it was flushed last; nullptr: none.
+    Channel* next_to_flush() noexcept;
+    /// When tick() has something to do; nothing: not by itself. It may come too early, never too late.
+    std::optional<TimePoint> due() const noexcept;
+    void tick(TimePoint now);
+    /// The same for say_hellos(), which may come a little later.
+    std::optional<TimePoint> hello_due() const noexcept { return hello_due_; }
+    void say_hellos(TimePoint now);
+
+    /// The next conflict that began and was not taken yet; for the log.
+    std::optional<Conflict> take_conflict();
+    struct Claimant {
+        LinkId link{};
+        std::string peer;    // Channel::peer
+    };
+    /// Who claimed the address last; nullptr: nobody did.
+    const Claimant* claimant(const Conflict& conflict) const;
+
+    void add_observer(Observer& observer) { observers_.push_back(&observer); }
+    void remove_observer(Observer& observer) { std::erase(observers_, &observer); }
+
+    const LinkTraffic& traffic(LinkId link) const;
+    const Channel& channel(ChannelId id) const { return *channels_[index(id)]; }
+    ChannelSet channels() const noexcept { return used_; }
+    const Router& router() const noexcept { return router_; }
+    const SameDevice& same_device() const noexcept { return same_device_; }
+    const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
+    /// The switches that keep control frames off.
+    Inhibit& inhibit() noexcept { return inhibit_; }
+
+private:
+    struct LinkEntry;
+    LinkEntry& entry(LinkId link) noexcept { return *links_[index(link)]; }
+    const LinkEntry& entry(LinkId link) const noexcept { return *links_[index(link)]; }
+
+    // forwarder_links.cpp
+    void present(LinkEntry& link);
+    void forget_presentation(LinkEntry& link);
+
+    // forwarder.cpp: the steps
+    void begin(Channel& from, ano::FrameView frame, TimePoint now);
+    Said said_at(const Channel& from, ano::FrameView frame, std::uint64_t key) const;
+    bool goes_round(Channel& from, ano::FrameView frame, ano::FrameView brought, const Said& said, std::uint32_t& copies);
+    void end_loop(Channel& from, ano::FrameView frame);
+    bool is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key, QueuePolicy policy);
+    void compare(const Channel& from, ano::FrameView frame, std::uint64_t key);
+    bool admit(Channel& from, ano::FrameView frame);
+    bool admit_unopened(Channel& from, ano::FrameView frame);
+    void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said, std::uint32_t copies);
+    void keep_from_tunnel(Route& route);
+    void note_taker(Channel& from, ano::FrameView frame, const Route& route);
+    void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
+    SendCause rewrite(LinkEntry& link, ano::FrameView& frame);
+    void drop(Channel& from, ano::FrameView frame, ReceiveCause cause);
+    void refuse(LinkId to, ano::FrameView frame, SendCause cause);
+
+    // forwarder_tunnel.cpp
+    bool passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to);
+    bool may_leave(LinkId to, ano::FrameView frame);
+    void learn(Channel& from, ano::FrameView frame);
+
+    // forwarder_held.cpp
+    static bool keeps_order(ano::FrameView frame) noexcept;
+    bool hold(Channel& from, ano::FrameView brought, TimePoint due, Held::Repeats repeats = {});
+    void make_room_for(const Channel& from, ano::FrameView frame);
+    void hurry(ChannelId from);
+    void receive_held(const Held::Frame& held);
+    void release_held_until(TimePoint due);
+
+    // forwarder_questions.cpp
+    void say(ChannelId to, ano::FrameView frame);
+    void send_probe(ChannelId channel);
+    void take_probe(Channel& from, ano::FrameView probe);
+    SendCause ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
+    void release_questions();
+    void ask_holders();
+    void say_and_remember(ChannelId to, ano::FrameView frame);
+    TimePoint heard_at(const LinkEntry& link) const;
+    void await_hellos();
+    void note_claimants();
+
+    static constexpr std::uint8_t firmware_id = ano::id_of<"firmware">;
+
+    Router router_;
+    LoopGuard loop_guard_;
+    Held held_;    // for what the guard waits
+    bool releasing_ = false;
+    bool hurrying_ = false;
+    DuplicateGuard duplicates_;
+    SameDevice same_device_;
+    Inhibit inhibit_;
+    std::map<std::uint8_t, Claimant> claimants_;
+    std::vector<std::unique_ptr<PresentAs>> presentations_;
+    std::array<std::unique_ptr<LinkEntry>, max_links> links_;
+    LinkSet added_;
+    std::array<std::unique_ptr<Channel>, max_channels> channels_;
+    ChannelSet used_;
+    ChannelSet to_flush_;
+    TunnelPort* tunnel_ = nullptr;
+    LinkId tunnel_link_{};
+    LinkSet carried_;    // whose tunnel frames the tunnel takes
+    LinkSet ruled_;      // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
+    std::vector<Observer*> observers_;
+    std::uint64_t frame_number_ = 0;
+    TimePoint now_{};
+    TimePoint arrived_at_{};    // what is being received had come then
+    TimePoint questions_due_ = TimePoint::max();
+    std::optional<TimePoint> hello_due_;
+    bool asks_ = true;    // until the end is near
+};
+
+/// A link and what its frames pass.
+struct Forwarder::LinkEntry {
+    ForwarderLink settings;
+    LinkTraffic traffic;
+    bool up = false;
+    std::unique_ptr<Rules> rules;        // nullptr: none
+    std::unique_ptr<Aliases> aliases;    // nullptr: none
+    PresentAs* present_as = nullptr;     // nullptr: hosts appear as they are; the links of a group have one in common
+    std::optional<Hello> hello;          // nothing: it never speaks first
+};
+
+inline const LinkTraffic& Forwarder::traffic(LinkId link) const { return entry(link).traffic; }
+
+}    // namespace anogate

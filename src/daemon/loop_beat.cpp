@@ -1,0 +1,51 @@
+#include <daemon/loop_beat.hpp>
+
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr ano::Duration beat_of_streams = std::chrono::milliseconds{100};    // bytes bear no stamp: half of what sticks may wait
+constexpr ano::Duration calm_beat = std::chrono::milliseconds{500};
+constexpr ano::Duration slack = std::chrono::milliseconds{20};
+
+}    // namespace
+
+LoopBeat::LoopBeat(AlarmClock& alarms, std::function<void()> call) : alarm_{alarms, std::move(call), slack} {}
+
+ano::Duration LoopBeat::turn(const ClockReading& clocks) {
+    const LoopWatch::Turn turn = loop_.turn(clocks);
+    if (turn.stood == ano::Duration::zero()) return {};
+    noticed_ = true;
+    if (alarm_.is_set()) alarm_.set_no_later(loop_.now() + beat_of_streams);
+    log_.stood(turn, loop_.now());
+    return turn.suspended;
+}
+
+// Where it has stood still, the beat comes behind all that was to be read then: but not when it is the one to notice.
+void LoopBeat::end(bool streams_speak) {
+    if (!noticed_) loop_.end_standstill();
+    calm_ = !noticed_ && !streams_speak;
+    const ano::Duration period = calm_ ? calm_beat : beat_of_streams;
+    loop_.beat(period + slack);
+    alarm_.set(loop_.now() + period);
+}
+
+// Between calm beats: a stream wants more of them, and the stamp of what waited tells as well.
+void LoopBeat::heard(bool by_stream, ano::TimePoint arrived_at) {
+    if (by_stream) {
+        if (!calm_) return;
+        calm_ = false;
+        loop_.beat(beat_of_streams + slack);
+        alarm_.set_no_later(loop_.now() + beat_of_streams);
+    } else if (const ano::Duration stood = loop_.waited(arrived_at); stood > ano::Duration::zero()) {
+        log_.stood({.stood = stood, .is_told = true}, loop_.now());
+    }
+}
+
+void LoopBeat::finish() {
+    alarm_.cancel();
+    log_.finish();
+}
+
+}    // namespace anogate

@@ -1,0 +1,152 @@
+// Links and channels of the Forwarder come and go.
+#include <gateway/forwarder.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+
+LinkId Forwarder::add_link(const ForwarderLink& settings) {
+    const LinkId id = router_.add_link(settings.route);
+    added_.insert(id);
+    links_[index(id)] = std::make_unique<LinkEntry>();
+    LinkEntry& link = entry(id);
+    link.settings = settings;
+    if (settings.rules != RuleSettings{} || !settings.sends_empty)
+        link.rules = std::make_unique<Rules>(settings.rules, settings.sends_empty);
+    if (settings.hello != Duration{} && settings.route.broadcast) link.hello.emplace(settings.hello);
+    if (!settings.aliases.empty()) {
+        const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);
+        link.aliases = std::make_unique<Aliases>(settings.aliases, max_data);
+        for (const AliasRule& rule : settings.aliases) router_.pin(rule.as, rule.as, id);    // it is nowhere else
+    }
+    if (settings.present_as != 0) present(link);
+    if (link.rules || link.hello || link.aliases || link.present_as || settings.takes_few_questions) ruled_.insert(id);
+    return id;
+}
+
+// An answer may come by another link of the group than the question went.
+void Forwarder::present(LinkEntry& link) {
+    const ForwarderLink& settings = link.settings;
+    const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);
+    for (const LinkId other : added_)
+        if (settings.route.group != 0 && entry(other).settings.route.group == settings.route.group && entry(other).present_as)
+            link.present_as = entry(other).present_as;
+    if (!link.present_as)
+        link.present_as = presentations_.emplace_back(std::make_unique<PresentAs>(settings.present_as, max_data)).get();
+    link.present_as->make_room(max_data);
+    if (settings.route.port_id != 0) link.present_as->add_port(settings.route.port_id);
+}
+
+void Forwarder::forget_presentation(LinkEntry& link) {
+    PresentAs* const forgotten = std::exchange(link.present_as, nullptr);
+    if (!forgotten) return;
+    bool is_used = false;
+    forgotten->remove_port(link.settings.route.port_id);
+    for (const LinkId other : added_) {
+        if (entry(other).present_as != forgotten) continue;
+        is_used = true;
+        if (entry(other).settings.route.port_id != 0) forgotten->add_port(entry(other).settings.route.port_id);
+    }
+    if (!is_used) std::erase_if(presentations_, [forgotten](const auto& one) { return one.get() == forgotten; });
+}
+
+void Forwarder::remove_link(LinkId id) {
+    LinkEntry& link = entry(id);
+    const std::uint8_t group = link.settings.route.group;
+    for (const ChannelId channel : link.traffic.channels) close_channel(*channels_[index(channel)]);
+    if (tunnel_ && tunnel_link_ == id) {
+        tunnel_ = nullptr;
+        carried_.clear();
+    }
+    forget_presentation(link);
+    carried_.erase(id);
+    ruled_.erase(id);
+    added_.erase(id);
+    links_[index(id)].reset();
+    router_.remove_link(id);
+    loop_guard_.remove_link(id);
+    duplicates_.remove_link(id);
+    if (group != 0 && router_.group(group).empty()) duplicates_.remove_group(group);
+    same_device_.remove_link(id);
+    inhibit_.remove_link(id);
+    std::erase_if(claimants_, [id](const auto& claimant) { return claimant.second.link == id; });
+}
+
+void Forwarder::set_tunnel(LinkId link, LinkSet carried, TunnelPort& port) {
+    tunnel_link_ = link;
+    carried_ = carried;
+    tunnel_ = &port;
+}
+
+Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
+    const ChannelSet unused = ~used_;
+    if (unused.empty()) return nullptr;
+    const ChannelId channel = *unused.begin();
+    LinkEntry& link = entry(id);
+    const ForwarderLink& settings = link.settings;
+    auto& opened = channels_[index(channel)];
+    opened = std::make_unique<Channel>(channel, id, std::move(peer), settings.parser, settings.outbox, now);
+    if (settings.takes_few_questions)
+        opened->questions = std::make_unique<QuestionQueue>(
+            opened->outbox, QuestionQueue::Options{settings.outbox.bytes, settings.outbox.age.rest});
+    used_.insert(channel);
+    link.traffic.channels.insert(channel);
+    router_.open(channel, id);
+    loop_guard_.open(channel, id, settings.route.group, settings.takes_probes, now);
+    return opened.get();
+}
+
+void Forwarder::close_channel(Channel& channel) {
+    LinkTraffic& traffic = entry(channel.link).traffic;
+    channel.routed.looped += held_.forget(channel.id) + loop_guard_.take_lost(channel.id, TimePoint::max());
+    loop_guard_.close(channel.id);
+    channel.outbox.close();
+    if (channel.questions) channel.questions->close();
+    add(traffic.gone_received, channel.received());
+    add(traffic.gone_sent, channel.sent());
+    traffic.channels.erase(channel.id);
+    used_.erase(channel.id);
+    to_flush_.erase(channel.id);
+    router_.close(channel.id);
+    channels_[index(channel.id)].reset();
+}
+
+void Forwarder::link_up(LinkId id, TimePoint now) {
+    LinkEntry& link = entry(id);
+    for (const ChannelId channel : link.traffic.channels) {
+        channels_[index(channel)]->outbox.open();
+        router_.came_up(channel);
+    }
+    if (std::exchange(link.up, true)) return;
+    if (link.hello) link.hello->came_up(now);
+    await_hellos();
+}
+
+void Forwarder::link_down(LinkId id) {
+    LinkEntry& link = entry(id);
+    for (const ChannelId channel : link.traffic.channels) {
+        channels_[index(channel)]->outbox.close();
+        if (auto& questions = channels_[index(channel)]->questions) questions->close();
+        router_.went_down(channel);
+    }
+    link.up = false;
+    if (link.hello) link.hello->went_down();
+}
+
+void Forwarder::grow_older(Duration time) {
+    for (const ChannelId id : used_) {
+        channels_[index(id)]->outbox.grow_older(time);
+        if (auto& questions = channels_[index(id)]->questions) questions->grow_older(time);
+    }
+}
+
+void Forwarder::stop_asking() {
+    asks_ = false;
+    questions_due_ = TimePoint::max();
+    hello_due_.reset();
+    for (const ChannelId id : used_)
+        if (auto& questions = channels_[index(id)]->questions) questions->close();
+}
+
+}    // namespace anogate

@@ -1,0 +1,146 @@
+// What the gateway says by itself: probes, hellos, questions to those whose address is claimed; and when.
+#include <gateway/forwarder.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+constexpr QueuePolicy probe_policy{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
+
+}    // namespace
+
+Channel* Forwarder::next_to_flush() noexcept {
+    while (!to_flush_.empty()) {
+        const ChannelId id = *to_flush_.begin();
+        to_flush_.erase(id);
+        if (!channels_[index(id)]->outbox.empty()) return channels_[index(id)].get();
+    }
+    return nullptr;
+}
+
+std::optional<TimePoint> Forwarder::due() const noexcept {
+    TimePoint first = questions_due_;
+    if (const auto held = held_.due()) first = std::min(first, *held);
+    if (const auto question = router_.next_question(); question && asks_) first = std::min(first, *question);
+    return first == TimePoint::max() ? std::nullopt : std::optional{first};
+}
+
+void Forwarder::tick(TimePoint now) {
+    now_ = now;
+    release_held_until(now_);
+    if (now_ >= questions_due_) release_questions();
+    if (asks_ && router_.has_question(now_)) ask_holders();
+}
+
+void Forwarder::say(ChannelId to, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    say(to, frame);
+}
+
+void Forwarder::say(ChannelId to, ano::FrameView frame) {
+    ++frame_number_;
+    offer(ourselves, to, frame, policy_of(frame.id()), now_);
+}
+
+// It may come back by any link.
+void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
+    say(to, frame);
+    loop_guard_.remember(said_by(frame), to, to, now_);
+}
+
+// Ahead of the frame that it is about: in a ring it is back before that.
+void Forwarder::send_probe(ChannelId channel) {
+    ++frame_number_;
+    offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_policy, now_);
+    ++frame_number_;
+}
+
+// Nobody's word, whoever may have passed it on: it teaches no address.
+void Forwarder::take_probe(Channel& from, ano::FrameView probe) {
+    if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news)
+        return drop(from, probe, &ReceiveCounters::looped);
+    const std::uint8_t group = entry(from.link).settings.route.group;
+    for (const ChannelId to : (loop_guard_.rings().probed() & used_) - from.id)
+        if (group == 0 || entry(channels_[index(to)]->link).settings.route.group != group)
+            offer(ourselves, to, probe, probe_policy, now_);
+}
+
+SendCause Forwarder::ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at) {
+    const SendCause cause = channel.questions->push(frame, policy, now_, from, arrived_at);
+    to_flush_.insert(channel.id);
+    const auto due = channel.questions->next_look(now_);
+    if (due && asks_) questions_due_ = std::min(questions_due_, *due);
+    return cause;
+}
+
+// What was not answered in time makes room for what waits.
+void Forwarder::release_questions() {
+    questions_due_ = TimePoint::max();
+    for (const ChannelId id : used_) {
+        const auto& questions = channels_[index(id)]->questions;
+        if (!questions) continue;
+        if (questions->release(now_)) to_flush_.insert(id);
+        if (const auto due = questions->next_look(now_)) questions_due_ = std::min(questions_due_, *due);
+    }
+}
+
+// Those whose address is claimed by others.
+void Forwarder::ask_holders() {
+    while (const auto question = router_.take_question(now_)) {
+        const auto bytes = device_info_question(question->address);
+        for (const ChannelId to : question->channels) say_and_remember(to, ano::FrameView{bytes});
+        ++frame_number_;
+    }
+}
+
+// Speaks first where nothing is heard.
+void Forwarder::say_hellos(TimePoint now) {
+    now_ = now;
+    for (const LinkId id : added_) {
+        LinkEntry& link = entry(id);
+        const auto due = link.hello ? link.hello->due(heard_at(link)) : std::nullopt;
+        if (!due || *due > now_) continue;
+        for (const ChannelId to : link.traffic.channels) say_and_remember(to, ano::FrameView{hello_frame});
+        link.hello->said(now_);
+    }
+    await_hellos();
+}
+
+// Until the first moment at which one can be due: frames that come meanwhile change nothing.
+void Forwarder::await_hellos() {
+    hello_due_.reset();
+    if (!asks_) return;
+    for (const LinkId id : added_) {
+        const LinkEntry& link = entry(id);
+        if (const auto due = link.hello ? link.hello->due(heard_at(link)) : std::nullopt)
+            hello_due_ = std::min(hello_due_.value_or(TimePoint::max()), *due);
+    }
+}
+
+TimePoint Forwarder::heard_at(const LinkEntry& link) const {
+    TimePoint latest{};
+    for (const ChannelId id : link.traffic.channels) latest = std::max(latest, channels_[index(id)]->heard_at);
+    return latest;
+}
+
+// Before the channel of the claimant can be closed.
+void Forwarder::note_claimants() {
+    Router::Claimant claims;
+    while (router_.take_claimant(claims)) {
+        const Channel& channel = *channels_[index(claims.channel)];
+        claimants_[claims.address] = {channel.link, channel.peer};
+    }
+}
+
+std::optional<Conflict> Forwarder::take_conflict() {
+    Conflict conflict;
+    return router_.take_new_conflict(conflict) ? std::optional{conflict} : std::nullopt;
+}
+
+const Forwarder::Claimant* Forwarder::claimant(const Conflict& conflict) const {
+    const auto found = claimants_.find(conflict.address);
+    return conflict.claimed && found != claimants_.end() ? &found->second : nullptr;
+}
+
+}    // namespace anogate

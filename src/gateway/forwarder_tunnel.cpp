@@ -1,0 +1,69 @@
+// What a frame passes that a tunnel frame brings, or that leaves in one.
+#include <gateway/forwarder.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+
+bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    if (!observers_.empty()) [[unlikely]]
+        for (Observer* observer : observers_) observer->received(from, frame, std::min(from.arrived_at, now_));
+    return admit(from, frame);
+}
+
+// A switch is not to be passed inside a tunnel frame.
+bool Forwarder::passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now) {
+    now_ = now;
+    if (!admit(from, inner) || !admit_unopened(from, inner) || !passes_loop_guard(from, inner, tunnel_link_)) return false;
+    learn(from, inner);
+    return may_leave(tunnel_link_, inner);
+}
+
+bool Forwarder::passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, TimePoint now) {
+    return admit(from, frame, now) && admit_unopened(from, frame) && passes_loop_guard(from, frame, to) && may_leave(to, frame);
+}
+
+// What leaves without Router::route() is kept from going round all the same.
+bool Forwarder::passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) {
+    const Said said = said_at(from, frame, frame_key(frame));
+    const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
+    if (judgement.probe) send_probe(from.id);
+    if (judgement.fate == LoopGuard::Fate::ends) return end_loop(from, frame), false;
+    if (judgement.fate == LoopGuard::Fate::withheld) return false;
+    from.routed.looped += judgement.copies - 1;    // a datagram has no room for those withheld before it
+    loop_guard_.remember(said, from.id, entry(to).traffic.channels, now_);
+    return true;
+}
+
+// The send filter and limits of `to`.
+bool Forwarder::may_leave(LinkId to, ano::FrameView frame) {
+    LinkEntry& link = entry(to);
+    const bool is_stale = now_ - arrived_at_ >= limit(link.settings.outbox.age, policy_of(frame.id()).age);
+    if (is_stale) return refuse(to, frame, &SendCounters::stale), false;
+    const SendCause cause = link.rules ? link.rules->refusal(frame, ++frame_number_, now_) : nullptr;
+    if (cause) refuse(to, frame, cause);
+    if (link.hello && frame.id() == firmware_id) link.hello->saw_firmware(now_);
+    return !cause;
+}
+
+void Forwarder::learn(Channel& from, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    learn(from, frame);
+}
+
+void Forwarder::learn(Channel& from, ano::FrameView frame) {
+    router_.learn(from.id, frame.source(), now_);
+    note_claimants();
+    if (router_.has_question(now_)) ask_holders();
+}
+
+void Forwarder::send(LinkId to, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    ++frame_number_;
+    const ChannelSet channels = entry(to).traffic.channels;
+    if (channels.empty()) refuse(to, frame, &SendCounters::link_down);
+    for (const ChannelId channel : channels) offer(ourselves, channel, frame, policy_of(frame.id()), arrived_at_);
+}
+
+}    // namespace anogate

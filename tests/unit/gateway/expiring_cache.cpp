@@ -1,0 +1,48 @@
+#include <gateway/expiring_cache.hpp>
+
+#include <gtest/gtest.h>
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using ano::TimePoint;
+
+namespace {
+
+constexpr TimePoint start{1h};
+
+}    // namespace
+
+TEST(ExpiringCache, remembers_within_its_window) {
+    ExpiringCache<int> cache{2s, 64};
+    EXPECT_EQ(cache.find(0, start), nullptr);
+    cache.put(0, 7, start);
+    ASSERT_NE(cache.find(0, start + 2s - 1ns), nullptr);
+    EXPECT_EQ(*cache.find(0, start), 7);
+    EXPECT_EQ(cache.find(0, start + 2s), nullptr);
+    cache.put(0, 8, start + 1s);
+    EXPECT_EQ(*cache.find(0, start + 2s), 8);
+}
+
+TEST(ExpiringCache, forgets_the_oldest_when_full) {
+    ExpiringCache<int> cache{1h, 8};
+    for (int n = 0; n < 1000; ++n) cache.put(static_cast<std::uint64_t>(n), n, start + n * 1ms);
+    int known = 0;
+    for (int n = 0; n < 1000; ++n) known += cache.find(static_cast<std::uint64_t>(n), start + 1s) != nullptr;
+    EXPECT_EQ(known, 8);
+    EXPECT_NE(cache.find(999, start + 1s), nullptr);
+}
+
+TEST(ExpiringCache, is_swept_by_what_is_to_stay) {
+    ExpiringCache<int> cache{2s, 64};
+    for (int n = 0; n < 4; ++n) cache.put(static_cast<std::uint64_t>(n), n, start);
+    cache.keep_if([](std::uint64_t key, int& value) {
+        value += 10;
+        return key % 2 == 0;
+    });
+    EXPECT_EQ(*cache.find(0, start), 10);
+    EXPECT_EQ(cache.find(1, start), nullptr);
+    EXPECT_EQ(*cache.find(2, start), 12);
+    int left = 0;
+    cache.keep_if([&](std::uint64_t, int) { return ++left, true; });
+    EXPECT_EQ(left, 2) << "what was never put in is not shown";
+}

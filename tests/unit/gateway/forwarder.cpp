@@ -1,0 +1,378 @@
+// The order of the steps as arithmetic: which step counts a frame that several would keep back, and what observers are told.
+#include "forwarding.hpp"
+
+using namespace forwarding;
+
+TEST_F(Forwarding, a_frame_goes_from_its_arrival_to_its_offers) {
+    Channel& device = add();
+    Channel& ground = add();
+    Channel& other = add();
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(forwarder.next_to_flush(), &ground);
+    EXPECT_EQ(taken(ground), Frames{telemetry});
+    EXPECT_EQ(forwarder.next_to_flush(), &other);
+    EXPECT_EQ(forwarder.next_to_flush(), nullptr) << "each once";
+    EXPECT_EQ(told(ground, command), (Lines{"received 1", "offered 0"})) << "learned";
+    EXPECT_EQ(device.heard_at, now);
+}
+
+TEST_F(Forwarding, what_nobody_takes_is_counted_and_told) {
+    Channel& device = add();
+    add_with([](ForwarderLink& link) { link.route.flood = link.route.broadcast = false; });
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "dropped 0 no_route"}));
+    EXPECT_EQ(device.routed.no_route, 1u);
+    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now)) << "it was not for hosts";
+    receive(device, frame(fc, host, 0x03, {1}));
+    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+}
+
+TEST_F(Forwarding, what_is_for_a_link_without_a_channel_is_counted_there) {
+    Channel& ground = add();
+    const LinkId absent = forwarder.add_link({});
+    forwarder.pin(fc, fc, absent);
+    EXPECT_EQ(told(ground, command), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_EQ(forwarder.traffic(absent).gone_sent.link_down, 1u);
+    EXPECT_EQ(forwarder.traffic(absent).gone_sent.offered, 1u);
+    EXPECT_EQ(ground.routed.no_route, 0u);
+}
+
+TEST_F(Forwarding, what_the_outbox_does_not_take_is_told) {
+    Channel& device = add();
+    Channel& small = add_with([](ForwarderLink& link) { link.outbox.max_data = 3; });
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1"})) << "exactly max_data";
+    EXPECT_EQ(told(device, frame(fc, all, 0x03, {1, 2, 3, 4})), (Lines{"received 0", "refused 1 too_big"}));
+    EXPECT_EQ(small.sent().too_big, 1u);
+    forwarder.link_down(small.link);
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_EQ(small.sent().link_down, 2u) << "that one, and the one that waited";
+}
+
+TEST_F(Forwarding, exactly_max_data_passes_every_rewriting) {
+    const Bytes largest(64, 0x11);
+    const auto of_64 = [](ForwarderLink& link) { link.parser.max_data = link.outbox.max_data = 64; };
+    Channel& device = add_with([&](ForwarderLink& link) {
+        of_64(link);
+        link.aliases = {{fc, 31}};
+    });
+    Channel& presented = add_with([&](ForwarderLink& link) {
+        of_64(link);
+        link.present_as = 0x20;
+    });
+    receive(device, frame(fc, all, 0x03, largest));
+    EXPECT_EQ(taken(presented), Frames{frame(31, all, 0x03, largest)});
+    receive(presented, frame(host, 31, 0xC0, largest));
+    EXPECT_EQ(taken(device), Frames{frame(host, fc, 0xC0, largest)});
+    receive(device, frame(host, 0x55, 0xC0, largest));
+    EXPECT_EQ(taken(presented), Frames{frame(0x20, 0x55, 0xC0, largest)});
+}
+
+// A filter is for what the link brings, so it counts before the switch; neither counts what went round or came twice.
+TEST_F(Forwarding, of_several_steps_the_first_counts) {
+    const auto guarded = [](ForwarderLink& link) {
+        link.rules.receive = without(0xC0);
+        link.route.group = 1;
+    };
+    Channel& device = add();
+    Channel& radio = add_with(guarded);
+    Channel& wifi = add_with(guarded);
+    LinkSet both{radio.link};
+    both.insert(wifi.link);
+    forwarder.inhibit().add(both);
+    receive(device, telemetry);
+    EXPECT_EQ(told(radio, command), (Lines{"received 1", "dropped 1 denied_in"})) << "the filter before the switch";
+    EXPECT_EQ(told(wifi, command), (Lines{"received 2", "dropped 2 duplicate"})) << "a copy before the filter";
+    EXPECT_EQ(told(radio, telemetry), (Lines{"received 1", "said 1", "dropped 1 looped"})) << "what went round before all";
+    const Bytes parameter = frame(host, fc, 0xE1, {1, 0, 0});
+    EXPECT_EQ(told(radio, parameter), (Lines{"received 1", "dropped 1 inhibited"}));
+    EXPECT_EQ(radio.routed.denied_in + radio.routed.inhibited + radio.routed.looped + radio.routed.duplicate, 3u);
+    EXPECT_EQ(radio.routed.no_route, 0u);
+}
+
+TEST_F(Forwarding, what_is_kept_back_teaches_no_address) {
+    Channel& ground = add();
+    Channel& device = add_with([](ForwarderLink& link) { link.rules.receive = without(0x03); });
+    Channel& other = add();
+    receive(device, telemetry);
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{});
+    receive(device, frame(fc, all, 0x04, {1}));
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{device.link});
+    EXPECT_EQ(told(ground, command), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(device.routed.denied_in, 1u);
+    EXPECT_EQ(other.sent().offered, 1u);
+}
+
+TEST_F(Forwarding, a_frame_for_several_channels_of_a_link_is_one_for_its_limits) {
+    Channel& device = add();
+    Channel& first = add_with([](ForwarderLink& link) { link.rules.limit = {{0x03, 1}}; });
+    Channel& second = *forwarder.open_channel(first.link, "peer", now);
+    forwarder.link_up(first.link, now);
+    now += 1ms;
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    now += 100ms;
+    EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "refused 1 limited", "refused 1 limited"}));
+    EXPECT_EQ(first.sent().limited + second.sent().limited, 2u);
+}
+
+TEST_F(Forwarding, what_came_stale_counts_for_no_limit) {
+    Channel& device = add();
+    Channel& slow = add_with([](ForwarderLink& link) { link.rules.limit = {{0x03, 1}}; });
+    device.arrived_at = now - 2s;
+    diary.take();
+    forwarder.receive(device, ano::FrameView{telemetry}, now);
+    EXPECT_EQ(diary.take(), (Lines{"received 0", "refused 1 stale"}));
+    EXPECT_EQ(forwarder.traffic(slow.link).came_stale, 1u);
+    EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "offered 1"}));
+}
+
+TEST_F(Forwarding, a_filter_counts_what_it_keeps_from_leaving) {
+    Channel& device = add();
+    Channel& ground = add_with([](ForwarderLink& link) {
+        link.rules.send = without(0x03);
+        link.sends_empty = false;
+    });
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "refused 1 denied_out"}));
+    EXPECT_EQ(told(device, frame(fc, all, 0x04)), (Lines{"received 0", "refused 1 denied_out"}));
+    EXPECT_EQ(told(device, frame(fc, all, 0x04, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(ground.sent().denied_out, 2u);
+}
+
+TEST_F(Forwarding, an_alias_is_known_by_it_and_its_own_id_is_kept_from_it) {
+    Channel& aliased = add_with([](ForwarderLink& link) { link.aliases = {{fc, 31}}; });
+    Channel& ground = add();
+    receive(aliased, telemetry);
+    EXPECT_EQ(taken(ground), Frames{frame(31, all, 0x03, {1, 2, 3})});
+    EXPECT_EQ(forwarder.router().pinned(31), LinkSet{aliased.link});
+    EXPECT_EQ(told(ground, command), (Lines{"received 1", "refused 0 denied_out"}));
+    receive(ground, frame(host, 31, 0xC0, {1}));
+    EXPECT_EQ(taken(aliased), Frames{frame(host, fc, 0xC0, {1})});
+}
+
+TEST_F(Forwarding, a_copy_is_told_by_its_bytes_before_its_alias) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    Channel& radio = add_with([&](ForwarderLink& link) {
+        grouped(link);
+        link.aliases = {{fc, 31}};
+    });
+    Channel& wifi = add_with(grouped);
+    add();
+    receive(radio, telemetry);
+    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
+}
+
+TEST_F(Forwarding, hosts_of_a_group_have_one_address_and_their_answers_come_by_any_of_its_links) {
+    const auto presented = [](std::uint8_t port) {
+        return [port](ForwarderLink& link) {
+            link.route.group = 1;
+            link.route.port_id = port;
+            link.present_as = host;
+        };
+    };
+    constexpr std::uint8_t user = 0x55;
+    Channel& ground = add();
+    Channel& radio = add_with(presented(1));
+    Channel& wifi = add_with(presented(2));
+    receive(radio, telemetry);
+    receive(ground, frame(user, all, 0x04, {1}));
+    taken(radio);
+    receive(ground, frame(user, fc, 0xE0, {2, 5, 0}));
+    EXPECT_EQ(taken(radio), Frames{frame(host, fc, 0xE0, {2, 5, 0})});
+    now += 1s;
+    taken(ground);
+    receive(wifi, frame(fc, host, 0xE1, {5, 0, 1}));
+    EXPECT_EQ(taken(ground), Frames{frame(fc, user, 0xE1, {5, 0, 1})});
+}
+
+TEST_F(Forwarding, a_group_whose_peer_refuses_goes_by_another_until_it_is_heard) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    Channel& ground = add();
+    Channel& wifi = add_with(grouped);
+    Channel& radio = add_with(grouped);
+    receive(radio, telemetry);
+    now += 10ms;
+    receive(wifi, frame(fc, all, 0x04, {1}));
+    EXPECT_EQ(told(ground, command), (Lines{"received 0", "offered 1"})) << "heard last";
+    forwarder.report_unreachable(wifi.link);
+    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {4})), (Lines{"received 0", "offered 2"}));
+    now += 10ms;
+    receive(wifi, frame(fc, all, 0x04, {2}));
+    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {5})), (Lines{"received 0", "offered 1"}));
+}
+
+TEST_F(Forwarding, a_frame_that_waits_is_told_once_and_goes_on_at_its_time) {
+    Channel& a = add();
+    Channel& b = add();
+    Channel& c = add();
+    const Bytes order = frame(host, all, 0xC0, {1});
+    receive(a, order);
+    now += 10ms;
+    EXPECT_EQ(told(b, order), (Lines{"received 1", "said 1", "offered 0", "offered 2"})) << "with a probe ahead of it";
+    now += 10ms;
+    EXPECT_FALSE(forwarder.due());
+    EXPECT_EQ(told(b, order), (Lines{"received 1"}));
+    ASSERT_EQ(forwarder.due(), std::optional{now + RingWatch::patience});
+    const TimePoint due = *forwarder.due();
+    diary.take();
+    forwarder.tick(due - 1ms);
+    EXPECT_EQ(diary.take(), Lines{});
+    now = due;
+    forwarder.tick(now);
+    EXPECT_EQ(diary.take(), (Lines{"offered 0", "offered 2"}));
+    EXPECT_FALSE(forwarder.due());
+    EXPECT_EQ(c.sent().offered, 3u);
+    EXPECT_EQ(a.routed.looped + b.routed.looped, 0u);
+}
+
+TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
+    Channel& a = add();
+    Channel& b = add();
+    const Bytes order = frame(host, all, 0xC0, {1});
+    receive(a, order);
+    now += 10ms;
+    receive(b, order);
+    Bytes probe;
+    for (const Bytes& bytes : taken(b))
+        if (is_probe(ano::FrameView{bytes})) probe = bytes;
+    ASSERT_FALSE(probe.empty());
+    EXPECT_EQ(told(a, probe), (Lines{"received 0", "dropped 0 looped"})) << "its answer goes no further";
+    EXPECT_TRUE(forwarder.rings().ring(a.id, now) && forwarder.rings().ring(b.id, now));
+    EXPECT_EQ(told(b, order), (Lines{"received 1", "dropped 1 looped"}));
+}
+
+TEST_F(Forwarding, anothers_probe_goes_on_as_it_is) {
+    Channel& a = add();
+    add_with([](ForwarderLink& link) {
+        link.rules.limit = {{0xC0, 1}};
+        link.present_as = 0x20;
+    });
+    add_with([](ForwarderLink& link) { link.takes_probes = false; });
+    RingWatch rings{8};
+    rings.open(ChannelId{0}, LinkId{0}, true);
+    const auto view = rings.ask(ChannelId{0}, now).bytes();
+    const Bytes probe{view.begin(), view.end()};
+    EXPECT_EQ(told(a, probe), (Lines{"received 0", "said 1"}));
+    EXPECT_EQ(diary.last, probe);
+}
+
+TEST_F(Forwarding, a_holder_is_asked_before_its_address_moves) {
+    Channel& home = add();
+    Channel& thief = add();
+    receive(home, telemetry);
+    now += 1s;
+    taken(home);
+    receive(thief, frame(fc, host, 0x03, {9}));
+    const auto question = device_info_question(fc);
+    EXPECT_EQ(taken(home).front(), (Bytes{question.begin(), question.end()}));
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{home.link});
+    for (int asked = 0; asked < 3; ++asked) {
+        ASSERT_TRUE(forwarder.due());
+        now = *forwarder.due();
+        forwarder.tick(now);
+    }
+    EXPECT_FALSE(forwarder.due());
+    EXPECT_EQ(home.sent().offered, 1u + 3u);
+    receive(thief, frame(fc, host, 0x03, {10}));
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{thief.link}) << "three times silent";
+    EXPECT_FALSE(forwarder.take_conflict());
+}
+
+TEST_F(Forwarding, a_refused_claim_is_a_conflict_and_names_its_peer_for_good) {
+    Channel& home = add();
+    const LinkId udp = forwarder.add_link({});
+    Channel& thief = *forwarder.open_channel(udp, "10.0.0.9:5", now);
+    now += 1ms;
+    receive(home, telemetry);
+    now += 1s;
+    receive(thief, frame(fc, host, 0x03, {9}));
+    EXPECT_FALSE(forwarder.take_conflict());
+    now += 10ms;
+    receive(home, frame(fc, host, 0xE3, {fc}));
+    forwarder.close_channel(thief);
+    const auto conflict = forwarder.take_conflict();
+    ASSERT_TRUE(conflict);
+    EXPECT_EQ(conflict->address, fc);
+    ASSERT_TRUE(forwarder.claimant(*conflict));
+    EXPECT_EQ(forwarder.claimant(*conflict)->peer, "10.0.0.9:5");
+    EXPECT_EQ(forwarder.claimant(*conflict)->link, udp);
+    EXPECT_FALSE(forwarder.take_conflict()) << "once";
+}
+
+TEST_F(Forwarding, one_question_too_many_waits_for_its_answer_or_its_time) {
+    Channel& ground = add();
+    Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
+    receive(device, telemetry);
+    taken(ground);
+    constexpr std::size_t questions = 20;
+    for (std::uint8_t n = 0; n < questions; ++n) receive(ground, frame(host, fc, 0xE0, {2, n, 0}));
+    const std::size_t left = taken(device).size();
+    EXPECT_LT(left, questions);
+    EXPECT_EQ(device.waiting(), questions - left);
+    ASSERT_TRUE(forwarder.due());
+    receive(device, frame(fc, host, 0xE1, {0, 0, 1}));
+    EXPECT_EQ(forwarder.next_to_flush(), &ground);
+    EXPECT_EQ(forwarder.next_to_flush(), &device) << "the answer made room for the next";
+    EXPECT_EQ(taken(device).size(), 1u);
+    now = *forwarder.due();
+    forwarder.tick(now);
+    EXPECT_FALSE(taken(device).empty()) << "what is not answered makes room as well";
+    forwarder.stop_asking();
+    EXPECT_FALSE(forwarder.due());
+    EXPECT_EQ(device.waiting(), 0u);
+}
+
+TEST_F(Forwarding, speaks_first_where_nothing_is_heard) {
+    const auto speaks = [](ForwarderLink& link) { link.hello = 2s; };
+    Channel& first = add_with(speaks);
+    const TimePoint up = now - 1ms;
+    ASSERT_EQ(forwarder.hello_due(), std::optional{up + Hello::first_silence});
+    now += 100ms;
+    Channel& second = add_with(speaks);
+    EXPECT_EQ(forwarder.hello_due(), std::optional{up + Hello::first_silence}) << "the earliest of several";
+    now = up + Hello::first_silence;
+    forwarder.say_hellos(now);
+    EXPECT_EQ(taken(first), (Frames{Bytes{hello_frame.begin(), hello_frame.end()}}));
+    EXPECT_TRUE(taken(second).empty());
+    receive(first, frame(fc, all, 0x03, {7}));
+    now += 200ms;
+    forwarder.say_hellos(now);
+    EXPECT_GT(*forwarder.hello_due(), now);
+    forwarder.link_down(first.link);
+    forwarder.link_down(second.link);
+    forwarder.say_hellos(now + 10s);
+    EXPECT_FALSE(forwarder.hello_due());
+}
+
+TEST_F(Forwarding, what_the_gateway_says_teaches_no_address_and_is_ruled) {
+    Channel& device = add_with([](ForwarderLink& link) { link.rules.limit = {{0xE0, 1}}; });
+    const auto question = device_info_question(fc);
+    diary.take();
+    forwarder.say(device.id, ano::FrameView{question}, now);
+    forwarder.say(device.id, ano::FrameView{question}, now);
+    EXPECT_EQ(diary.take(), (Lines{"said 0", "refused 0 limited"}));
+    EXPECT_EQ(forwarder.router().learned(host, now).links, LinkSet{});
+}
+
+TEST_F(Forwarding, sixty_four_channels_and_no_more) {
+    const LinkId link = forwarder.add_link({});
+    std::vector<Channel*> channels;
+    for (std::size_t n = 0; n < max_channels; ++n) channels.push_back(forwarder.open_channel(link, "", now));
+    EXPECT_EQ(index(channels.back()->id), max_channels - 1);
+    EXPECT_EQ(forwarder.open_channel(link, "", now), nullptr);
+    forwarder.close_channel(*channels[5]);
+    EXPECT_EQ(index(forwarder.open_channel(link, "", now)->id), 5u);
+}
+
+TEST_F(Forwarding, observers_come_and_go) {
+    Channel& device = add();
+    add();
+    Diary second;
+    forwarder.add_observer(second);
+    receive(device, telemetry);
+    EXPECT_EQ(second.take(), diary.take());
+    forwarder.remove_observer(diary);
+    receive(device, telemetry);
+    EXPECT_EQ(second.take().size(), 2u);
+    EXPECT_TRUE(diary.take().empty());
+    forwarder.remove_observer(second);
+    receive(device, telemetry);
+    EXPECT_TRUE(second.take().empty());
+}

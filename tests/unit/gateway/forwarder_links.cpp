@@ -1,0 +1,191 @@
+// Links that go while the Forwarder runs: what another that gets the number would inherit.
+#include "forwarding.hpp"
+
+using namespace forwarding;
+
+namespace {
+
+class Removed : public Forwarding {
+protected:
+    LinkId remove(Channel& channel) {
+        const LinkId link = channel.link;
+        forwarder.remove_link(link);
+        return link;
+    }
+};
+
+}    // namespace
+
+TEST_F(Removed, a_link_leaves_no_route_no_pin_and_no_counter) {
+    Channel& ground = add();
+    Channel& device = add_with([](ForwarderLink& link) {
+        link.route.port_id = 7;
+        link.aliases = {{0xDE, 31}};
+    });
+    add();
+    forwarder.pin(40, 41, device.link);
+    receive(device, telemetry);
+    EXPECT_EQ(told(ground, frame(host, 7, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
+    const ChannelId number = device.id;
+    const LinkId gone = remove(device);
+    EXPECT_FALSE(forwarder.channels().contains(number));
+    for (const std::uint8_t to : {fc, std::uint8_t{7}, std::uint8_t{31}, std::uint8_t{40}, std::uint8_t{41}})
+        EXPECT_EQ(told(ground, frame(host, to, 0xC0, {to})), (Lines{"received 0", "offered 2"})) << "unknown: " << int{to};
+    Channel& next = add();
+    EXPECT_EQ(next.link, gone);
+    EXPECT_EQ(next.id, number);
+    EXPECT_EQ(forwarder.traffic(gone).gone_sent.offered + forwarder.traffic(gone).gone_received.frames_in, 0u);
+    EXPECT_EQ(next.sent().offered, 0u);
+    EXPECT_EQ(forwarder.router().pinned(31) | forwarder.router().pinned(40) | forwarder.router().port(7), LinkSet{});
+    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {9})), (Lines{"received 0", "offered 1", "offered 2"}));
+}
+
+TEST_F(Removed, a_link_leaves_no_rules_to_the_next) {
+    Channel& device = add();
+    Channel& ruled = add_with([](ForwarderLink& link) {
+        link.rules.send = without(0x03);
+        link.present_as = 0x20;
+        link.hello = 2s;
+        link.aliases = {{0xDE, 31}};
+        link.takes_few_questions = true;
+    });
+    LinkSet links{ruled.link};
+    forwarder.inhibit().add(links);
+    remove(ruled);
+    Channel& plain = add();
+    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(taken(plain), Frames{telemetry});
+    EXPECT_EQ(told(plain, command), (Lines{"received 1", "offered 0"})) << "no switch";
+    EXPECT_FALSE(plain.questions);
+    forwarder.say_hellos(now + 1h);
+    EXPECT_FALSE(forwarder.hello_due());
+    receive(device, frame(host, 31, 0xC0, {1}));
+    EXPECT_EQ(taken(plain), Frames{frame(host, 31, 0xC0, {1})});
+}
+
+TEST_F(Removed, a_link_that_is_unknowns_way_is_it_no_more) {
+    GatewaySettings settings;
+    settings.unknown = Unknown::link;
+    Forwarder to_one{settings, 8};
+    const LinkId ground = to_one.add_link({}), way = to_one.add_link({});
+    to_one.set_unknown_link(way);
+    Channel& from = *to_one.open_channel(ground, "", now);
+    const auto receive_command = [&] { to_one.receive(from, ano::FrameView{command}, now); };
+    receive_command();
+    EXPECT_EQ(to_one.traffic(way).gone_sent.link_down, 1u);
+    to_one.remove_link(way);
+    const LinkId next = to_one.add_link({});
+    EXPECT_EQ(next, way);
+    receive_command();
+    EXPECT_EQ(to_one.traffic(next).gone_sent.link_down, 0u);
+    EXPECT_EQ(from.routed.no_route, 1u);
+}
+
+TEST_F(Removed, the_next_may_say_what_the_one_before_said_and_was_told) {
+    Channel& device = add();
+    Channel& ground = add();
+    Channel& third = add();
+    receive(device, telemetry);
+    remove(device);
+    Channel& again = add();
+    EXPECT_EQ(told(again, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(told(ground, telemetry).back(), "dropped 1 looped") << "it went there";
+    remove(again);
+    EXPECT_EQ(told(add(), telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(third.sent().offered, 3u);
+}
+
+TEST_F(Removed, a_group_leaves_no_copies_and_no_links) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    Channel& ground = add();
+    Channel& radio = add_with(grouped);
+    Channel& wifi = add_with(grouped);
+    receive(radio, telemetry);
+    remove(radio);
+    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 2", "dropped 2 duplicate"})) << "what it brought is known to its group";
+    receive(wifi, command);
+    remove(wifi);
+    EXPECT_EQ(forwarder.router().group(1), LinkSet{});
+    Channel& lora = add_with(grouped);
+    Channel& mesh = add_with(grouped);
+    taken(ground);
+    EXPECT_EQ(told(lora, command), (Lines{"received 1", "offered 0"}));
+    EXPECT_EQ(told(mesh, command), (Lines{"received 2", "dropped 2 duplicate"}));
+}
+
+TEST_F(Removed, a_link_of_a_group_leaves_the_address_of_hosts_to_the_others) {
+    const auto presented = [](std::uint8_t port, std::size_t max_data) {
+        return [=](ForwarderLink& link) {
+            link.route.group = 1;
+            link.route.port_id = port;
+            link.present_as = host;
+            link.parser.max_data = link.outbox.max_data = max_data;
+        };
+    };
+    constexpr std::uint8_t user = 0x55;
+    Channel& ground = add();
+    Channel& radio = add_with(presented(1, 8));
+    Channel& wifi = add_with(presented(2, 64));
+    receive(wifi, telemetry);
+    remove(radio);
+    const Bytes largest(64, 2);
+    taken(wifi);
+    receive(ground, frame(user, fc, 0xC0, largest));
+    EXPECT_EQ(taken(wifi), Frames{frame(host, fc, 0xC0, largest)});
+    remove(wifi);
+    Channel& plain = add_with([](ForwarderLink& link) { link.route.group = 1; });
+    receive(ground, frame(user, fc, 0xC0, largest));
+    EXPECT_EQ(taken(plain), Frames{frame(user, fc, 0xC0, largest)});
+}
+
+TEST_F(Removed, a_conflict_ends_with_one_of_its_two_links) {
+    const auto cable = [](ForwarderLink& link) { link.takes_probes = false; };
+    Channel& one = add_with(cable);
+    Channel& two = add_with(cable);
+    Channel& three = add_with(cable);
+    const auto same_on = [&](Channel& other, std::uint8_t n) {
+        receive(one, frame(fc, host, 0x03, {n}));
+        now += 1ms;
+        receive(other, frame(fc, host, 0x03, {n}));
+        now += 600ms;
+    };
+    same_on(two, 1);
+    ASSERT_TRUE(forwarder.take_conflict());
+    EXPECT_EQ(forwarder.router().conflicts(now).size(), 1u);
+    remove(two);
+    EXPECT_TRUE(forwarder.router().conflicts(now).empty());
+    EXPECT_FALSE(forwarder.take_conflict());
+    for (std::uint8_t n = 2; n < 6; ++n) same_on(three, n);
+    ASSERT_EQ(forwarder.router().conflicts(now).size(), 1u);
+    EXPECT_TRUE(forwarder.router().conflicts(now)[0].links.contains(three.link));
+    EXPECT_TRUE(forwarder.take_conflict()) << "another one";
+}
+
+TEST_F(Removed, what_waits_for_a_verdict_is_counted_looped_and_gone) {
+    Channel& a = add();
+    Channel& b = add();
+    Channel& c = add();
+    const Bytes order = frame(host, all, 0xC0, {1});
+    receive(a, order);
+    now += 10ms;
+    receive(b, order);
+    now += 10ms;
+    receive(b, order);
+    ASSERT_TRUE(forwarder.due());
+    const std::uint64_t offered = c.sent().offered;
+    remove(b);
+    EXPECT_FALSE(forwarder.due());
+    forwarder.tick(now + 1s);
+    EXPECT_EQ(c.sent().offered, offered);
+    EXPECT_NE(forwarder.next_to_flush(), nullptr);
+}
+
+TEST_F(Removed, a_channel_that_was_to_be_flushed_is_not) {
+    Channel& device = add();
+    Channel& ground = add();
+    receive(device, telemetry);
+    forwarder.close_channel(ground);
+    EXPECT_EQ(forwarder.next_to_flush(), nullptr);
+    EXPECT_EQ(forwarder.traffic(LinkId{1}).gone_sent.link_down, 1u);
+    EXPECT_EQ(forwarder.traffic(LinkId{1}).gone_sent.offered, 1u);
+}

@@ -1,0 +1,128 @@
+// What a frame passes that a tunnel frame brings, or that leaves in one.
+#include "forwarding.hpp"
+
+#include <gateway/tunnel.hpp>
+
+using namespace forwarding;
+using support::operator+;
+
+namespace {
+
+// Takes tunnel frames as TunnelLink does, without a socket.
+class Port final : public TunnelPort {
+public:
+    explicit Port(Forwarder& forwarder) : forwarder_{forwarder} {}
+    bool takes(ano::FrameView frame) const noexcept override { return is_tunnel_frame(frame) && frame.destination() == 0xE6; }
+    void carry(Channel& from, ano::FrameView frame) override {
+        ++carried;
+        forwarder_.learn(from, frame, now);
+        const auto content = unwrap(frame, {});
+        InnerFrames inner{content->inner};
+        while (const auto one = inner.next())
+            if (forwarder_.passes_into_tunnel(from, *one, now)) left.emplace_back(one->bytes().begin(), one->bytes().end());
+    }
+    void refuse_nested() noexcept override { ++nested; }
+
+    TimePoint now = start + 1s;
+    int carried = 0, nested = 0;
+    std::vector<Bytes> left;
+
+private:
+    Forwarder& forwarder_;
+};
+
+Bytes around(std::uint8_t source, std::uint8_t to, const Bytes& inner) {
+    const Bytes head{10, 0, 0, 1, 10, 0, 0, 2, 0, 0};
+    return frame(source, to, ip_tunnel, head + inner);
+}
+
+class Tunnelled : public Forwarding {
+protected:
+    Tunnelled() {
+        forwarder.set_tunnel(way.link, LinkSet{device.link}, port);
+        port.now = now += 1s;
+    }
+    Channel& device = add();
+    Channel& ground = add();
+    Channel& way = add_with([](ForwarderLink& link) { link.rules.send = without(0x07); });
+    Port port{forwarder};
+};
+
+}    // namespace
+
+TEST_F(Tunnelled, a_tunnel_frame_of_a_device_ends_at_the_tunnel) {
+    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0"}));
+    EXPECT_EQ(port.left, Frames{telemetry});
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{device.link});
+    EXPECT_EQ(told(ground, around(0xDD, 0xE6, telemetry)), (Lines{"received 1", "offered 0", "offered 2"}))
+        << "of another link it goes on";
+    EXPECT_EQ(port.carried, 1);
+}
+
+TEST_F(Tunnelled, a_switch_holds_for_what_a_device_sends_inside_a_tunnel_frame) {
+    forwarder.inhibit().add(LinkSet{device.link});
+    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry + command)), (Lines{"received 0", "dropped 0 inhibited"}));
+    EXPECT_EQ(port.left, Frames{telemetry});
+    const Bytes nested = around(fc, 0x55, command);
+    EXPECT_EQ(told(device, around(fc, 0xE6, nested)), (Lines{"received 0", "dropped 0 inhibited"})) << "nor deeper";
+    EXPECT_EQ(told(device, nested), (Lines{"received 0", "dropped 0 inhibited"})) << "nor in one that goes on unopened";
+    EXPECT_EQ(port.left.size(), 1u);
+    EXPECT_EQ(device.routed.inhibited, 3u);
+}
+
+TEST_F(Tunnelled, what_is_inside_meets_the_rules_of_both_links) {
+    receive(device, around(fc, 0xE6, frame(fc, all, 0x07, {1}) + telemetry));
+    EXPECT_EQ(port.left, Frames{telemetry});
+    EXPECT_EQ(forwarder.traffic(way.link).gone_sent.denied_out, 1u);
+    device.arrived_at = now;
+    port.now = now + 2s;
+    forwarder.receive(device, ano::FrameView{around(fc, 0xE6, frame(fc, all, 0x03, {2}))}, now);
+    EXPECT_EQ(forwarder.traffic(way.link).gone_sent.stale, 1u) << "telemetry of two seconds ago";
+    EXPECT_EQ(port.left.size(), 1u);
+}
+
+TEST_F(Tunnelled, what_left_by_the_tunnel_and_comes_back_ends) {
+    receive(device, around(fc, 0xE6, telemetry));
+    EXPECT_EQ(told(way, telemetry), (Lines{"received 2", "said 2", "dropped 2 looped"}));
+    ground.arrived_at = now;
+    EXPECT_FALSE(forwarder.passes_to_wrap(ground, ano::FrameView{telemetry}, device.link, now));
+    EXPECT_EQ(ground.routed.looped, 1u);
+}
+
+TEST_F(Tunnelled, a_tunnel_frame_out_of_a_tunnel_frame_does_not_leave_by_it_again) {
+    EXPECT_EQ(told(way, around(0xDD, all, telemetry)), (Lines{"received 2", "offered 0", "offered 1"}));
+    EXPECT_EQ(port.nested, 0) << "it would not go back there anyway";
+    Channel& second = *forwarder.open_channel(way.link, "peer", now);
+    forwarder.link_up(way.link, now);
+    EXPECT_EQ(told(way, around(0xDD, all, command)), (Lines{"received 2", "offered 0", "offered 1"}));
+    EXPECT_EQ(port.nested, 1);
+    EXPECT_EQ(second.sent().offered, 0u);
+}
+
+// Nothing of what could not be wrapped is counted as if it had left, and what is sent is one frame for all channels.
+TEST_F(Tunnelled, what_is_wrapped_passes_the_link_of_its_devices) {
+    Channel& limited = add_with([](ForwarderLink& link) {
+        link.rules.limit = {{0x03, 1}};
+        link.rules.receive = without(0x08);
+    });
+    diary.take();
+    way.arrived_at = now;
+    EXPECT_TRUE(forwarder.passes_to_wrap(way, ano::FrameView{frame(0xDD, all, 0x03, {1})}, limited.link, now));
+    EXPECT_EQ(diary.take(), (Lines{"received 2"})) << "it is not offered until its tunnel frame is whole";
+    EXPECT_EQ(limited.sent().offered, 0u);
+    EXPECT_FALSE(forwarder.passes_to_wrap(way, ano::FrameView{frame(0xDD, all, 0x03, {2})}, limited.link, now));
+    EXPECT_EQ(diary.take(), (Lines{"received 2", "refused 3 limited"}));
+    EXPECT_EQ(forwarder.router().learned(0xDD, now).links, LinkSet{}) << "answers go nowhere";
+    const Bytes whole = around(0xE6, all, telemetry);
+    forwarder.send(limited.link, ano::FrameView{whole}, now);
+    EXPECT_EQ(taken(limited), Frames{whole});
+    forwarder.close_channel(limited);
+    forwarder.send(LinkId{3}, ano::FrameView{whole}, now);
+    EXPECT_EQ(forwarder.traffic(LinkId{3}).gone_sent.link_down, 1u);
+}
+
+TEST_F(Tunnelled, a_tunnel_that_is_removed_takes_nothing) {
+    forwarder.remove_link(way.link);
+    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(port.carried, 0);
+}
