@@ -39,12 +39,12 @@ TEST_F(Alarms, a_slack_shares_the_ring_of_another_and_ends_in_time) {
     Alarm lazy{clock, says('l'), 10s}, later{clock, says('m'), 40ms}, exact{clock, says('e')};
     lazy.set(now + 10ms);
     exact.set(now + 20ms);
-    later.set(now + 30ms);
+    later.set(now + 500ms);
     while (rung.size() < 2) io.run_one();
     EXPECT_EQ(rung, "le");
     EXPECT_LT(ano::Clock::now(), now + 5s);
     while (rung.size() < 3) io.run_one();
-    EXPECT_GE(ano::Clock::now(), now + 70ms);
+    EXPECT_GE(ano::Clock::now(), now + 540ms);
 }
 
 TEST_F(Alarms, set_again_counts_from_the_new_time) {
