@@ -10,7 +10,7 @@ namespace anogate::http {
 class Producer {
 public:
     enum class Next {
-        part,     // there may be more at once
+        part,     // one that is not empty; there may be more at once
         later,    // no more for now: `wake` says when; a part may come with it
         end,      // that was all; a part may come with it
     };

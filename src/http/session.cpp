@@ -161,6 +161,7 @@ void Session::wrote() {
     body_.clear();
     written_ = 0;
     if (producer_) return next_part();
+    body_ = std::string{};    // who is idle holds no answer
     asking_ = Asking::nothing;
     if (sending_.keep_alive) return await_request();
     stream_->end_output();
