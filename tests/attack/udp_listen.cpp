@@ -120,7 +120,7 @@ private:
 class Attack : public testing::Test {
 protected:
     void SetUp() override {
-        if (const std::string why = no_namespaces(); !why.empty()) GTEST_SKIP() << why;
+        ANOGATE_NEEDS_NAMESPACES();
         here = std::make_unique<Namespace>();
         there = std::make_unique<Namespace>();
         here->join(*there, "eth0", "10.0.0.1/24", "10.0.0.2/24");

@@ -52,7 +52,11 @@ Forwarder bare_from_udp(std::size_t outputs, std::size_t pack) {
         out.push_back(senders[i].fd());
     }
     std::uint64_t* const frames = forwarder.loop_frames = shared_word();
-    forwarder.loop = std::make_unique<Child>(Child::of([&] { bare_loop(in.fd(), out, pack, frames); }));
+    forwarder.loop = std::make_unique<support::Child>([&] {
+        stay_on_second_processor();
+        bare_loop(in.fd(), out, pack, frames);
+        return 0;
+    });
     forwarder.port = in.port();
     return forwarder;
 }

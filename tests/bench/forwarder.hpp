@@ -1,8 +1,11 @@
 // A process that forwards, anogated or a bare loop, and the sockets that receive what it sends.
 #pragma once
 #include "gateway_process.hpp"
+#include "processes.hpp"
 #include "talking_ptys.hpp"
 #include "traffic_ends.hpp"
+
+#include <support/child.hpp>
 
 #include <memory>
 
@@ -16,13 +19,13 @@ inline const std::string unpacked = ",pack=false";
 struct Forwarder {
     std::vector<std::unique_ptr<Socket>> takers;
     std::unique_ptr<GatewayProcess> gateway;    // or:
-    std::unique_ptr<Child> loop;
+    std::unique_ptr<support::Child> loop;
     std::uint64_t* loop_frames = nullptr;
     std::uint16_t port = 0;    // where it listens
     std::unique_ptr<TalkingPtys> ptys;
 
     explicit Forwarder(std::size_t outputs);
-    const Child& process() const { return gateway ? gateway->process() : *loop; }
+    pid_t pid() const { return gateway ? gateway->pid() : loop->pid(); }
     /// Sent to the first taker so far.
     std::uint64_t frames() const;
     std::vector<int> taken_at() const;

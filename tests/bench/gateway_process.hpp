@@ -1,8 +1,12 @@
 // An anogated under measurement, asked over its control socket.
 #pragma once
-#include "processes.hpp"
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
 
 #include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
 
 namespace bench {
 
@@ -11,19 +15,17 @@ public:
     /// Runs `program LINK...`, under `tracer` if given; returns when it answers for its status.
     GatewayProcess(const std::string& program, const std::vector<std::string>& arguments,
                    const std::vector<std::string>& tracer = {});
+    ~GatewayProcess();
 
-    nlohmann::json status() const;
     nlohmann::json link(const std::string& name) const;
     std::uint16_t port(const std::string& link_name) const { return link(link_name).at("port").get<std::uint16_t>(); }
-    const Child& process() const noexcept { return child_; }
+    pid_t pid() const noexcept { return process_.pid(); }
 
 private:
-    struct Folder {
-        std::string path;
-        ~Folder();
-    };
-    Folder folder_;    // must be destroyed after what runs in it
-    Child child_;
+    nlohmann::json status() const;    // discarded while nobody answers
+
+    support::TempDir folder_;    // must be destroyed after what runs in it
+    support::Process process_;
 };
 
 }    // namespace bench

@@ -23,11 +23,11 @@ void measure_ports(Run& run) {
     std::this_thread::sleep_for(500ms);
     std::vector<double> percent;
     for (int second = 0; second < 8; ++second) {
-        const double cpu = gateway.process().cpu_seconds();
+        const double cpu = cpu_seconds(gateway.pid());
         const auto begin = steady_clock::now();
         std::this_thread::sleep_for(1s);
         const std::chrono::duration<double> wall = steady_clock::now() - begin;
-        percent.push_back(100 * (gateway.process().cpu_seconds() - cpu) / wall.count());
+        percent.push_back(100 * (cpu_seconds(gateway.pid()) - cpu) / wall.count());
     }
     ptys.stop();
     const std::uint64_t sent = ptys.frames() * frame_size;
@@ -35,8 +35,7 @@ void measure_ports(Run& run) {
     const double lost = static_cast<double>(sent - sink.bytes()) / frame_size;
     run.table.measure("20 serial ports (ptys) at 1 Mbaud, full, to one UDP peer: % of a core", percent, at_most(25));
     run.table.measure("… frames lost, of " + std::to_string(ptys.frames()), {lost}, at_most(0));
-    run.table.measure("… most resident memory, MB", {static_cast<double>(gateway.process().max_resident_bytes()) / 1e6},
-                      at_most(12));
+    run.table.measure("… most resident memory, MB", {static_cast<double>(max_resident_bytes(gateway.pid())) / 1e6}, at_most(12));
 }
 
 }    // namespace bench

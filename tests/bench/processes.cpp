@@ -1,17 +1,12 @@
 #include "processes.hpp"
 
-#include <fcntl.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <fstream>
+#include <string>
 
 namespace bench {
 namespace {
@@ -32,64 +27,21 @@ std::uint64_t status_field(pid_t pid, const std::string& name) {
     return 0;
 }
 
-pid_t fork_bound() {
-    const pid_t parent = ::getpid();
-    const pid_t pid = ::fork();
-    if (pid != 0) return pid;
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(1);
-    stay_on(1);
-    return 0;
-}
-
 }    // namespace
 
-Child Child::of(const std::function<void()>& body) {
-    const pid_t pid = fork_bound();
-    if (pid != 0) return Child{pid};
-    body();
-    ::_exit(0);
-}
-
-Child Child::of(const std::vector<std::string>& command, const std::string& log) {
-    const pid_t pid = fork_bound();
-    if (pid != 0) return Child{pid};
-    const int fd = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    ::dup2(fd, STDOUT_FILENO);
-    ::dup2(fd, STDERR_FILENO);
-    std::vector<char*> words;
-    for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
-    words.push_back(nullptr);
-    ::execvp(words[0], words.data());
-    ::_exit(127);
-}
-
-Child::~Child() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGTERM);
-    ::waitpid(pid_, nullptr, 0);
-}
-
-int Child::wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-double Child::cpu_seconds() const {
+double cpu_seconds(pid_t process) {
     clockid_t clock;
     timespec t{};
-    if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &t) != 0) return 0;
+    if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &t) != 0) return 0;
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-std::uint64_t Child::wake_ups() const { return status_field(pid_, "voluntary_ctxt_switches:"); }
-std::uint64_t Child::resident_bytes() const { return status_field(pid_, "VmRSS:") * 1024; }
-
-std::uint64_t Child::max_resident_bytes() const { return status_field(pid_, "VmHWM:") * 1024; }
+std::uint64_t wake_ups(pid_t process) { return status_field(process, "voluntary_ctxt_switches:"); }
+std::uint64_t resident_bytes(pid_t process) { return status_field(process, "VmRSS:") * 1024; }
+std::uint64_t max_resident_bytes(pid_t process) { return status_field(process, "VmHWM:") * 1024; }
 
 void stay_on_first_processor() { stay_on(0); }
+void stay_on_second_processor() { stay_on(1); }
 
 Undisturbed::Undisturbed() {
     const sched_param lowest{1};

@@ -1,37 +1,18 @@
-// Processes under measurement: a function in a fork, or a program; their CPU time, memory and wake-ups.
+// Processes under measurement: their CPU time, memory and wake-ups, and where they run.
 #pragma once
 #include <sys/types.h>
 
 #include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
 
 namespace bench {
 
-/// A child process; ended by its destructor.
-class Child {
-public:
-    /// Runs `body` in a fork, on the second processor where there is one.
-    static Child of(const std::function<void()>& body);
-    /// Runs a program the same way, its standard output and error to `log`.
-    static Child of(const std::vector<std::string>& command, const std::string& log);
-    Child(Child&& other) noexcept : pid_{other.pid_} { other.pid_ = -1; }
-    Child& operator=(Child&&) = delete;
-    ~Child();
+double cpu_seconds(pid_t process);
+std::uint64_t wake_ups(pid_t process);    // voluntary context switches so far
+std::uint64_t resident_bytes(pid_t process);
+std::uint64_t max_resident_bytes(pid_t process);    // at any time so far
 
-    pid_t pid() const noexcept { return pid_; }
-    double cpu_seconds() const;
-    std::uint64_t wake_ups() const;    // voluntary context switches so far
-    std::uint64_t resident_bytes() const;
-    std::uint64_t max_resident_bytes() const;    // at any time so far
-    /// Waits until it ends by itself. Its exit status; -1 when a signal ended it.
-    int wait();
-
-private:
-    explicit Child(pid_t pid) : pid_{pid} {}
-    pid_t pid_;
-};
+/// The measured processes stay on the second processor where there is one: each calls it first.
+void stay_on_second_processor();
 
 /// The measuring process and its threads stay on the first processor.
 void stay_on_first_processor();

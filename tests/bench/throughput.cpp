@@ -19,9 +19,9 @@ double frames_a_cpu_second(const Forwarder& forwarder, std::uint8_t destination)
     else flood = std::make_unique<Flood>(forwarder.port, destination);
     std::this_thread::sleep_for(warm_up);
     const std::uint64_t frames_before = forwarder.frames();
-    const double cpu_before = forwarder.process().cpu_seconds();
+    const double cpu_before = cpu_seconds(forwarder.pid());
     std::this_thread::sleep_for(measured);
-    const double cpu = forwarder.process().cpu_seconds() - cpu_before;
+    const double cpu = cpu_seconds(forwarder.pid()) - cpu_before;
     const auto frames = static_cast<double>(forwarder.frames() - frames_before);
     if (forwarder.ptys) forwarder.ptys->stop();
     return frames / cpu;

@@ -3,20 +3,19 @@
 #include <ano/frame.hpp>
 
 #include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <support/bytes.hpp>
-#include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <support/wait.hpp>
 
@@ -28,73 +27,59 @@ const auto wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 /// `anoctl monitor ...`, and its output so far.
 class Monitor {
 public:
-    explicit Monitor(std::vector<std::string> words) {
-        std::array<int, 2> out{};
-        std::array<int, 2> err{};
-        if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) return;
-        words.insert(words.begin(), {ANOCTL, "monitor"});
-        std::vector<char*> argv;
-        for (std::string& word : words) argv.push_back(word.data());
-        argv.push_back(nullptr);
-        pid_ = fork();
-        if (pid_ == 0) {
-            dup2(out[1], STDOUT_FILENO);
-            dup2(err[1], STDERR_FILENO);
-            execv(argv[0], argv.data());
-            _exit(127);
-        }
-        close(out[1]);
-        close(err[1]);
-        out_ = out[0];
-        err_ = err[0];
-    }
-    ~Monitor() {
-        if (pid_ > 0) kill(pid_, SIGKILL);
-        if (pid_ > 0) waitpid(pid_, nullptr, 0);
-        close(out_);
-        close(err_);
-    }
-    Monitor(const Monitor&) = delete;
-    Monitor& operator=(const Monitor&) = delete;
+    explicit Monitor(std::vector<std::string> words)
+        : process_{ANOCTL, arguments(std::move(words)), {}, [this] { dup2(errors_.write, STDERR_FILENO); }} {}
 
-    const std::string& out() { return read_on(out_, out_text_); }
-    const std::string& err() { return read_on(err_, err_text_); }
+    const std::string& out() { return process_.output(); }
+    const std::string& err() {
+        std::array<char, 4096> buffer;
+        for (ssize_t n; (n = read(errors_.read, buffer.data(), buffer.size())) > 0;)
+            err_text_.append(buffer.data(), static_cast<std::size_t>(n));
+        return err_text_;
+    }
     bool says(const std::string& text) {
         return support::wait_until([&] { return err().find(text) != std::string::npos; });
     }
     bool shows(const std::string& text) {
         return support::wait_until([&] { return out().find(text) != std::string::npos; });
     }
-    void interrupt() { kill(pid_, SIGINT); }
+    void interrupt() { process_.signal(SIGINT); }
     int exit_code() {
-        int status = -1;
-        support::wait_until([&] { return waitpid(pid_, &status, WNOHANG) == pid_; });
-        if (WIFEXITED(status)) pid_ = -1;
-        out();
+        const int code = process_.wait();
         err();
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        return code;
     }
 
 private:
-    static const std::string& read_on(int fd, std::string& text) {
-        pollfd ready{fd, POLLIN, 0};
-        std::array<char, 4096> buffer;
-        while (poll(&ready, 1, 0) > 0) {
-            const ssize_t n = read(fd, buffer.data(), buffer.size());
-            if (n <= 0) break;
-            text.append(buffer.data(), static_cast<std::size_t>(n));
+    struct Pipe {
+        Pipe() {
+            int ends[2];
+            if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error{"no pipe"};
+            fcntl(ends[0], F_SETFL, O_NONBLOCK);
+            read = ends[0];
+            write = ends[1];
         }
-        return text;
+        ~Pipe() {
+            close(read);
+            close(write);
+        }
+        Pipe(const Pipe&) = delete;
+        Pipe& operator=(const Pipe&) = delete;
+        int read;
+        int write;
+    };
+    static std::vector<std::string> arguments(std::vector<std::string> words) {
+        words.insert(words.begin(), "monitor");
+        return words;
     }
 
-    pid_t pid_ = -1;
-    int out_ = -1;
-    int err_ = -1;
-    std::string out_text_, err_text_;
+    Pipe errors_;
+    support::Process process_;
+    std::string err_text_;
 };
 
 TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{{"serial:" + device.path(), "--count", "2"}};
     ASSERT_TRUE(monitor.says("is up")) << monitor.err();
@@ -107,7 +92,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
 }
 
 TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     const auto log = support::frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3});    // in GBK one character, in UTF-8 another
     Monitor vendor{{"serial:" + device.path() + ",profile=vendor", "--count", "1"}};
@@ -123,7 +108,7 @@ TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
 }
 
 TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string path = (folder.path() / "port").string();
     Monitor monitor{{"pty:" + path, "--json", "--id", "wind", "--from", "0xDD", "--count", "1"}};
     ASSERT_TRUE(monitor.says("no program has")) << monitor.err();
@@ -165,7 +150,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
 }
 
 TEST(AnoctlMonitor, waits_for_a_device_that_is_absent_and_ends_well_when_interrupted) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     Monitor monitor{{"serial:" + (folder.path() / "tty").string()}};
     ASSERT_TRUE(monitor.says("waiting")) << monitor.err();
     {
@@ -197,7 +182,7 @@ TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
 }
 
 TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{
         {"serial:" + device.path() + ",baud=500000,profile=vendor,hello=on,limit.0x01=50,send.deny=bulk,receive.deny=0xA0,id=3"}};
@@ -213,7 +198,7 @@ TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
 }
 
 TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string path = (folder.path() / "app").string();
     Monitor first{{"pty:" + path}};
     ASSERT_TRUE(support::wait_until([&] { return std::filesystem::is_symlink(path); })) << first.err();
@@ -223,7 +208,7 @@ TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
 }
 
 TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_port) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"serial:" + device.path() + ",name=fc"}};
     ASSERT_TRUE(gateway.until_up("fc"));
@@ -232,7 +217,7 @@ TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_port) {
 }
 
 TEST(AnoctlMonitor, watches_a_gateway_as_the_readme_says) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     Monitor monitor{{"udp-listen:127.0.0.1:0"}};
     ASSERT_TRUE(monitor.says(", port ")) << monitor.err();
     const std::string port = std::to_string(std::stoi(monitor.err().substr(monitor.err().find(", port ") + 7)));
@@ -248,7 +233,7 @@ TEST(AnoctlMonitor, watches_a_gateway_as_the_readme_says) {
 }
 
 TEST(AnoctlMonitor, says_why_nothing_is_shown) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{{"serial:" + device.path()}};
     ASSERT_TRUE(monitor.says("is up")) << monitor.err();

@@ -12,7 +12,6 @@
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 
 #include <algorithm>
 #include <deque>
@@ -85,11 +84,8 @@ TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
 }
 
 anogate::UniqueFd connected_to(const std::string& path) {
-    anogate::UniqueFd fd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    EXPECT_EQ(::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    anogate::UniqueFd fd{connect_unix(path)};
+    EXPECT_TRUE(fd);
     return fd;
 }
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <support/anoctl.hpp>
-#include <support/files.hpp>
+#include <support/temp_dir.hpp>
 #include <support/vectors.hpp>
 
 namespace {
@@ -178,7 +178,7 @@ private:
 };
 
 /// What tshark shows of each datagram.
-Json dissected(const support::TemporaryFolder& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
+Json dissected(const support::TempDir& folder, const std::string& lua, const std::vector<support::Vector>& vectors) {
     const std::string script = folder.write("ano.lua", lua);
     const std::string capture = folder.write("frames.pcap", pcap_of(vectors));
     const std::string text = output_of("HOME=" + (folder.path() / "").string() + " tshark -r " + capture + " -X lua_script:" +
@@ -195,7 +195,7 @@ bool has_tshark() { return !output_of("tshark --version 2>/dev/null").empty(); }
 
 TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const auto vectors = support::golden_vectors();
     const Json packets = dissected(folder, anoctl({"messages", "--lua"}).out, vectors);
     ASSERT_EQ(packets.size(), vectors.size());
@@ -214,7 +214,7 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
 
 TEST(Tshark, knows_flexible_layouts_from_a_configuration) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string config = folder.write("anogate.json", R"({"flexible": [
         {"id": "0xF1", "fields": [{"name": "Volts", "type": "i16", "scale": 0.01, "unit": "V"}, {"name": "温度", "type": "f32"}]},
         {"id": "0xF1", "source": 30, "fields": [{"name": "mine", "type": "u8"}]}]})");

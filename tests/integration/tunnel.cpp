@@ -89,8 +89,7 @@ struct Site {
 class TwoGateways : public testing::Test {
 protected:
     void SetUp() override {
-        static const std::string reason = no_namespaces();
-        if (!reason.empty()) GTEST_SKIP() << reason;
+        ANOGATE_NEEDS_NAMESPACES();
         a = std::make_unique<Site>();
         b = std::make_unique<Site>();
         a->space.join(b->space, "cable", "10.77.0.1/24", "10.77.0.2/24");

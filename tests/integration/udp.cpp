@@ -1,6 +1,5 @@
 // The UDP link with one fixed peer, a broadcast address and a multicast group included.
 #include <support/namespaces.hpp>
-#include <support/network_namespace.hpp>
 #include <support/open_network_beside.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -133,8 +132,8 @@ TEST(UdpLink, ipv6) {
 }
 
 TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
                 network.run("link set va up") && network.run("link set vb up") && network.run("route add 224.0.0.0/4 dev va"));
     UdpPeer member{"0.0.0.0:0"}, air;
@@ -156,8 +155,8 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
 }
 
 TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
                 network.run("link set va up") && network.run("link set vb up"));
     // bind= names the interface by its address: there is no route for the group here.
@@ -175,7 +174,7 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
 }
 
 TEST(UdpLink, its_interface_is_that_of_a_multicast_group) {
-    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     t.vehicle.ip("route add 224.0.0.0/4 dev wifi0");
     const auto daemon = t.gateway({on_interface(udp("group", "239.1.2.3:17000"), "wg0"), udp_listen("air")});
@@ -192,7 +191,7 @@ TEST(UdpLink, its_interface_is_that_of_a_multicast_group) {
 }
 
 TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_address) {
-    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto ground = t.at(t.ground, "10.77.0.2:6670"), stranger = t.at(t.stranger, "10.77.0.2:6670");
     const Inside inside{t.vehicle};
@@ -205,7 +204,7 @@ TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_
 }
 
 TEST(UdpLink, of_an_interface_sends_by_it_whatever_the_routes_say) {
-    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     for (const Namespace* space : {&t.ground, &t.stranger}) space->ip("address add 10.78.0.5/32 dev lo");
     t.vehicle.ip("route add 10.78.0.0/24 via 192.168.7.66 metric 10");
@@ -225,7 +224,7 @@ TEST(UdpLink, of_an_interface_sends_by_it_whatever_the_routes_say) {
 }
 
 TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
-    if (const std::string reason = no_namespaces(); !reason.empty()) GTEST_SKIP() << reason;
+    ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto daemon = t.gateway({on_interface(udp("ground", "10.77.0.2:6670"), "wg0"), udp_listen("air")});
     t.expect_ground_to_follow(*daemon);
@@ -239,8 +238,8 @@ TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) 
 }
 
 TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     const auto plug_in = [&] {
         return network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
                network.run("link set va up") && network.run("link set vb up") && network.run("route add 224.0.0.0/4 dev va");
@@ -264,8 +263,8 @@ TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
 }
 
 TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
                 network.run("link set va up"));
     RunningGateway daemon{udp("group", "239.1.2.3:17000")};
@@ -275,8 +274,8 @@ TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
 }
 
 TEST(UdpLink, ipv6_multicast_on_an_interface) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("link set va up") &&
                 network.run("link set vb up") && network.run("addr add fd00::1/64 dev va nodad") &&
                 network.run("addr add fe80::1/64 dev va nodad"));
@@ -288,8 +287,8 @@ TEST(UdpLink, ipv6_multicast_on_an_interface) {
 }
 
 TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_another_number) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001"), udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("air"));
     for (const int round : {1, 2}) {
@@ -313,8 +312,8 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
 }
 
 TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     const auto plug_in = [&] {
         return network.run("link add va type veth peer name vb") && network.run("link set va up") &&
                network.run("link set vb up") && network.run("addr add fe80::1/64 dev va nodad") &&
@@ -339,8 +338,8 @@ TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
 }
 
 TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 brd + dev va") &&
                 network.run("link set va up") && network.run("link set vb up"));
     UdpPeer listener{"0.0.0.0:0"}, air;
@@ -359,8 +358,8 @@ TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
 }
 
 TEST(UdpLink, no_way_to_the_peer_is_waited_for) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     RunningGateway daemon{udp("host", "192.0.2.9:6670")};
     EXPECT_EQ(daemon.link("host").at("state"), "waiting");
     EXPECT_EQ(daemon.link("host").at("error"), "no way to 192.0.2.9:6670 now: Network is unreachable");
@@ -370,8 +369,8 @@ TEST(UdpLink, no_way_to_the_peer_is_waited_for) {
 }
 
 TEST(UdpLink, the_address_of_its_interface_may_change) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 192.0.2.1/24 dev va") &&
                 network.run("link set va up") && network.run("link set vb up"));
     UdpPeer air;
@@ -387,8 +386,8 @@ TEST(UdpLink, the_address_of_its_interface_may_change) {
 }
 
 TEST(UdpListenLink, a_local_address_that_is_not_there_yet_is_waited_for) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     RunningGateway daemon{udp_listen("ground", "192.0.2.1:12333")};
     EXPECT_EQ(daemon.link("ground").at("state"), "waiting");
     EXPECT_EQ(daemon.link("ground").at("error"), "no interface has the address 192.0.2.1 now");
@@ -400,8 +399,8 @@ TEST(UdpListenLink, a_local_address_that_is_not_there_yet_is_waited_for) {
 }
 
 TEST(UdpListenLink, a_network_that_an_interface_gets_later_is_allowed_then) {
+    ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
-    ANOGATE_NEEDS_NETWORK(network);
     RunningGateway daemon{udp_listen("ground", "0.0.0.0:0")};
     ASSERT_TRUE(network.run("addr add 192.0.2.1/24 dev lo"));
     UdpPeer host{"192.0.2.77:0"};    // the whole net is local on lo

@@ -42,8 +42,11 @@ public:
 
     int fd() const { return fd_.number; }
     void ip(const std::string& arguments) const {
+        if (!run(arguments)) throw std::runtime_error{"ip " + arguments + " failed"};
+    }
+    bool run(const std::string& arguments) const {    // false: the command failed
         const Inside inside{*this};
-        if (!run_ip(arguments)) throw std::runtime_error{"ip " + arguments + " failed"};
+        return run_ip(arguments);
     }
     /// Joins `name` here with `name` there; an address for each, as 10.0.0.1/24.
     void join(const Namespace& other, const std::string& link, const std::string& here, const std::string& there) const {
@@ -80,6 +83,11 @@ private:
     Descriptor fd_;
 };
 
+/// A network of the test's own: its thread is inside until this ends.
+class NetworkNamespace : public Namespace {
+    Inside inside_{*this};
+};
+
 /// Why namespaces are not possible here; empty: they are.
 inline std::string no_namespaces() {
     if (::getuid() != 0) return "network namespaces need root";
@@ -95,3 +103,6 @@ inline std::string no_namespaces() {
 }
 
 }    // namespace support
+
+#define ANOGATE_NEEDS_NAMESPACES() \
+    if (const std::string reason = support::no_namespaces(); !reason.empty()) GTEST_SKIP() << reason

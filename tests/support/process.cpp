@@ -3,51 +3,17 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstring>
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
 
 namespace support {
 
-int connect_unix(const std::string& path) {
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    timeval limit{5, 0};
-    ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    ::setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
-    if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
-    ::close(fd);
-    return -1;
-}
-
-std::string read_to_end(int fd) {
-    std::string text;
-    char buffer[4096];
-    for (ssize_t n; (n = ::read(fd, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(n));
-    return text;
-}
-
-std::string http(const std::string& socket, const std::string& request) {
-    const int fd = connect_unix(socket);
-    if (fd < 0) return {};
-    std::string answer;
-    if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
-        answer = read_to_end(fd);
-    ::close(fd);
-    return answer;
-}
-std::string body_of(const std::string& answer) {
-    const auto end = answer.find("\r\n\r\n");
-    return end == std::string::npos ? std::string{} : answer.substr(end + 4);
-}
-
-Process::Process(const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment) {
+Process::Process(const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment,
+                 const std::function<void()>& in_child) {
     int pipe[2];
     if (::pipe2(pipe, O_CLOEXEC) != 0) std::abort();
     arguments.insert(arguments.begin(), program);
@@ -61,7 +27,8 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
         ::dup2(pipe[1], STDERR_FILENO);
         ::dup2(pipe[1], STDOUT_FILENO);
         for (const std::string& e : environment) ::putenv(const_cast<char*>(e.c_str()));
-        ::execv(program.c_str(), argv.data());
+        in_child();
+        ::execvp(program.c_str(), argv.data());
         ::_exit(127);
     }
     ::close(pipe[1]);
@@ -90,6 +57,7 @@ int Process::wait(std::chrono::steady_clock::duration limit) {
                 again = now;
                 ::kill(pid_, SIGTERM);
             }
+            output();    // it may wait until somebody reads
             return !is_running();
         },
         limit);
@@ -100,6 +68,11 @@ const std::string& Process::output() {
     char buffer[4096];
     for (ssize_t n; (n = ::read(output_fd_, buffer, sizeof buffer)) > 0;) output_.append(buffer, static_cast<std::size_t>(n));
     return output_;
+}
+std::string Process::new_output() {
+    const std::size_t before = told_;
+    told_ = output().size();
+    return output_.substr(before);
 }
 bool Process::until_says(const std::string& words, std::chrono::steady_clock::duration limit) {
     return wait_until([&] { return output().find(words) != std::string::npos || !is_running(); }, limit) &&
@@ -116,6 +89,20 @@ void Process::reap(int options) {
     int status = 0;
     if (status_ || ::waitpid(pid_, &status, options) != pid_) return;
     status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+Shell::Shell(const std::string& command) : Process{"/bin/sh", {"-c", command}, {}, [] { ::setpgid(0, 0); }} {}
+void Shell::end() {
+    if (!is_running()) return;
+    if (::kill(-pid(), SIGKILL) != 0) signal(SIGKILL);    // it has no group yet
+    wait();
+}
+
+int run(const std::string& command) {
+    Shell shell{command};
+    const int status = shell.wait(std::chrono::minutes{5});
+    if (status != 0) std::cerr << shell.output();
+    return status;
 }
 
 namespace {

@@ -1,5 +1,6 @@
 // The real program as a process, killed when its handle is destroyed, and the socket it answers on.
 #pragma once
+#include "http.hpp"
 #include "wait.hpp"
 
 #include <nlohmann/json.hpp>
@@ -7,23 +8,19 @@
 #include <sys/types.h>
 
 #include <csignal>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace support {
 
-/// A blocking connection to a Unix socket; -1 when nobody answers. A read ends after some seconds.
-int connect_unix(const std::string& path);
-std::string read_to_end(int fd);
-
-/// One request on a connection of its own: the whole answer, empty when there is none.
-std::string http(const std::string& socket, const std::string& request);
-std::string body_of(const std::string& answer);
-
 class Process {
 public:
-    Process(const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment = {});
+    /// `program` is looked for as a shell does. `in_child` runs in the new process before it becomes the program.
+    Process(
+        const std::string& program, std::vector<std::string> arguments, const std::vector<std::string>& environment = {},
+        const std::function<void()>& in_child = [] {});
     ~Process();
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
@@ -35,6 +32,8 @@ public:
     int wait(std::chrono::steady_clock::duration limit = patience);
     /// What it has written so far, standard output and error.
     const std::string& output();
+    /// What it has written since the last call of this.
+    std::string new_output();
     bool until_says(const std::string& words, std::chrono::steady_clock::duration limit = patience);
     /// The number in a field of /proc/PID/status.
     long proc_status(const std::string& field) const;
@@ -46,8 +45,20 @@ private:
     int output_fd_ = -1;
     mutable int last_signal_ = 0;
     std::string output_;
+    std::size_t told_ = 0;    // of output_
     std::optional<int> status_;
 };
+
+/// A command line of the shell; it ends with all that it started.
+class Shell : public Process {
+public:
+    explicit Shell(const std::string& command);
+    ~Shell() { end(); }
+    void end();
+};
+
+/// Runs a command line of the shell to its end; its exit status. What it wrote is shown when it fails.
+int run(const std::string& command);
 
 /// An anogated with a control socket of its own.
 class Daemon : public Process {

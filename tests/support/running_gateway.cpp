@@ -1,8 +1,10 @@
 #include "running_gateway.hpp"
 
+#include <daemon/command_line.hpp>
 #include <daemon/status.hpp>
 
-#include <spdlog/spdlog.h>
+#include <stdexcept>
+#include <utility>
 
 namespace support {
 
@@ -15,19 +17,34 @@ anogate::Settings settings_of(std::vector<anogate::LinkSettings> links, anogate:
     return s;
 }
 
-RunningGateway::RunningGateway(anogate::Settings settings) : gateway_{io_, std::move(settings)} {
-    spdlog::set_level(spdlog::level::off);
+anogate::Settings settings_of_texts(std::vector<std::string> links) {
+    links.insert(links.begin(), {"anogated", "--control", "none"});
+    std::vector<const char*> words;
+    for (const std::string& link : links) words.push_back(link.c_str());
+    auto line = anogate::parse_command_line(static_cast<int>(words.size()), words.data());
+    if (const auto* exit = std::get_if<anogate::Exit>(&line)) throw std::runtime_error{exit->text};
+    return std::get<anogate::CommandLine>(std::move(line)).settings;
+}
+
+RunningGateway::RunningGateway(anogate::Settings settings) : RunningGateway{std::make_unique<Loop>(), std::move(settings)} {}
+RunningGateway::RunningGateway(std::initializer_list<anogate::LinkSettings> links) : RunningGateway{settings_of(links)} {}
+RunningGateway::RunningGateway(std::unique_ptr<Loop> own, anogate::Settings settings)
+    : RunningGateway{*own, std::move(settings)} {
+    own_loop_ = std::move(own);
+}
+RunningGateway::RunningGateway(Loop& loop, anogate::Settings settings) : loop_{loop}, gateway_{loop.io, std::move(settings)} {
     gateway_.start([this](const std::string& name) { missing_ = name; });
 }
-RunningGateway::RunningGateway(std::initializer_list<anogate::LinkSettings> links) : RunningGateway{settings_of(links)} {}
+RunningGateway::RunningGateway(Loop& loop, std::vector<std::string> links)
+    : RunningGateway{loop, settings_of_texts(std::move(links))} {}
 RunningGateway::~RunningGateway() {
-    if (!stopped_) stop(std::chrono::milliseconds{0});
+    if (!stopped_) stop(std::chrono::milliseconds{own_loop_ ? 0 : 500});
 }
 
 bool RunningGateway::until(const std::function<bool()>& holds, anogate::Duration limit) {
     return wait_until(holds, limit, [this] {
-        io_.restart();
-        io_.run_one_for(std::chrono::milliseconds{2});
+        io().restart();
+        io().run_one_for(std::chrono::milliseconds{2});
     });
 }
 void RunningGateway::run_for(anogate::Duration time) {
@@ -35,7 +52,7 @@ void RunningGateway::run_for(anogate::Duration time) {
     until([&] { return anogate::Clock::now() >= end; }, time);
 }
 bool RunningGateway::until_up(const std::string& name) {
-    return until([&] { return link(name).at("state") == "up"; });
+    return until([&] { return up(name); });
 }
 bool RunningGateway::until_waiting(const std::string& name) {
     return until([&] { return link(name).at("state") == "waiting"; });
@@ -43,10 +60,11 @@ bool RunningGateway::until_waiting(const std::string& name) {
 anogate::Duration RunningGateway::stop(anogate::Duration flush_for, const std::function<void()>& meanwhile) {
     const auto begin = anogate::Clock::now();
     stopped_ = true;
-    gateway_.stop(flush_for, [] {});
-    io_.restart();
-    while (!io_.stopped()) {
-        io_.run_one_for(std::chrono::milliseconds{2});
+    bool done = false;
+    gateway_.stop(flush_for, [&] { done = true; });
+    io().restart();
+    while (own_loop_ ? !io().stopped() : !done) {
+        io().run_one_for(std::chrono::milliseconds{2});
         meanwhile();
         if (anogate::Clock::now() - begin > support::patience) {
             ADD_FAILURE() << "the loop does not end";

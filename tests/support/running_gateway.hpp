@@ -1,6 +1,7 @@
 // A whole gateway in the test's own thread, driven until something holds.
 #pragma once
 #include "bytes.hpp"
+#include "loop.hpp"
 #include "settings.hpp"
 #include "wait.hpp"
 
@@ -11,31 +12,39 @@
 #include <nlohmann/json.hpp>
 
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace support {
 
 anogate::Settings settings_of(std::vector<anogate::LinkSettings> links, anogate::GatewaySettings gateway = {},
                               std::vector<anogate::RouteSettings> routes = {});
+/// Of LINK texts, as a user writes them.
+anogate::Settings settings_of_texts(std::vector<std::string> links);
 
 class RunningGateway {
 public:
     explicit RunningGateway(anogate::Settings settings);
     RunningGateway(std::initializer_list<anogate::LinkSettings> links);
+    /// In a loop that it shares with others, which outlives it.
+    RunningGateway(Loop& loop, anogate::Settings settings);
+    RunningGateway(Loop& loop, std::vector<std::string> links);
     ~RunningGateway();
 
-    anogate::asio::io_context& io() { return io_; }
+    anogate::asio::io_context& io() { return loop_.io; }
     anogate::Gateway& gateway() { return gateway_; }
     const std::string& missing() const { return missing_; }
 
-    /// Runs the loop until `holds` does; false when it does not within `limit`.
+    /// Runs the loop until `holds` does; false when it does not within `limit`. It is asked after each thing that happens.
     bool until(const std::function<bool()>& holds, anogate::Duration limit = patience);
     /// Runs the loop for a time: only to show that something does not happen meanwhile.
     void run_for(anogate::Duration time);
+    bool up(const std::string& name) { return link(name).at("state") == "up"; }
     bool until_up(const std::string& name);
     bool until_waiting(const std::string& name);
-    /// As SIGTERM does. Returns how long it took, up to the end of the loop.
+    /// As SIGTERM does. Returns how long it took, up to the end of a loop of its own.
     anogate::Duration stop(
         anogate::Duration flush_for = std::chrono::milliseconds{500}, const std::function<void()>& meanwhile = [] {});
 
@@ -51,9 +60,11 @@ public:
     bool counters_add_up();
 
 private:
+    RunningGateway(std::unique_ptr<Loop> own, anogate::Settings settings);
     std::optional<std::uint64_t> figure(const anogate::LinkState& state, const std::string& counter);
 
-    anogate::asio::io_context io_{1};
+    std::unique_ptr<Loop> own_loop_;    // null: it shares one
+    Loop& loop_;
     anogate::Gateway gateway_;
     std::string missing_;
     bool stopped_ = false;

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace support {
@@ -22,6 +23,11 @@ public:
 
     std::string operator/(const std::string& name) const { return (path_ / name).string(); }
     const std::filesystem::path& path() const { return path_; }
+    /// Writes a file into it and returns its path.
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream{path_ / name, std::ios::binary} << text;
+        return *this / name;
+    }
 
 private:
     std::filesystem::path path_;

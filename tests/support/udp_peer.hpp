@@ -6,9 +6,12 @@
 #include <link/ip_socket.hpp>
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -21,16 +24,27 @@ public:
         if (!opened) throw std::runtime_error{opened.error()};
         socket_ = std::move(*opened);
         local_ = anogate::local_endpoint(socket_.get());
+        if (!std::getenv("ANOGATE_IN_VM")) return;
+        const int room = 4 << 20;    // an emulated machine reads late
+        ::setsockopt(fd(), SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room);
     }
     /// Its own socket for tests that need an option set first.
     int fd() const { return socket_.get(); }
     const anogate::Endpoint& local() const { return local_; }
     std::uint16_t port() const { return local_.port; }
+    /// A LINK text for a gateway that is to talk to this peer.
+    std::string link(const std::string& name) const { return "udp:" + local_.text() + ",bind=127.0.0.1:0,name=" + name; }
 
     bool send(const anogate::Endpoint& to, std::span<const std::uint8_t> datagram) {
         const auto address = anogate::SocketAddress::of(to, local_.address.v6);
-        return ::sendto(socket_.get(), datagram.data(), datagram.size(), 0, address.get(), address.size) ==
-               static_cast<ssize_t>(datagram.size());
+        const auto once = [&] { return ::sendto(fd(), datagram.data(), datagram.size(), 0, address.get(), address.size); };
+        ssize_t sent = once();
+        if (sent < 0 && errno == EAGAIN) {    // its queue is full
+            pollfd room{fd(), POLLOUT, 0};
+            ::poll(&room, 1, 10'000);
+            sent = once();
+        }
+        return sent == static_cast<ssize_t>(datagram.size());
     }
     bool send(const anogate::EndpointSpec& to, std::span<const std::uint8_t> datagram) {
         const auto now = anogate::endpoint_now(to);
@@ -46,16 +60,22 @@ public:
     /// Every datagram that has come since the last call.
     std::vector<Bytes> datagrams() {
         std::vector<Bytes> result;
-        Bytes buffer(65536);
         sockaddr_storage from{};
         socklen_t size = sizeof from;
         for (ssize_t n;
-             (n = ::recvfrom(socket_.get(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size)) >= 0;
+             (n = ::recvfrom(socket_.get(), buffer_.data(), buffer_.size(), 0, reinterpret_cast<sockaddr*>(&from), &size)) >= 0;
              size = sizeof from) {
-            result.emplace_back(buffer.begin(), buffer.begin() + n);
+            result.emplace_back(buffer_.begin(), buffer_.begin() + n);
             last_sender_ = anogate::endpoint_of(from);
         }
         return result;
+    }
+    /// The frames of the datagrams that have come since the last call.
+    std::vector<Bytes> frames() {
+        std::vector<Bytes> all;
+        for (const Bytes& datagram : datagrams())
+            for (Bytes& one : split(datagram).frames) all.push_back(std::move(one));
+        return all;
     }
     const anogate::Endpoint& last_sender() const { return last_sender_; }
     /// Reads on, and gives all that ever came, one datagram behind the other.
@@ -72,6 +92,7 @@ private:
     anogate::UniqueFd socket_;
     anogate::Endpoint local_;
     anogate::Endpoint last_sender_;
+    Bytes buffer_ = Bytes(65536);
     Bytes heard_;
 };
 

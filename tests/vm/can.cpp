@@ -1,14 +1,13 @@
 // CAN links on a kernel that has SocketCAN, with can-utils as the other side. Runs in a network namespace of its own, where CAN
 // is: on such a host, and in the machine of tests/vm/machine.
 #include "can_rate.hpp"
-#include "process.hpp"
-#include "running_gateway.hpp"
-#include "udp_app.hpp"
 
 #include <gateway/can_stream.hpp>
+#include <support/process.hpp>
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -29,10 +28,10 @@ using support::Bytes;
 using Frames = std::vector<Bytes>;
 using support::frame;
 using support::Loop;
-using support::Process;
 using support::run;
 using support::RunningGateway;
-using support::UdpApp;
+using support::Shell;
+using support::UdpPeer;
 
 namespace {
 
@@ -117,6 +116,7 @@ private:
 };
 
 struct Can : testing::Test {
+    static void SetUpTestSuite() { have_vcan(); }    // enters the namespace, before a socket is made
     void SetUp() override {
         if (!have_vcan()) {
             if (std::getenv("ANOGATE_IN_VM")) FAIL() << "no vcan in the test machine";
@@ -130,7 +130,7 @@ struct Can : testing::Test {
     static void make_bus() { ASSERT_EQ(run("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 72 up"), 0); }
 
     /// candump, listening when this returns.
-    std::unique_ptr<Process> dump(const std::string& options = "-L vcan0") {
+    std::unique_ptr<Shell> dump(const std::string& options = "-L vcan0") {
         const auto listeners = [] {
             std::ifstream list{"/proc/self/net/can/rcvlist_all"};
             std::size_t lines = 0;
@@ -138,15 +138,15 @@ struct Can : testing::Test {
             return lines;
         };
         const std::size_t before = listeners();
-        auto process = std::make_unique<Process>("candump " + options);
+        auto process = std::make_unique<Shell>("candump " + options);
         EXPECT_TRUE(loop.until([&] { return listeners() > before; }));
         return process;
     }
     /// What candump -L wrote of the next `count` frames, without its times.
-    std::vector<std::string> dumped(Process& dump, std::size_t count) {
+    std::vector<std::string> dumped(Shell& dump, std::size_t count) {
         std::string text;
         loop.until([&] {
-            text += dump.read();
+            text += dump.new_output();
             return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) >= count;
         });
         std::vector<std::string> all;
@@ -154,7 +154,7 @@ struct Can : testing::Test {
         for (std::string time, interface, what; lines >> time >> interface >> what;) all.push_back(what);
         return all;
     }
-    std::vector<Bytes> received(UdpApp& from, std::size_t count, std::chrono::seconds patience = 30s) {
+    std::vector<Bytes> received(UdpPeer& from, std::size_t count, std::chrono::seconds patience = 30s) {
         std::vector<Bytes> all;
         loop.until(
             [&] {
@@ -166,7 +166,7 @@ struct Can : testing::Test {
     }
 
     Loop loop;
-    UdpApp app;
+    UdpPeer app;
 };
 
 }    // namespace
@@ -174,8 +174,8 @@ struct Can : testing::Test {
 TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     auto bus = dump();
-    app.send(frame(0xFE, 0xFF, 0xA0, data_of(3)), gateway.port("app"));
-    app.send(frame(0x01, 0xFF, 0x03), gateway.port("app"));
+    app.send(gateway.port("app"), frame(0xFE, 0xFF, 0xA0, data_of(3)));
+    app.send(gateway.port("app"), frame(0x01, 0xFF, 0x03));
     EXPECT_EQ(dumped(*bus, 3), (std::vector<std::string>{"6FE#ABFEFFA003000102", "6FE#0351C5", "601#AB01FF030000AE0C"}));
     EXPECT_EQ(gateway.count("vcan0", "frames_out"), 2u) << gateway.status();
     EXPECT_EQ(gateway.count("vcan0", "frames_in"), 0u);    // own frames do not come back
@@ -203,14 +203,14 @@ TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
 TEST_F(Can, base_moves_the_ids) {
     RunningGateway gateway{loop, {"can:vcan0,base=0x100", app.link("app")}};
     auto bus = dump();
-    app.send(frame(0xFE, 0xFF, 0x03), gateway.port("app"));
+    app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03));
     EXPECT_EQ(dumped(*bus, 1).at(0).substr(0, 4), "1FE#");
 }
 
 TEST_F(Can, a_29_bit_id_tells_class_source_and_destination) {
     RunningGateway gateway{loop, {"can:vcan0,extended", app.link("app")}};
     auto bus = dump();
-    for (const std::uint8_t id : Bytes{0xC0, 0x03, 0xB0}) app.send(frame(0xFE, 0xDC, id), gateway.port("app"));
+    for (const std::uint8_t id : Bytes{0xC0, 0x03, 0xB0}) app.send(gateway.port("app"), frame(0xFE, 0xDC, id));
     const auto lines = dumped(*bus, 3);
     ASSERT_EQ(lines.size(), 3u);
     std::vector<std::string> ids;
@@ -224,8 +224,8 @@ TEST_F(Can, fd_pieces_are_up_to_64_bytes_padded_with_zeros_and_have_the_bit_rate
         RunningGateway gateway{loop, {brs ? "can:vcan0,fd" : "can:vcan0,fd,brs=false", app.link("app")}};
         auto bus = dump();
         const Bytes large = frame(0xFE, 0xFF, 0x03, data_of(65)), small = frame(0xFE, 0xFF, 0x03);
-        app.send(large, gateway.port("app"));
-        app.send(small, gateway.port("app"));
+        app.send(gateway.port("app"), large);
+        app.send(gateway.port("app"), small);
         const auto lines = dumped(*bus, 3);
         ASSERT_EQ(lines.size(), 3u);
         const std::string flags = brs ? "##[15]" : "##[04]";    // newer kernels add FDF, 4
@@ -269,7 +269,7 @@ TEST_F(Can, twenty_senders_interleaved_by_canplayer) {
             if (i < sender.size()) file << "(0.000000) vcan0 " << sender[i] << '\n';
     file.close();
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
-    Process player{"canplayer -t -I " + log};
+    Shell player{"canplayer -t -I " + log};
     const auto frames = received(app, 200);
     EXPECT_EQ(frames.size(), 200u);
     std::map<std::uint8_t, std::uint8_t> next;
@@ -316,8 +316,8 @@ TEST_F(Can, other_traffic_on_the_bus_is_kept_out_by_the_kernel) {
 TEST_F(Can, noise_at_full_rate_harms_nothing) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
-    Process full{"cangen vcan0 -g 0 -i -I 6DD -L 8 -D r -n 20000"};
-    Process any_length{
+    Shell full{"cangen vcan0 -g 0 -i -I 6DD -L 8 -D r -n 20000"};
+    Shell any_length{
         "cangen vcan0 -g 0 -i -I 601 -D r -n 20000"};    // no id at random: noise amid a frame of ours costs that frame
     const double before = cpu_seconds(RUSAGE_SELF), theirs = cpu_seconds(RUSAGE_CHILDREN);
     std::size_t sent = 0, got = 0;
@@ -325,7 +325,7 @@ TEST_F(Can, noise_at_full_rate_harms_nothing) {
         [&] {
             if (sent - got < 20) bus.send(frame(0xDC, 0xFE, 0x03, data_of(17))), ++sent;
             got += app.frames().size();
-            return full.ended() && any_length.ended();
+            return !full.is_running() && !any_length.is_running();
         },
         120s);
     EXPECT_TRUE(loop.until([&] { return (got += app.frames().size()) >= sent; }));
@@ -371,7 +371,7 @@ TEST_F(Can, error_frames_are_in_the_status_with_their_times) {
 }
 
 TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturbed) {
-    UdpApp other;
+    UdpPeer other;
     RunningGateway gateway{loop, {"can:vcan0,fd", app.link("app"), other.link("other")}};
     const auto passes = [&] {
         BusSocket bus{"vcan0"};
@@ -385,10 +385,10 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
         EXPECT_TRUE(loop.until([&] {
             return !gateway.up("vcan0") && gateway.link("vcan0")["error"].get<std::string>().find(why) == 0;
         })) << why;
-        other.send(frame(0x05, 0xFE, 0x03), gateway.port("other"));
+        other.send(gateway.port("other"), frame(0x05, 0xFE, 0x03));
         EXPECT_EQ(received(app, 1).size(), 1u);
         const auto refused = gateway.count("vcan0", "link_down");
-        app.send(frame(0xFE, 0xDC, 0x03), gateway.port("app"));    // for the link that is down: counted there
+        app.send(gateway.port("app"), frame(0xFE, 0xDC, 0x03));    // for the link that is down: counted there
         EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "link_down") == refused + 1; }));
     };
     const auto comes_back = [&](const char* change) {
@@ -412,8 +412,8 @@ TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {
 }
 
 TEST_F(Can, absent_interfaces_cost_few_wake_ups) {
-    Process daemon{std::string{"exec "} + ANOGATED +
-                   " --control none --log-level error can:nocan0 can:nocan1,fd can:nocan2,framing=isotp,tx=1,rx=2"};
+    Shell daemon{std::string{"exec "} + ANOGATED +
+                 " --control none --log-level error can:nocan0 can:nocan1,fd can:nocan2,framing=isotp,tx=1,rx=2"};
     const auto wake_ups = [&] {
         std::ifstream status{"/proc/" + std::to_string(daemon.pid()) + "/status"};
         for (std::string word; status >> word;)
@@ -430,16 +430,16 @@ TEST_F(Can, absent_interfaces_cost_few_wake_ups) {
 TEST_F(Can, a_full_queue_never_cuts_a_frame) {
     ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);    // a slow bus
-    UdpApp far;
+    UdpPeer far;
     RunningGateway gateway{loop, {"can:vcan0,name=near", app.link("app")}};
     RunningGateway there{loop, {"can:vcan0,name=far", far.link("app")}};
-    Process beside{"cangen vcan0 -g 1 -i -I 123 -L 8"};    // fills the queue too: ENOBUFS
+    Shell beside{"cangen vcan0 -g 1 -i -I 123 -L 8"};    // fills the queue too: ENOBUFS
     for (std::uint8_t n = 0; n < 200; ++n) {
-        for (int k = 0; k < 5; ++k) app.send(frame(0xFE, 0xFF, 0x03, data_of(60, n)), gateway.port("app"));
+        for (int k = 0; k < 5; ++k) app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03, data_of(60, n)));
         loop.turn();
     }
     EXPECT_TRUE(loop.until([&] { return gateway.count("near", "waiting") == 0; }, 60s));
-    beside.end(SIGKILL);
+    beside.end();
     const std::uint64_t out = gateway.count("near", "frames_out");
     EXPECT_GT(out, 20u);
     EXPECT_TRUE(loop.until([&] { return there.count("far", "frames_in") == out; }));
@@ -449,10 +449,10 @@ TEST_F(Can, a_full_queue_never_cuts_a_frame) {
 
 TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 100kbit burst 200 limit 400"), 0);
-    UdpApp far;
+    UdpPeer far;
     RunningGateway near{loop, {"can:vcan0,max_data=5000", app.link("app") + ",max_data=5000"}};
     RunningGateway there{loop, {"can:vcan0,max_data=5000", far.link("app")}};
-    app.send(frame(0xFE, 0xFF, 0xB0, data_of(5000)), near.port("app"));
+    app.send(near.port("app"), frame(0xFE, 0xFF, 0xB0, data_of(5000)));
     ASSERT_TRUE(loop.until([&] { return there.count("vcan0", "bytes_in") > 100; }));
     ASSERT_EQ(run("ip link set vcan0 down"), 0);
     EXPECT_TRUE(loop.until([&] { return !near.up("vcan0") && !there.up("vcan0"); }));
@@ -461,7 +461,7 @@ TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
     ASSERT_EQ(run("ip link set vcan0 up"), 0);
     EXPECT_TRUE(loop.until([&] { return near.up("vcan0") && there.up("vcan0"); }));
     const Bytes next = frame(0x11, 0xFF, 0x03, data_of(17));
-    app.send(next, near.port("app"));
+    app.send(near.port("app"), next);
     EXPECT_EQ(received(far, 1), Frames{next});
     EXPECT_EQ(there.count("vcan0", "wrong_source"), 0u);
     EXPECT_EQ(there.count("vcan0", "frames_in"), 1u);
@@ -471,13 +471,13 @@ TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
 TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
     ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);
-    UdpApp far;
+    UdpPeer far;
     RunningGateway near{loop, {"can:vcan0,queue=65536", app.link("app")}};
     RunningGateway there{loop, {"can:vcan0", far.link("app")}};
-    Process beside{"cangen vcan0 -g 1 -i -I 123 -L 8"};
-    for (std::uint8_t n = 0; n < 200; ++n) app.send(frame(0xDF, 0xFF, 0xB0, data_of(200, n)), near.port("app"));
+    Shell beside{"cangen vcan0 -g 1 -i -I 123 -L 8"};
+    for (std::uint8_t n = 0; n < 200; ++n) app.send(near.port("app"), frame(0xDF, 0xFF, 0xB0, data_of(200, n)));
     EXPECT_TRUE(loop.until([&] { return near.count("vcan0", "waiting") > 100; }));
-    app.send(frame(0xFE, 0xFF, 0xC0, data_of(11)), near.port("app"));
+    app.send(near.port("app"), frame(0xFE, 0xFF, 0xC0, data_of(11)));
     std::size_t images = 0;
     bool commanded = false;
     loop.until(
@@ -495,15 +495,15 @@ TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
 
 TEST_F(Can, two_gateways_joined_by_one_bus) {
     for (const std::string options : {"", ",fd", ",extended", ",fd,extended"}) {
-        UdpApp far;
+        UdpPeer far;
         RunningGateway a{loop, {"can:vcan0" + options, app.link("app")}};
         RunningGateway b{loop, {"can:vcan0" + options, far.link("app")}};
         const Bytes there = frame(0xFE, 0xDC, 0xC0, data_of(11)), back = frame(0xDC, 0xFE, 0xB0, data_of(200));
-        app.send(there, a.port("app"));
+        app.send(a.port("app"), there);
         EXPECT_EQ(received(far, 1), Frames{there});
-        far.send(back, b.port("app"));
+        far.send(b.port("app"), back);
         EXPECT_EQ(received(app, 1), Frames{back});
-        app.send(frame(0xFE, 0xFF, 0x03), a.port("app"));    // to everybody: once, and it does not go round
+        app.send(a.port("app"), frame(0xFE, 0xFF, 0x03));    // to everybody: once, and it does not go round
         EXPECT_EQ(received(far, 1).size(), 1u);
         EXPECT_EQ(a.count("vcan0", "frames_in"), 1u);
         EXPECT_EQ(b.count("vcan0", "frames_in"), 2u);
@@ -512,7 +512,7 @@ TEST_F(Can, two_gateways_joined_by_one_bus) {
 
 TEST_F(Can, pty_to_can_to_udp_and_back) {
     const std::string path = testing::TempDir() + "can-test-pty";
-    UdpApp far;
+    UdpPeer far;
     RunningGateway a{loop, {"can:vcan0", "pty:" + path + ",name=pty"}};
     RunningGateway b{loop, {"can:vcan0", far.link("app")}};
     const int pty = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
@@ -520,7 +520,7 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
     const Bytes there = frame(0xDC, 0xFF, 0xA0, data_of(100)), back = frame(0xFE, 0xDC, 0xE1, data_of(6));
     EXPECT_EQ(::write(pty, there.data(), there.size()), static_cast<ssize_t>(there.size()));
     EXPECT_EQ(received(far, 1), Frames{there});
-    far.send(back, b.port("app"));
+    far.send(b.port("app"), back);
     Bytes got(200);
     std::size_t size = 0;
     EXPECT_TRUE(loop.until([&] {
@@ -538,7 +538,7 @@ TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
     for (const bool fd : {false, true}) {
         for (const bool isotp : {false, true}) {
             const std::string options = std::string{fd ? ",fd" : ""} + (isotp ? ",framing=isotp" : "");
-            UdpApp far;
+            UdpPeer far;
             RunningGateway a{loop, {"can:vcan0" + options + (isotp ? ",tx=1,rx=2" : ""), app.link("app")}};
             RunningGateway b{loop, {"can:vcan0" + options + (isotp ? ",tx=2,rx=1" : ""), far.link("app")}};
             for (const std::size_t size : {0u, 4u, 13u, 50u, 54u, 55u, 200u}) {
@@ -550,7 +550,7 @@ TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
                     return counts;
                 };
                 const auto before = counted();
-                app.send(frame(0xFE, 0xFF, 0xB0, data_of(size)), a.port("app"));
+                app.send(a.port("app"), frame(0xFE, 0xFF, 0xB0, data_of(size)));
                 EXPECT_EQ(received(far, 1).size(), 1u);
                 const auto after = counted();
                 const auto sizes = isotp ? can_rate::isotp(size + 8, fd) : can_rate::stream(size + 8, fd);
@@ -564,7 +564,7 @@ TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
 // Senders that keep a window of frames on the way: UDP to A, CAN to B, UDP to the far app. Each one's frames stay in order;
 // between senders of one class the outbox takes turns.
 TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
-    UdpApp far;
+    UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,fd", app.link("app")}};
     RunningGateway b{loop, {"can:vcan0,fd", far.link("app")}};
     const std::uint16_t to = a.port("app");
@@ -586,7 +586,7 @@ TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
     };
     const bool done = loop.until(
         [&] {
-            for (; sent < all && sent - got < window; ++sent) app.send(made(sent), to);
+            for (; sent < all && sent - got < window; ++sent) app.send(to, made(sent));
             for (const Bytes& f : far.frames()) arrived(f);
             return got >= all || testing::Test::HasFailure();
         },
@@ -608,10 +608,10 @@ TEST_F(Can, isotp_one_frame_one_pdu_from_and_to_the_tools) {
             const Bytes sent = frame(0xDC, 0xFE, 0x03, data_of(size));
             std::string text;
             for (const std::uint8_t byte : sent) text += hex({&byte, 1}) + " ";
-            Process sender{"echo " + text + " | isotpsend -s 7E8 -d 7E0" + tools + " vcan0"};
+            Shell sender{"echo " + text + " | isotpsend -s 7E8 -d 7E0" + tools + " vcan0"};
             EXPECT_EQ(received(app, 1), Frames{sent}) << size << fd;
 
-            EXPECT_TRUE(loop.until([&] { return sender.ended(); }));
+            EXPECT_TRUE(loop.until([&] { return !sender.is_running(); }));
             const auto bound = [] {
                 std::ifstream list{"/proc/self/net/can/rcvlist_sff"};
                 std::size_t ours = 0;
@@ -619,13 +619,13 @@ TEST_F(Can, isotp_one_frame_one_pdu_from_and_to_the_tools) {
                 return ours;
             };
             const std::size_t before = bound();
-            Process receiver{"isotprecv -s 7E8 -d 7E0" + tools + " vcan0"};
+            Shell receiver{"isotprecv -s 7E8 -d 7E0" + tools + " vcan0"};
             EXPECT_TRUE(loop.until([&] { return bound() > before; }));
             const Bytes back = frame(0xFE, 0xDC, 0xB0, data_of(size));
-            app.send(back, gateway.port("app"));
+            app.send(gateway.port("app"), back);
             std::string got;
             EXPECT_TRUE(loop.until([&] {
-                got += receiver.read();
+                got += receiver.new_output();
                 return got.find('\n') != std::string::npos;
             })) << size
                 << fd;
@@ -640,30 +640,30 @@ TEST_F(Can, isotp_one_frame_one_pdu_from_and_to_the_tools) {
 TEST_F(Can, isotp_extended_ids_are_29_bit) {
     RunningGateway gateway{loop, {"can:vcan0,framing=isotp,extended,tx=0x18DA10F1,rx=0x18DAF110", app.link("app")}};
     auto bus = dump();
-    app.send(frame(0xFE, 0xFF, 0x03), gateway.port("app"));
+    app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03));
     EXPECT_EQ(dumped(*bus, 1).at(0).substr(0, 13), "18DA10F1#1008");
 }
 
 TEST_F(Can, isotp_between_two_gateways_in_order_and_complete) {
-    UdpApp far;
+    UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app")}};
     RunningGateway b{loop, {"can:vcan0,framing=isotp,tx=2,rx=1", far.link("app")}};
     std::vector<Bytes> sent;
     for (std::uint8_t n = 0; n < 100; ++n) {
         sent.push_back(frame(0xFE, 0xFF, 0xB0, data_of(n * 2u, n)));
-        app.send(sent.back(), a.port("app"));
+        app.send(a.port("app"), sent.back());
     }
     EXPECT_EQ(received(far, sent.size()), sent);
     EXPECT_EQ(a.count("vcan0", "frames_out"), 100u);
 }
 
 TEST_F(Can, isotp_refuses_what_is_above_4095_bytes) {
-    UdpApp far;
+    UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,framing=isotp,tx=1,rx=2,max_data=5000", app.link("app") + ",max_data=5000"}};
     RunningGateway b{loop, {"can:vcan0,framing=isotp,tx=2,rx=1,max_data=5000", far.link("app") + ",max_data=5000"}};
     const Bytes largest = frame(0xFE, 0xFF, 0xB0, data_of(4087));
-    app.send(frame(0xFE, 0xFF, 0xB0, data_of(4088)), a.port("app"));
-    app.send(largest, a.port("app"));
+    app.send(a.port("app"), frame(0xFE, 0xFF, 0xB0, data_of(4088)));
+    app.send(a.port("app"), largest);
     EXPECT_EQ(received(far, 1), Frames{largest});
     EXPECT_EQ(a.count("vcan0", "too_big"), 1u);
     EXPECT_EQ(a.count("vcan0", "frames_out"), 1u);
@@ -672,14 +672,14 @@ TEST_F(Can, isotp_refuses_what_is_above_4095_bytes) {
 TEST_F(Can, isotp_to_nobody_is_said_and_blocks_nothing) {
     const auto start = std::chrono::steady_clock::now();
     {
-        UdpApp other;
+        UdpPeer other;
         RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app"), other.link("other")}};
-        app.send(frame(0xFE, 0xFF, 0x03, data_of(50)), gateway.port("app"));
+        app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03, data_of(50)));
         EXPECT_EQ(received(other, 1).size(), 1u);
         EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "transfer_errors") == 1; }));
         EXPECT_EQ(gateway.link("vcan0")["error"].get<std::string>().find("the peer does not answer"), 0u);
         EXPECT_TRUE(gateway.up("vcan0"));
-        app.send(frame(0xFE, 0xFF, 0x03, data_of(50)), gateway.port("app"));
+        app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03, data_of(50)));
         EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "frames_out") == 2; }));
         const auto before = std::chrono::steady_clock::now();
         EXPECT_EQ(run("ip link set vcan0 down"), 0);    // in the middle of a transfer
@@ -692,7 +692,7 @@ TEST_F(Can, isotp_to_nobody_is_said_and_blocks_nothing) {
 
 TEST_F(Can, isotp_stays_up_while_many_frames_wait_for_nobody) {
     RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app")}};
-    for (std::uint8_t n = 0; n < 3; ++n) app.send(frame(0xFE, 0xFF, 0xE1, data_of(50, n)), gateway.port("app"));
+    for (std::uint8_t n = 0; n < 3; ++n) app.send(gateway.port("app"), frame(0xFE, 0xFF, 0xE1, data_of(50, n)));
     bool went_down = false;
     EXPECT_TRUE(loop.until([&] {
         went_down = went_down || !gateway.up("vcan0");
@@ -707,21 +707,14 @@ TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
     if (!std::getenv("ANOGATE_IN_VM")) GTEST_SKIP() << "unloads a kernel module: only in tests/vm/machine";
     ASSERT_EQ(run("echo 'install can-isotp /bin/false' >/etc/modprobe.d/no-isotp.conf"), 0);
     ASSERT_TRUE(loop.until([] { return run("rmmod can-isotp 2>/dev/null") == 0; })) << "sockets of earlier tests close late";
-    UdpApp other;
+    UdpPeer other;
     RunningGateway gateway{loop,
                            {"can:vcan0,framing=isotp,tx=1,rx=2", "can:vcan0,name=stream", app.link("app"), other.link("other")}};
     EXPECT_EQ(gateway.link("vcan0")["state"], "waiting");
     EXPECT_EQ(gateway.link("vcan0")["error"], "this kernel has no ISO-TP (module can-isotp)");
     EXPECT_TRUE(gateway.up("stream"));
-    app.send(frame(0xFE, 0xFF, 0x03), gateway.port("app"));
+    app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03));
     EXPECT_EQ(received(other, 1).size(), 1u) << "the rest runs";
     ASSERT_EQ(run("rm /etc/modprobe.d/no-isotp.conf && modprobe can-isotp"), 0);
     EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
-}
-
-int main(int argc, char** argv) {
-    testing::InitGoogleTest(&argc, argv);
-    spdlog::set_level(spdlog::level::off);
-    have_vcan();    // enters the namespace, before any socket is made
-    return RUN_ALL_TESTS();
 }

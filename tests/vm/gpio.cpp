@@ -1,15 +1,15 @@
 // GPIO lines on the kernel's simulated chips, seen from their other side. Needs the machine of tests/vm/machine, or root of a
 // kernel that has gpio-sim.
 #include "gpio_sim.hpp"
-#include "process.hpp"
-#include "running_gateway.hpp"
-#include "udp_app.hpp"
 
 #include <config/config.hpp>
 #include <daemon/gpio_control.hpp>
 #include <gateway/backoff.hpp>
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
 #include <support/wait.hpp>
 
 #include <gtest/gtest.h>
@@ -29,36 +29,21 @@ using support::Bytes;
 using support::frame;
 using support::GpioSim;
 using support::Loop;
-using support::UdpApp;
+using support::UdpPeer;
 
 namespace {
 
 bool in_vm() { return std::getenv("ANOGATE_IN_VM") != nullptr; }
 
 // A gateway from a configuration as a user writes it.
-class GpioGateway {
+class GpioGateway : public support::RunningGateway {
 public:
     GpioGateway(Loop& loop, const std::string& links, const std::string& gpio, const std::string& more = {})
-        : loop_{loop}, gateway_{loop.io, settings("{\"links\": [" + links + "], \"gpio\": [" + gpio + "]" + more + "}")} {
-        gateway_.start([](const std::string&) {});
-    }
-    ~GpioGateway() { stop(); }
-    void stop() {
-        if (std::exchange(stopped_, true)) return;
-        bool done = false;
-        gateway_.stop(500ms, [&] { done = true; });
-        loop_.until([&] { return done; });
-    }
-    json status() { return json::parse(anogate::status_json(gateway_)); }
+        : RunningGateway{loop, settings("{\"links\": [" + links + "], \"gpio\": [" + gpio + "]" + more + "}")} {}
     json gpio(std::size_t i = 0) { return status().at("gpio").at(i); }
-    json link(const std::string& name) {
-        const json now = status();
-        for (const json& link : now.at("links"))
-            if (link["name"] == name) return link;
-        throw std::runtime_error("no link " + name);
+    anogate::http::Response post(const std::string& body) {
+        return anogate::gpio_request(gateway().gpio(), body, gateway().now());
     }
-    std::uint16_t port(const std::string& name) { return link(name)["port"]; }
-    anogate::http::Response post(const std::string& body) { return anogate::gpio_request(gateway_.gpio(), body, gateway_.now()); }
 
 private:
     static anogate::Settings settings(const std::string& config) {
@@ -66,9 +51,6 @@ private:
         if (!draft.errors.empty()) throw std::runtime_error(anogate::lines(draft.errors));
         return draft.settings;
     }
-    Loop& loop_;
-    anogate::Gateway gateway_;
-    bool stopped_ = false;
 };
 
 struct Gpio : testing::Test {
@@ -86,7 +68,7 @@ struct Gpio : testing::Test {
     bool becomes(const GpioSim& sim, int number, bool level) {
         return loop.until([&] { return sim.level(number) == level; });
     }
-    std::size_t received(UdpApp& from, std::size_t count, std::chrono::seconds patience = 30s) {
+    std::size_t received(UdpPeer& from, std::size_t count, std::chrono::seconds patience = 30s) {
         std::size_t n = 0;
         loop.until([&] { return (n += from.frames().size()) >= count; }, patience);
         return n;
@@ -126,12 +108,12 @@ TEST_F(Gpio, link_up_is_on_while_the_link_is_up) {
 TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("ground") + "," + udp("other"), line(sim, 0, R"("use": "activity", "link": "ground")")};
-    UdpApp app, other;
+    UdpPeer app, other;
     EXPECT_FALSE(sim.level(0));
-    other.send(attitude, gateway.port("other"));
+    other.send(gateway.port("other"), attitude);
     loop.until([&] { return gateway.link("other")["frames_in"] == 1; });
     EXPECT_EQ(gateway.gpio()["edges"], 0) << "of another link";
-    app.send(attitude, gateway.port("ground"));
+    app.send(gateway.port("ground"), attitude);
     EXPECT_TRUE(becomes(sim, 0, true)) << "one frame is a blink";
     EXPECT_TRUE(becomes(sim, 0, false));
     int blinks = 0;
@@ -140,7 +122,7 @@ TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
     const std::uint64_t before = gateway.gpio()["edges"];
     const auto start = Clock::now();
     while (Clock::now() - start < 3s) {
-        app.send(attitude, to);
+        app.send(to, attitude);
         loop.turn();
         if (const bool now = sim.level(0); now != lit) blinks += (lit = now) ? 1 : 0;
     }
@@ -150,7 +132,7 @@ TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
     EXPECT_LE(static_cast<double>(gateway.gpio()["edges"].get<std::uint64_t>() - before), 40 * took + 2);
     EXPECT_TRUE(becomes(sim, 0, false));
     const std::uint64_t sent = gateway.gpio()["edges"];
-    other.send(frame(0xDC, 0xFF, 0x03, Bytes(7)), gateway.port("other"));
+    other.send(gateway.port("other"), frame(0xDC, 0xFF, 0x03, Bytes(7)));
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["edges"] > sent; }))
         << "what leaves by the link is traffic too" << gateway.status();
 }
@@ -193,11 +175,11 @@ TEST_F(Gpio, reset_is_pulsed_when_asked_once_a_minute) {
 TEST_F(Gpio, reset_is_pulsed_when_the_link_is_silent_and_not_while_it_speaks) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("fc"), line(sim, 0, R"("use": "reset", "link": "fc", "pulse": "100ms", "when": "silent 2s")")};
-    UdpApp device;
+    UdpPeer device;
     const std::uint16_t to = gateway.port("fc");
     const auto start = Clock::now();
     while (Clock::now() - start < 4s) {    // longer than the silence that is too long
-        device.send(attitude, to);
+        device.send(to, attitude);
         loop.until([end = Clock::now() + 100ms] { return Clock::now() > end; });
         ASSERT_FALSE(sim.level(0));
     }
@@ -215,27 +197,27 @@ TEST_F(Gpio, inhibit_keeps_control_frames_off_and_lets_the_rest_pass) {
     sim.pull(2, true);
     GpioGateway gateway{loop, udp("ground") + "," + udp("fc") + "," + udp("desk"),
                         line(sim, 2, R"("use": "inhibit", "links": ["ground"])")};
-    UdpApp ground, fc, desk;
-    fc.send(frame(0xDC, 0xFF, 0x03, Bytes(7)), gateway.port("fc"));
+    UdpPeer ground, fc, desk;
+    fc.send(gateway.port("fc"), frame(0xDC, 0xFF, 0x03, Bytes(7)));
     EXPECT_EQ(gateway.gpio()["inhibiting"], true) << "the level at the start counts";
     EXPECT_EQ(gateway.gpio()["edges"], 0);
     loop.until([&] { return gateway.link("fc")["frames_in"] == 1; });
     const std::uint16_t to = gateway.port("ground");
-    ground.send(command, to);
-    ground.send(attitude, to);
+    ground.send(to, command);
+    ground.send(to, attitude);
     EXPECT_EQ(received(fc, 1), 1u) << "telemetry passes";
     EXPECT_EQ(gateway.link("ground")["inhibited"], 1);
     EXPECT_EQ(gateway.link("ground")["channels"][0]["inhibited"], 1);
-    desk.send(command, gateway.port("desk"));
+    desk.send(gateway.port("desk"), command);
     EXPECT_EQ(received(fc, 1), 1u) << "another link is not meant";
     sim.pull(2, false);
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == false; }));
     EXPECT_EQ(gateway.gpio()["edges"], 1);
-    ground.send(command, to);
+    ground.send(to, command);
     EXPECT_EQ(received(fc, 1), 1u);
     sim.pull(2, true);
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == true; }));
-    ground.send(command, to);
+    ground.send(to, command);
     EXPECT_TRUE(loop.until([&] { return gateway.link("ground")["inhibited"] == 2; }));
     EXPECT_EQ(fc.frames().size(), 0u);
 }
@@ -279,8 +261,8 @@ TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
     sim.pull(0, true);
     GpioGateway gateway{loop, udp("ground") + "," + udp("fc"), line(sim, 0, R"("use": "inhibit", "links": ["ground", "tunnel"])"),
                         R"(, "tunnel": {"links": [], "bind": "127.0.0.1", "port": 0, "allow": ["127.0.0.1/32"]})"};
-    UdpApp ground, fc, radio;
-    fc.send(frame(0xDC, 0xFF, 0x03, Bytes(7)), gateway.port("fc"));
+    UdpPeer ground, fc, radio;
+    fc.send(gateway.port("fc"), frame(0xDC, 0xFF, 0x03, Bytes(7)));
     loop.until([&] { return gateway.link("fc")["frames_in"] == 1; });
     const auto wrapped = [](const Bytes& inner) {
         Bytes data{0, 0, 0, 0, 127, 0, 0, 1, 0, 0};
@@ -289,20 +271,20 @@ TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
     };
     Bytes both = command;
     both.insert(both.end(), attitude.begin(), attitude.end());
-    ground.send(wrapped(command), gateway.port("ground"));    // to the device, which would open it
-    ground.send(wrapped(attitude), gateway.port("ground"));
+    ground.send(gateway.port("ground"), wrapped(command));    // to the device, which would open it
+    ground.send(gateway.port("ground"), wrapped(attitude));
     EXPECT_EQ(received(fc, 1), 1u);
     EXPECT_EQ(gateway.link("ground")["inhibited"], 1);
-    radio.send(wrapped(both), gateway.port("tunnel"));    // opened here, frame by frame
+    radio.send(gateway.port("tunnel"), wrapped(both));    // opened here, frame by frame
     EXPECT_EQ(received(fc, 1), 1u) << "the attitude beside the command";
     EXPECT_EQ(gateway.link("tunnel")["inhibited"], 1);
-    radio.send(wrapped(wrapped(command)), gateway.port("tunnel"));
+    radio.send(gateway.port("tunnel"), wrapped(wrapped(command)));
     EXPECT_TRUE(loop.until([&] { return gateway.link("tunnel")["inhibited"] == 2; }));
     EXPECT_EQ(fc.frames().size(), 0u);
     sim.pull(0, false);
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == false; }));
-    ground.send(wrapped(command), gateway.port("ground"));
-    radio.send(wrapped(both), gateway.port("tunnel"));
+    ground.send(gateway.port("ground"), wrapped(command));
+    radio.send(gateway.port("tunnel"), wrapped(both));
     EXPECT_EQ(received(fc, 3), 3u);
 }
 
@@ -312,10 +294,10 @@ TEST_F(Gpio, inhibit_counts_as_active_while_its_chip_is_gone) {
     const std::string chip = sim.chip();
     GpioGateway gateway{loop, udp("ground") + "," + udp("fc"),
                         "{\"chip\": \"" + sim.label() + R"(", "line": 0, "use": "inhibit", "links": ["ground"]})"};
-    UdpApp ground, fc;
-    fc.send(frame(0xDC, 0xFF, 0x03, Bytes(7)), gateway.port("fc"));
+    UdpPeer ground, fc;
+    fc.send(gateway.port("fc"), frame(0xDC, 0xFF, 0x03, Bytes(7)));
     loop.until([&] { return gateway.link("fc")["frames_in"] == 1; });
-    ground.send(command, gateway.port("ground"));
+    ground.send(gateway.port("ground"), command);
     EXPECT_EQ(received(fc, 1), 1u);
     for (int turn = 0; turn < 3; ++turn) {
         sim.unplug();
@@ -325,13 +307,13 @@ TEST_F(Gpio, inhibit_counts_as_active_while_its_chip_is_gone) {
         EXPECT_EQ(gateway.gpio()["value"], nullptr);
         EXPECT_EQ(gateway.gpio()["chip"], sim.label());
         const std::uint64_t before = gateway.link("ground")["inhibited"];
-        ground.send(command, gateway.port("ground"));
+        ground.send(gateway.port("ground"), command);
         EXPECT_TRUE(loop.until([&] { return gateway.link("ground")["inhibited"] == before + 1; }));
         EXPECT_EQ(fc.frames().size(), 0u);
         sim.plug();
         EXPECT_TRUE(loop.until([&] { return gateway.gpio()["state"] == "held"; }));
         EXPECT_EQ(gateway.gpio()["inhibiting"], false);
-        ground.send(command, gateway.port("ground"));
+        ground.send(gateway.port("ground"), command);
         EXPECT_EQ(received(fc, 1), 1u);
         sim.pull(0, true);
         EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == true; })) << "its edges are heard again";
@@ -527,12 +509,12 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
                             line(sim, 0, R"("use": "rs485", "link": "bus")")};
         ASSERT_TRUE(loop.until([&] { return gateway.link("bus")["state"] == "up"; })) << gateway.link("bus");
         EXPECT_EQ(gateway.link("bus")["rs485"], "by a GPIO line") << "neither a pty nor a plain 16550 can do it by itself";
-        UdpApp app;
+        UdpPeer app;
         std::size_t expected = 0, got = 0;
         for (int turn = 0; turn < 20; ++turn) {
             EXPECT_FALSE(sim.level(0)) << "nobody sends";
             const Bytes bytes = frame(0xFE, 0xFF, 0x03, Bytes(static_cast<std::size_t>(50 * turn)));
-            app.send(bytes, gateway.port("app"));
+            app.send(gateway.port("app"), bytes);
             expected += bytes.size();
             // One event after the other: it is turned by one, and back by another.
             ASSERT_TRUE(support::wait_until([&] { return sim.level(0); }, 10s,
@@ -548,7 +530,7 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
             EXPECT_EQ(got, expected) << turn;
         }
         EXPECT_GE(gateway.gpio()["edges"], 40);
-        for (int i = 0; i < 50; ++i) app.send(frame(0xFE, 0xFF, 0x03, Bytes(100)), gateway.port("app"));
+        for (int i = 0; i < 50; ++i) app.send(gateway.port("app"), frame(0xFE, 0xFF, 0x03, Bytes(100)));
         EXPECT_TRUE(loop.until([&] {
             far_bytes();
             const json bus = gateway.link("bus");
@@ -563,10 +545,4 @@ TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
         EXPECT_FALSE(sim.level(0));
         if (far >= 0) ::close(far);
     }
-}
-
-int main(int argc, char** argv) {
-    testing::InitGoogleTest(&argc, argv);
-    spdlog::set_level(spdlog::level::off);
-    return RUN_ALL_TESTS();
 }

@@ -1,13 +1,11 @@
 // Serial links on real drivers: a USB port of dummy_hcd and g_serial that is plugged and pulled, and two 16550 UARTs joined as a
 // null modem. Needs the machine of tests/vm/machine, or one like it.
-#include "process.hpp"
-#include "running_gateway.hpp"
-#include "udp_app.hpp"
-
 #include <support/child.hpp>
+#include <support/process.hpp>
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 
 #include <fcntl.h>
 #include <termios.h>
@@ -21,7 +19,7 @@ using support::frame;
 using support::Loop;
 using support::run;
 using support::RunningGateway;
-using support::UdpApp;
+using support::UdpPeer;
 
 namespace {
 
@@ -73,13 +71,13 @@ struct Serial : testing::Test {
         loop.until([&] { return (n += from.frames().size()) >= count; });
         return n;
     }
-    std::size_t received(UdpApp& from, std::size_t count) {
+    std::size_t received(UdpPeer& from, std::size_t count) {
         std::size_t n = 0;
         loop.until([&] { return (n += from.frames().size()) >= count; });
         return n;
     }
     Loop loop;
-    UdpApp app;
+    UdpPeer app;
 };
 
 }    // namespace
@@ -87,7 +85,7 @@ struct Serial : testing::Test {
 TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
     if (!in_vm()) GTEST_SKIP() << "loads and unloads kernel modules: only in tests/vm/machine";
     ASSERT_EQ(run("modprobe dummy_hcd && modprobe cdc-acm"), 0);
-    UdpApp other;
+    UdpPeer other;
     RunningGateway gateway{loop, {"serial:/dev/ttyACM0", app.link("app"), other.link("other")}};
     EXPECT_EQ(gateway.link("ttyACM0")["state"], "waiting");
     const std::uint16_t to = gateway.port("app");
@@ -101,18 +99,18 @@ TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
             device.send(frame(0xDC, 0xFE, 0x03, data_of(20, turn)));
             EXPECT_GE(received(app, 1), 1u) << int{turn};
             std::size_t got = 0;
-            for (std::uint8_t n = 0; n < 20; ++n) app.send(frame(0xFE, 0xDC, 0xE1, data_of(20, n)), to);
+            for (std::uint8_t n = 0; n < 20; ++n) app.send(to, frame(0xFE, 0xDC, 0xE1, data_of(20, n)));
             EXPECT_GE(got += received(device, 20), 20u) << int{turn};
             for (std::uint8_t n = 0; n < 50; ++n) {    // in the middle of this the plug is pulled
                 device.send(frame(0xDC, 0xFE, 0x03, data_of(20, n)));
-                app.send(frame(0xFE, 0xDC, 0xE1, data_of(20, n)), to);
+                app.send(to, frame(0xFE, 0xDC, 0xE1, data_of(20, n)));
             }
             loop.turn();
         }
         ASSERT_EQ(run("modprobe -r g_serial"), 0);
         ASSERT_TRUE(loop.until([&] { return !gateway.up("ttyACM0"); }));
         app.frames();
-        other.send(frame(5, 0xFE, 0x03), gateway.port("other"));
+        other.send(gateway.port("other"), frame(5, 0xFE, 0x03));
         EXPECT_GE(received(app, 1), 1u) << "the other links go on";
     }
     const auto link = gateway.link("ttyACM0");
@@ -123,11 +121,11 @@ TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
 TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
     if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
     for (const std::string baud : {"115200", "500000", "57600", "123456", "9600"}) {
-        UdpApp far;
+        UdpPeer far;
         RunningGateway a{loop, {"serial:/dev/ttyS1,baud=" + baud, app.link("app")}};
         RunningGateway b{loop, {"serial:/dev/ttyS2,baud=" + baud, far.link("app")}};
         ASSERT_TRUE(a.up("ttyS1") && b.up("ttyS2")) << baud << a.link("ttyS1")["error"] << b.link("ttyS2")["error"];
-        for (std::uint8_t n = 0; n < 30; ++n) app.send(frame(0xFE, 0xFF, 0xE1, data_of(50, n)), a.port("app"));
+        for (std::uint8_t n = 0; n < 30; ++n) app.send(a.port("app"), frame(0xFE, 0xFF, 0xE1, data_of(50, n)));
         EXPECT_EQ(received(far, 30), 30u) << baud;
         EXPECT_EQ(b.count("ttyS2", "skipped_bytes"), 0u) << baud;
     }
@@ -135,13 +133,13 @@ TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
 
 TEST_F(Serial, a_command_overtakes_what_a_slow_line_has_not_taken_yet) {
     if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
-    UdpApp far;
+    UdpPeer far;
     RunningGateway a{loop, {"serial:/dev/ttyS1,baud=9600", app.link("app")}};
     RunningGateway b{loop, {"serial:/dev/ttyS2,baud=9600", far.link("app")}};
-    for (std::uint8_t n = 0; n < 40; ++n) app.send(frame(0xFE, 0xFF, 0xB0, data_of(50, n)), a.port("app"));
+    for (std::uint8_t n = 0; n < 40; ++n) app.send(a.port("app"), frame(0xFE, 0xFF, 0xB0, data_of(50, n)));
     ASSERT_TRUE(loop.until([&] { return a.count("ttyS1", "waiting") > 30; })) << "the driver would take 4096 bytes at once";
     EXPECT_EQ(a.count("ttyS1", "paced"), 960u);
-    app.send(frame(0xFE, 0xFF, 0xC0, data_of(11, 0)), a.port("app"));
+    app.send(a.port("app"), frame(0xFE, 0xFF, 0xC0, data_of(11, 0)));
     std::size_t images = 0;
     const auto commanded = [&] {
         for (const Bytes& f : far.frames())
@@ -192,10 +190,4 @@ TEST_F(Serial, no_other_user_opens_a_port_that_is_ours_and_any_may_when_we_are_g
     killed.wait();
     EXPECT_EQ(open_as_nobody(), 0);
     ::close(ready[0]);
-}
-
-int main(int argc, char** argv) {
-    testing::InitGoogleTest(&argc, argv);
-    spdlog::set_level(spdlog::level::off);
-    return RUN_ALL_TESTS();
 }

@@ -215,6 +215,47 @@ TEST(FrameParser, finds_a_good_frame_behind_many_candidates_that_overlap) {
     }
 }
 
+TEST(FrameParser, takes_the_largest_frame_behind_a_refused_one) {
+    constexpr std::size_t max_data = 100;
+    Bytes refused = numbered(1);
+    ++refused.back();
+    for (const std::size_t before : {0u, 1u, 50u, 200u}) {
+        const Bytes largest = support::frame(1, 2, 0xB0, Bytes(max_data, 0x5A));
+        Line line{{.max_data = max_data}};
+        line.put(refused + Bytes(before, 0x33) + largest + numbered(2));
+        EXPECT_EQ(line.frames, (Frames{largest, numbered(2)})) << before;
+        EXPECT_EQ(line.counters().bad_length, 0u) << before;
+    }
+}
+
+TEST(FrameParser, finds_a_frame_among_heads_however_near_its_end_it_is_cut) {
+    constexpr std::size_t length_of_heads = 0xABAB;
+    const Bytes heads(300, ano::head);
+    for (const Bytes& frame : {support::frame(1, 2, 3, Bytes(200, ano::head)),
+                               support::frame(ano::head, ano::head, ano::head, Bytes(length_of_heads, 0x11))}) {
+        const Bytes bytes = heads + frame;
+        for (std::size_t missing = 1; missing <= 70; ++missing) {
+            Line line{{.max_data = 65535}};
+            line.put(begin_of(bytes, bytes.size() - missing));
+            EXPECT_TRUE(line.frames.empty()) << missing;
+            line.put(rest_of(bytes, bytes.size() - missing));
+            line.finish();
+            EXPECT_EQ(line.frames, Frames{frame}) << missing << " bytes came later";
+        }
+    }
+}
+
+// Candidates whose LEN is two HEADs are refused 64 at a time, as far as sums are at hand: the good one may be any of these.
+TEST(FrameParser, finds_a_frame_among_heads_wherever_it_begins) {
+    const Bytes frame = support::frame(ano::head, ano::head, ano::head, Bytes(0xABAB, 0x11));
+    for (std::size_t heads = 990; heads < 1060; ++heads) {
+        Line line{{.max_data = 65535}};
+        line.put(Bytes(heads, ano::head) + frame + Bytes(3000, 0x33));
+        line.finish();
+        EXPECT_EQ(line.frames, Frames{frame}) << heads;
+    }
+}
+
 TEST(FrameParser, loses_none_of_8_good_frames_behind_a_false_header_80_times) {
     for (const std::size_t at_once : {1u, 10u, 64u, 4096u}) {
         Line line;

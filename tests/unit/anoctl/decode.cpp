@@ -3,7 +3,7 @@
 #include <string>
 
 #include <support/anoctl.hpp>
-#include <support/files.hpp>
+#include <support/temp_dir.hpp>
 #include <support/vectors.hpp>
 
 namespace {
@@ -28,7 +28,7 @@ TEST(Decode, hex_in_one_argument_or_many) {
 }
 
 TEST(Decode, bytes_from_standard_input_and_from_a_file) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("frames.bin", raw(log_hex) + raw(log_hex));
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     EXPECT_EQ(anoctl({"decode", file}).out, line + line);
@@ -135,7 +135,7 @@ TEST(Decode, reads_gbk_when_asked) {
 }
 
 TEST(Decode, knows_flexible_layouts_from_a_configuration) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string config = folder.write("anogate.json", R"({// layouts
         "links": [], "flexible": [{"id": "0xF1", "fields": [{"name": "volts", "type": "i16", "scale": 0.01, "unit": "V"}]}]})");
     const auto frame = anoctl({"encode", "--config", config, "flexible1", "volts=-1.5", "--raw"});
@@ -181,7 +181,7 @@ TEST(Decode, takes_0x_before_bytes) {
 }
 
 TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     const std::string file = folder.write("frames.txt", log_hex + "\n\n" + log_hex + "\r\n");
     EXPECT_EQ(anoctl({"decode", file}).out, line + line);

@@ -2,6 +2,7 @@
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
 #include <support/files.hpp>
+#include <support/temp_dir.hpp>
 
 #include <filesystem>
 
@@ -56,7 +57,7 @@ TEST(CommandLine, links_and_options) {
 }
 
 TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("a.json",
                                           R"({"gateway": {"id": 5, "name": "boat", "unknown": "nobody"}, "links": ["sim:fc"],
         "routes": [{"address": 220, "link": "app"}], "log": {"level": "warn"}})");
@@ -83,7 +84,7 @@ TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
         error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
         "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (give another path by --control, or "
         "--control none)\n");
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("a.json", R"({"control": {"socket": "/proc/nonexistent/c.sock"}})");
     EXPECT_EQ(error_of({"--check", "--config", file.c_str()})
                   .rfind("anogated: " + file + ": /control/socket: /proc/nonexistent/c.sock: there", 0),
@@ -93,7 +94,7 @@ TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
 }
 
 TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("anogate.json", R"({"links": ["pty:/tmp/app"]})");
     const auto checked = parse({"--check"}, file);
     ASSERT_TRUE(std::holds_alternative<Exit>(checked));
@@ -104,7 +105,7 @@ TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) 
 }
 
 TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string there = folder.path(), file = folder.write("file", "words");
     const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
     EXPECT_EQ(warnings("pty:" + there + "/none/app"), "anogated: LINK 'pty:" + there + "/none/app': warning: 'path' '" + there +
@@ -161,7 +162,7 @@ TEST(CommandLine, a_check_has_nothing_to_say_of_the_examples) {
 }
 
 TEST(CommandLine, the_default_file_is_where_the_program_was_installed) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::filesystem::path prefix = folder.path();
     EXPECT_EQ(config_file_of("/usr/local/bin/anogated"), "/etc/anogate/anogate.json");
     EXPECT_EQ(config_file_of("/usr/bin/anogated"), "/etc/anogate/anogate.json");
@@ -172,7 +173,7 @@ TEST(CommandLine, the_default_file_is_where_the_program_was_installed) {
 }
 
 TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("default.json", R"({"gateway": {"name": "default"}})");
     EXPECT_EQ(line_of({}, file).settings.gateway.name, "default");
     EXPECT_EQ(line_of({}, file).config_file, file);
@@ -187,7 +188,7 @@ TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
 }
 
 TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     EXPECT_EQ(error_of({"-c", "/proc/nonexistent"}), "anogated: /proc/nonexistent: No such file or directory\n");
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
     EXPECT_EQ(error_of({"-c", "/dev/zero"}), "anogated: /dev/zero: more than 1 MiB, no configuration\n");
@@ -198,7 +199,7 @@ TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
 }
 
 TEST(CommandLine, every_fault_is_a_line) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("a.json", R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}]})");
     EXPECT_EQ(error_of({"-c", file.c_str(), "serial:/dev/y,bauds=9", "--chek", "--id", "300", "--route", "nowhere"}),
               "anogated: unknown option '--chek' (did you mean '--check'?)\n"
@@ -260,7 +261,7 @@ TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
 TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
     const Settings said = settings_of(
         {"--id", "199", "serial:/dev/ttyUSB0,baud=9600,rts", "udp-listen:[::]:12333,allow=any", "--route", "30-40=ttyUSB0"});
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string file = folder.write("a.json", print_config(said));
     EXPECT_EQ(settings_of({"--config", file.c_str()}), said);
 }

@@ -1,5 +1,5 @@
 #include <daemon/service.hpp>
-#include <support/files.hpp>
+#include <support/temp_dir.hpp>
 
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ TEST(Service, a_path_is_what_it_leads_to) {
 }
 
 TEST(Service, has_the_configuration_beside_the_default_one) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string theirs = folder.write("anogate.json", "{}"), other = folder.write("other.json", "{}");
     EXPECT_TRUE(is_for_service(theirs, theirs));
     EXPECT_TRUE(is_for_service(other, theirs));

@@ -1,7 +1,7 @@
 #include <http/socket_path.hpp>
 #include <link/own_folder.hpp>
 
-#include <support/files.hpp>
+#include <support/temp_dir.hpp>
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(SocketPath, only_folders_of_its_own_are_made) {
 }
 
 TEST(SocketPath, a_path_where_none_can_be_is_told) {
-    const support::TemporaryFolder folder;
+    const support::TempDir folder;
     const std::string here = folder.path().string();
     const Runner runner{true, here + "/xdg"};
     const std::string instead = " (give another path by --control, or --control none)";

@@ -76,3 +76,23 @@ TEST_F(Alarms, one_that_is_cancelled_or_gone_does_not_ring_and_the_loop_ends) {
     io.run();
     EXPECT_LT(ano::Clock::now(), now + 1min);
 }
+
+TEST_F(Alarms, one_that_is_set_later_leaves_the_others_their_time) {
+    Alarm first{clock, says('x')}, second{clock, says('a')};
+    first.set(now + 10ms);
+    second.set(now + 20ms);
+    first.set(now + 1h);
+    while (rung.empty() && io.run_one_for(10s) > 0) {}
+    EXPECT_EQ(rung, "a");
+}
+
+TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
+    int times = 0;
+    Alarm again{clock, [&] {
+                    if (++times < 3) again.set(ano::Clock::now() + 1ms);
+                }};
+    again.set(now + 1ms);
+    io.run();
+    EXPECT_EQ(times, 3);
+    EXPECT_FALSE(again.is_set());
+}

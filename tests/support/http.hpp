@@ -1,0 +1,15 @@
+// A client of a control socket that waits for what it asked.
+#pragma once
+#include <string>
+
+namespace support {
+
+/// A blocking connection to a Unix socket; -1 when nobody answers. A read ends after some seconds.
+int connect_unix(const std::string& path);
+std::string read_to_end(int fd);
+
+/// One request on a connection of its own: the whole answer, empty when there is none.
+std::string http(const std::string& socket, const std::string& request);
+std::string body_of(const std::string& answer);
+
+}    // namespace support

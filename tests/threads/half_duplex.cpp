@@ -1,0 +1,90 @@
+// A transceiver is turned back by a thread that waits for the last bit; here the port is a pty, which has nothing to wait for.
+#include <link/half_duplex.hpp>
+#include <support/loop.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using anogate::HalfDuplex;
+using support::Loop;
+
+class Transceiver : public testing::Test {
+protected:
+    void SetUp() override { ASSERT_TRUE(port.is_open()); }
+    void open() { ASSERT_EQ(line.open(port.fd(), 87us), ""); }
+    void write() {
+        line.writing();
+        port.write(support::frame(0xDC, 0xFE, 0x03));
+        line.written();
+        device.heard();
+    }
+    /// Whether a pair of turns is whole: to sending, and back.
+    bool is_back() const { return turns.size() % 2 == 0; }
+    void expect_turns_in_order() const {
+        for (std::size_t i = 0; i < turns.size(); ++i) ASSERT_EQ(turns[i], i % 2 == 0) << i;
+    }
+
+    support::TempDir dir;
+    support::PtyDevice device{dir / "port"};
+    support::PortUser port{device.path()};
+    std::vector<bool> turns;
+    Loop loop;
+    HalfDuplex line{loop.io, [this](bool sending) { turns.push_back(sending); }};
+};
+
+TEST_F(Transceiver, sends_from_before_the_write_until_all_is_out) {
+    open();
+    EXPECT_TRUE(turns.empty());
+    line.writing();
+    EXPECT_EQ(turns, std::vector{true});
+    EXPECT_TRUE(line.is_sending());
+    line.written();
+    EXPECT_TRUE(loop.until([&] { return !line.is_sending(); }));
+    EXPECT_EQ(turns, (std::vector{true, false}));
+}
+
+TEST_F(Transceiver, is_not_turned_back_before_what_was_written_meanwhile) {
+    open();
+    write();
+    write();
+    loop.io.run_one_for(support::patience);    // the first is out
+    EXPECT_TRUE(line.is_sending());
+    EXPECT_EQ(turns, std::vector{true});
+    EXPECT_TRUE(loop.until([&] { return !line.is_sending(); }));
+    EXPECT_EQ(turns, (std::vector{true, false}));
+}
+
+TEST_F(Transceiver, turns_with_every_burst_however_they_meet) {
+    open();
+    for (int burst = 0; burst < 500; ++burst) {
+        for (int n = 0; n <= burst % 3; ++n) write();
+        if (burst % 2 == 0) ASSERT_TRUE(loop.until([&] { return !line.is_sending(); }));
+        loop.turn();
+    }
+    EXPECT_TRUE(loop.until([&] { return !line.is_sending(); }));
+    EXPECT_GE(turns.size(), 500u);
+    EXPECT_TRUE(is_back());
+    expect_turns_in_order();
+}
+
+TEST_F(Transceiver, listens_when_it_is_closed_at_any_moment_and_can_be_opened_again) {
+    for (int round = 0; round < 200; ++round) {
+        open();
+        if (round % 4 != 0) write();
+        if (round % 4 == 2) write();
+        if (round % 4 == 3) loop.turn();
+        line.close();
+        EXPECT_FALSE(line.is_sending());
+        ASSERT_TRUE(is_back()) << round;
+    }
+    expect_turns_in_order();
+    EXPECT_EQ(turns.size(), 300u) << "each of three rounds in four turned it once";
+}
+
+}    // namespace
