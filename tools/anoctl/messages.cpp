@@ -5,6 +5,8 @@
 
 #include <ano/messages.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <cstdio>
 #include <memory>
