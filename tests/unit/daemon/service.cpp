@@ -1,5 +1,6 @@
 #include <daemon/service.hpp>
 #include <support/files.hpp>
+#include <unit/daemon/faults.hpp>
 
 #include <gtest/gtest.h>
 
