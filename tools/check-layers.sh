@@ -1,6 +1,7 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < gateway < link < http < daemon. Two headers of ours include Asio, one source
-# libgpiod, sources of src/http alone Beast, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog.
+# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon. Two headers of ours include Asio, one source
+# libgpiod, sources of src/http alone Beast, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
+# kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
@@ -15,7 +16,9 @@ third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
 forbid "gateway/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
-forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
+forbid "http/|daemon/|spdlog/" tools/anoctl
 forbid "http/|daemon/|spdlog/|CLI/" src/link
 forbid "gateway/|config/|daemon/|spdlog/|nlohmann/|CLI/" src/http
 forbid "boost/beast" --include='*.hpp' src/http
@@ -32,4 +35,8 @@ only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'
 ((bad == 0)) || echo "These includes reach over a layer."
+if grep -rnE '\bkind(->name|\.name|\(\))? *(==|!=) *"|"[a-z-]+" *(==|!=) *[a-z_.>()-]*\bkind\b' src include tools --include='*.?pp'; then
+    echo "A kind of link is not asked for its name: what is different of it stands in its row (src/config/link_kind.hpp)."
+    bad=1
+fi
 exit "$bad"

@@ -18,6 +18,15 @@ struct FlexibleField {
     Type type = Type::u8;    // u8 to i32, or f32
     double scale = 1;        // value = what is on the wire × scale; not 0
     std::string unit;
+    bool operator==(const FlexibleField&) const = default;
+};
+
+/// What a user wrote for a message.
+struct FlexibleSpec {
+    std::uint8_t id = 0;
+    std::optional<std::uint8_t> source;    // as FlexibleLayout::source()
+    std::vector<FlexibleField> fields;
+    bool operator==(const FlexibleSpec&) const = default;
 };
 
 class FlexibleLayout {

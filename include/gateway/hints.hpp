@@ -18,9 +18,17 @@ enum class SharedSource : std::uint8_t {
     two_peers,      // of this link
 };
 
+/// The words for what depends on the kind of a link.
+struct LinkHints {
+    std::string_view nothing_yet{};     // nothing was received; empty: that is as usual as not
+    bool may_wait_for_hello = false;    // who is there may speak only when spoken to
+    std::string_view no_frames = "bytes but no frames: is the sender speaking V8?";
+    std::string_view no_frames_any_more = ": is the sender still speaking V8?";
+};
+
 /// What is known of a link at a moment.
 struct LinkFigures {
-    std::string_view kind;    // "serial", …
+    LinkHints words;
     bool up = false;
     bool listens = false;          // has a channel a peer, and waits for them
     bool waits_to_hear = false;    // never speaks first, and could be told to

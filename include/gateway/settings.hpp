@@ -1,6 +1,7 @@
 // What can be configured, as plain values with their defaults. How they are written is the key table's business
 // (src/config/keys.cpp); what each one does stands where it is used.
 #pragma once
+#include <ano/flexible.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
 #include <gateway/filter.hpp>
@@ -8,13 +9,18 @@
 #include <gateway/queue_policy.hpp>
 
 #include <algorithm>
+#include <any>
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace anogate {
+
+struct LinkKind;    // src/config/link_kind.hpp
 
 using ano::Clock;
 using ano::Duration;
@@ -98,8 +104,36 @@ enum class TextEncoding : std::uint8_t { utf8, gbk };
 /// Most DATA that a device of Profile::vendor takes.
 inline constexpr std::uint16_t vendor_max_data = 198;
 
+/// The settings that only links of one kind have: a struct that this kind alone knows.
+class KindSettings {
+public:
+    KindSettings() = default;
+    template <class Struct>
+    requires(!std::is_same_v<Struct, KindSettings>) KindSettings(Struct value)
+        : value_{std::move(value)}, equal_{[](const std::any& a, const std::any& b) {
+              return std::any_cast<const Struct&>(a) == std::any_cast<const Struct&>(b);
+          }} {}
+
+    /// Throws std::bad_any_cast when they are of another kind.
+    template <class Struct>
+    Struct& as() {
+        return std::any_cast<Struct&>(value_);
+    }
+    template <class Struct>
+    const Struct& as() const {
+        return std::any_cast<const Struct&>(value_);
+    }
+    friend bool operator==(const KindSettings& a, const KindSettings& b) {
+        return a.equal_ == b.equal_ && (!a.equal_ || a.equal_(a.value_, b.value_));
+    }
+
+private:
+    std::any value_;
+    bool (*equal_)(const std::any&, const std::any&) = nullptr;
+};
+
 struct LinkSettings {
-    std::string kind;    // a row of link kinds
+    const LinkKind* kind = nullptr;
     std::string name;
     std::uint8_t id = 0;                          // port id 1 to 20; 0: none
     Profile profile = Profile::none;              // gives the defaults of what is not said below
@@ -121,23 +155,21 @@ struct LinkSettings {
     RuleSettings rules;
     bool required = false;    // the program ends with 1 when this link is not up within 10 s
 
-    // Only the one of its kind means something.
-    SerialSettings serial;
-    UdpListenSettings udp_listen;
-    UdpSettings udp;
-    PtySettings pty;
-    CanSettings can;
-    SimSettings sim;
+    KindSettings of_kind;    // what links of its kind have beside that
     bool operator==(const LinkSettings&) const = default;
+
+    template <class Struct>
+    Struct& as() {
+        return of_kind.as<Struct>();
+    }
+    template <class Struct>
+    const Struct& as() const {
+        return of_kind.as<Struct>();
+    }
 
     /// What holds where nothing was said.
     std::uint16_t effective_max_data_out() const noexcept {
         return max_data_out.value_or(profile == Profile::vendor ? std::min(max_data, vendor_max_data) : max_data);
-    }
-    /// Zero: it never speaks first. A socket that listens has nobody to speak to.
-    Duration hello_interval() const noexcept {
-        const bool on = profile == Profile::vendor && kind != "udp-listen" && broadcast;
-        return hello.value_or(on ? usual_hello : Duration{});
     }
     ValueType7 meaning_of_type_7() const noexcept {
         return value_type_7.value_or(profile == Profile::vendor ? ValueType7::u64 : ValueType7::f32);
@@ -246,7 +278,7 @@ struct Settings {
     std::vector<AliasSettings> aliases;
     std::optional<TunnelSettings> tunnel;
     std::vector<GpioSettings> gpio;
-    std::string flexible = "[]";    // layouts of flexible messages as JSON: what carries frames does not ask
+    std::vector<ano::FlexibleSpec> flexible;    // for tools: what carries frames does not ask
     ControlSettings control;
     LogSettings log;
     bool operator==(const Settings&) const = default;

@@ -1,3 +1,4 @@
+#include <ano/hex.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/nearest.hpp>
 
@@ -8,6 +9,7 @@
 #include <iterator>
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace ano {
 namespace {
@@ -16,7 +18,8 @@ using nlohmann::json;
 
 class LayoutReader {
 public:
-    LayoutReader(FlexibleLayouts& layouts, std::vector<JsonFault>& faults) : layouts_{layouts}, faults_{faults} {}
+    LayoutReader(FlexibleLayouts& layouts, std::vector<FlexibleSpec>& specs, std::vector<JsonFault>& faults)
+        : layouts_{layouts}, specs_{specs}, faults_{faults} {}
 
     void read(const json& given, const std::string& pointer) {
         constexpr std::array<std::string_view, 3> keys{"id", "source", "fields"};
@@ -28,13 +31,15 @@ public:
             source = byte(given["source"]);
             if (!source || *source == 0 || *source == 255) fault(pointer + "/source", "an address is 1 to 254");
         }
-        const auto fields = fields_at(given, pointer);
+        auto fields = fields_at(given, pointer);
         if (faults_.size() != faults_before || !id) return;
         if (const auto refusal = layouts_.add(*id, source, fields)) {
             using enum FlexibleLayouts::Fault;
             const bool at_field = refusal.fault == name || refusal.fault == type || refusal.fault == scale;
             const std::string where = at_field ? "/fields/" + std::to_string(refusal.field) : "";
             fault(pointer + where, std::string{text_of(refusal.fault)});
+        } else {
+            specs_.push_back({*id, source, std::move(fields)});
         }
     }
 
@@ -120,17 +125,49 @@ private:
     }
 
     FlexibleLayouts& layouts_;
+    std::vector<FlexibleSpec>& specs_;
     std::vector<JsonFault>& faults_;
 };
+
+std::vector<JsonFault> read_all(const json& array, const std::string& pointer, FlexibleLayouts& layouts,
+                                std::vector<FlexibleSpec>& specs) {
+    std::vector<JsonFault> faults;
+    if (!array.is_array()) return {{pointer, "this is to be an array of layouts"}};
+    LayoutReader reader{layouts, specs, faults};
+    for (std::size_t i = 0; i < array.size(); ++i) reader.read(array[i], pointer + "/" + std::to_string(i));
+    return faults;
+}
+
+Json field_to_json(const FlexibleField& field) {
+    Json object{{"name", field.name}};
+    if (field.scale != 1) object["scale"] = field.scale;
+    object["type"] = name_of(field.type);
+    if (!field.unit.empty()) object["unit"] = field.unit;
+    return object;
+}
 
 }    // namespace
 
 std::vector<JsonFault> add_flexible(const json& array, const std::string& pointer, FlexibleLayouts& layouts) {
-    std::vector<JsonFault> faults;
-    if (!array.is_array()) return {{pointer, "this is to be an array of layouts"}};
-    LayoutReader reader{layouts, faults};
-    for (std::size_t i = 0; i < array.size(); ++i) reader.read(array[i], pointer + "/" + std::to_string(i));
-    return faults;
+    std::vector<FlexibleSpec> specs;
+    return read_all(array, pointer, layouts, specs);
+}
+
+std::vector<JsonFault> read_flexible(const json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs) {
+    FlexibleLayouts layouts;
+    return read_all(array, pointer, layouts, specs);
+}
+
+Json flexible_to_json(const std::vector<FlexibleSpec>& specs) {
+    Json array = Json::array();
+    for (const FlexibleSpec& spec : specs) {
+        Json fields = Json::array();
+        for (const FlexibleField& field : spec.fields) fields.push_back(field_to_json(field));
+        Json object{{"fields", std::move(fields)}, {"id", hex_byte(spec.id)}};
+        if (spec.source) object["source"] = *spec.source;
+        array.push_back(std::move(object));
+    }
+    return array;
 }
 
 }    // namespace ano

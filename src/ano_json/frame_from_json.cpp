@@ -1,7 +1,8 @@
 #include <ano/address.hpp>
+#include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
-#include <ano_json/hex.hpp>
+#include <ano_json/json_pointer.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/typed_values.hpp>
 #include <ano_json/words.hpp>
@@ -21,16 +22,6 @@ constexpr unsigned first_predefined = 200;    // addresses from here on have a p
 
 // Thrown inside this file only.
 [[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
-
-std::string step(std::string_view key) {
-    std::string text = "/";
-    for (const char c : key) {
-        if (c == '~') text += "~0";
-        else if (c == '/') text += "~1";
-        else text += c;
-    }
-    return text;
-}
 
 std::string shown(const Json& json) {
     std::string text = json.is_string() ? in_quotes(json.get_ref<const std::string&>())
@@ -72,8 +63,8 @@ std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise
     if (it == object.end()) return otherwise;
     const auto value = whole_number(*it);
     if (!value || *value > 255)
-        fail(step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255" +
-                            (it->is_string() ? did_you_mean_hex(it->get_ref<const std::string&>()) : ""));
+        fail(pointer_step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255" +
+                                    (it->is_string() ? did_you_mean_hex(it->get_ref<const std::string&>()) : ""));
     return static_cast<std::uint8_t>(*value);
 }
 
@@ -81,7 +72,7 @@ std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherw
     const auto it = object.find(key);
     if (it == object.end() || !it->is_string() || number_of(*it)) return byte_at(object, key, otherwise);
     const auto address = address_called(it->get_ref<const std::string&>());
-    if (const auto* fault = std::get_if<JsonFault>(&address)) fail(step(key), std::string{key} + ": " + fault->what);
+    if (const auto* fault = std::get_if<JsonFault>(&address)) fail(pointer_step(key), std::string{key} + ": " + fault->what);
     return std::get<std::uint8_t>(address);
 }
 
@@ -120,19 +111,19 @@ public:
     Data encode(std::span<const Field> fields, std::span<const Field> element, std::size_t size, const Json& given) {
         data_.assign(size, 0);
         for (const Field& f : fields) {
-            if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, step(f.name));
+            if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, pointer_step(f.name));
             const auto it = given.find(std::string{f.name});
             if (f.role == Role::value) put_value(f, it == given.end() ? Json("") : *it, given);
             else if (it != given.end()) put(f, element, *it);
             if (f.type != Type::frames) continue;
-            if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, step("data"), "data"));
+            if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, pointer_step("data"), "data"));
         }
         return std::move(data_);
     }
 
 private:
     void put(const Field& f, std::span<const Field> element, const Json& json) {
-        const std::string pointer = step(f.name);
+        const std::string pointer = pointer_step(f.name);
         switch (f.type) {
         case Type::text: return put_bytes(f, text(f, json), json);
         case Type::bytes: return put_bytes(f, bytes(f, json).bytes, json);
@@ -145,7 +136,7 @@ private:
         if (!json.is_array() || json.size() > f.count)
             fail(pointer, label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
         for (std::size_t i = 0; i < json.size(); ++i)
-            put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + step(std::to_string(i)));
+            put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + pointer_step(std::to_string(i)));
     }
 
     void put_number(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) const {
@@ -163,27 +154,27 @@ private:
     }
 
     Data text(const Field& f, const Json& json) const {
-        if (!json.is_string()) fail(step(f.name), label(f) + shown(json) + " is not text");
+        if (!json.is_string()) fail(pointer_step(f.name), label(f) + shown(json) + " is not text");
         const auto encoded = from_utf8(json.get_ref<const std::string&>(), options_.encoding);
         if (!encoded) {
             const char* name = options_.encoding == Encoding::gbk ? "GBK" : "UTF-8";
-            fail(step(f.name), label(f) + shown(json) + " can't be written in " + name);
+            fail(pointer_step(f.name), label(f) + shown(json) + " can't be written in " + name);
         }
-        if (encoded->find('\0') != std::string::npos) fail(step(f.name), label(f) + "text can't hold a NUL");
+        if (encoded->find('\0') != std::string::npos) fail(pointer_step(f.name), label(f) + "text can't hold a NUL");
         return {encoded->begin(), encoded->end()};
     }
 
     // Hex digits, or values with their types.
     TypedValues bytes(const Field& f, const Json& json) const {
         const bool may_be_typed = f.role == Role::value || f.role == Role::values;
-        if (!may_be_typed) return {hex_at(json, step(f.name), f.name), {}};
+        if (!may_be_typed) return {hex_at(json, pointer_step(f.name), f.name), {}};
         if (!json.is_string() || !is_typed(json.get_ref<const std::string&>())) {
             if (json.is_string())
                 if (auto bytes = from_hex(json.get_ref<const std::string&>())) return {std::move(*bytes), {}};
-            fail(step(f.name), label(f) + shown(json) + " is neither hex digits in pairs nor typed, as f32:1.5 is");
+            fail(pointer_step(f.name), label(f) + shown(json) + " is neither hex digits in pairs nor typed, as f32:1.5 is");
         }
         auto values = typed_values(json.get_ref<const std::string&>(), f.role, options_.encoding);
-        if (const auto* wrong = std::get_if<std::string>(&values)) fail(step(f.name), label(f) + *wrong);
+        if (const auto* wrong = std::get_if<std::string>(&values)) fail(pointer_step(f.name), label(f) + *wrong);
         return std::move(std::get<TypedValues>(values));
     }
 
@@ -195,7 +186,7 @@ private:
         if (const auto it = given.find("par_type"); it != given.end()) {
             const auto told = type_told(*it);
             if (type && told && *type != *told)
-                fail(step(f.name), label(f) + shown(json) + " is not what par_type says: " + shown(*it));
+                fail(pointer_step(f.name), label(f) + shown(json) + " is not what par_type says: " + shown(*it));
             if (!type) type = told;
         }
         if (!is_whole_value(value.bytes.size(), type)) fail_as_short(f, json, value.bytes.size(), type);
@@ -204,7 +195,7 @@ private:
     std::optional<Type> type_told(const Json& json) const {
         const Field& f = *find_message("parameter_info")->field("par_type");
         std::uint8_t par_type = 0;
-        put_number(f, json, &par_type, step(f.name));
+        put_number(f, json, &par_type, pointer_step(f.name));
         return parameter_type(par_type);
     }
     [[noreturn]] void fail_as_short(const Field& f, const Json& json, std::size_t size, std::optional<Type> type) const {
@@ -213,21 +204,21 @@ private:
             what = shown(json) + " is " + std::to_string(size) + (size == 1 ? " byte, " : " bytes, ");
             what += type ? std::string{name_of(*type)} + " has " + std::to_string(width(*type)) : "as no number is";
         }
-        fail(step(f.name), label(f) + what +
-                               "; a device would store check bytes of the frame with it: write it with its type, "
-                               "such as f32:1.5 or string:abc");
+        fail(pointer_step(f.name), label(f) + what +
+                                       "; a device would store check bytes of the frame with it: write it with its type, "
+                                       "such as f32:1.5 or string:abc");
     }
 
     void put_bytes(const Field& f, const Data& bytes, const Json& json) {
         if (f.is_open()) return append(bytes);
         if (bytes.size() > f.size())
-            fail(step(f.name),
+            fail(pointer_step(f.name),
                  label(f) + shown(json) + " is " + std::to_string(bytes.size()) + " bytes, it holds " + std::to_string(f.size()));
         std::copy(bytes.begin(), bytes.end(), data_.begin() + f.offset);
     }
 
     void put_address(const Field& f, const Json& json) {
-        const auto wrong = [&] { fail(step(f.name), label(f) + shown(json) + " is not an address like 192.168.0.1"); };
+        const auto wrong = [&] { fail(pointer_step(f.name), label(f) + shown(json) + " is not an address like 192.168.0.1"); };
         if (!json.is_string()) wrong();
         std::string_view rest = json.get_ref<const std::string&>();
         for (std::size_t i = 0; i < 4; ++i) {
@@ -242,30 +233,30 @@ private:
     }
 
     void put_elements(const Field& list, std::span<const Field> element, const Json& json) {
-        const std::string pointer = step(list.name);
+        const std::string pointer = pointer_step(list.name);
         if (!json.is_array()) fail(pointer, label(list) + shown(json) + " is not an array");
         for (std::size_t i = 0; i < json.size(); ++i) {
-            const std::string here = pointer + step(std::to_string(i));
+            const std::string here = pointer + pointer_step(std::to_string(i));
             if (!json[i].is_object()) fail(here, label(list) + shown(json[i]) + " is not an object");
             std::vector<std::string_view> names;
             for (const Field& f : element) names.push_back(f.name);
             for (const auto& [key, value] : json[i].items())
                 if (std::find(names.begin(), names.end(), key) == names.end())
-                    fail(here + step(key), label(list) + "no field " + in_quotes(key) + did_you_mean(key, names));
+                    fail(here + pointer_step(key), label(list) + "no field " + in_quotes(key) + did_you_mean(key, names));
             const std::size_t at = data_.size();
             data_.resize(at + element.back().offset + element.back().size());
             for (const Field& f : element)
                 if (const auto it = json[i].find(std::string{f.name}); it != json[i].end())
-                    put_number(f, *it, data_.data() + at + f.offset, here + step(f.name));
+                    put_number(f, *it, data_.data() + at + f.offset, here + pointer_step(f.name));
         }
     }
 
     void put_frames(const Field& f, const Json& json) {
-        if (json.is_string()) return append(hex_at(json, step(f.name), f.name));
-        if (!json.is_array()) fail(step(f.name), label(f) + shown(json) + " is not an array of frames");
-        if (inside_a_tunnel_) fail(step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
+        if (json.is_string()) return append(hex_at(json, pointer_step(f.name), f.name));
+        if (!json.is_array()) fail(pointer_step(f.name), label(f) + shown(json) + " is not an array of frames");
+        if (inside_a_tunnel_) fail(pointer_step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
         for (std::size_t i = 0; i < json.size(); ++i)
-            append(encode_frame(json[i], options_, true, step(f.name) + step(std::to_string(i))));
+            append(encode_frame(json[i], options_, true, pointer_step(f.name) + pointer_step(std::to_string(i))));
     }
 
     void append(const Data& bytes) { data_.insert(data_.end(), bytes.begin(), bytes.end()); }
@@ -320,7 +311,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
                 if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
         }
         if (is_number_field && !is_known)
-            fail(step(key), std::string{layouts.front().name} + " " + key + ": " + no_number(value, words, is_code));
+            fail(pointer_step(key), std::string{layouts.front().name} + " " + key + ": " + no_number(value, words, is_code));
     }
 }
 
@@ -331,7 +322,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
         for (const std::string_view field : names_in(row.fields())) known.push_back(field);
     for (const auto& [key, value] : given.items())
         if (std::find(known.begin(), known.end(), key) == known.end())
-            fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, known));
+            fail(pointer_step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, known));
     std::string modes;
     for (const Message& row : layouts)
         for (const Field& f : row.fields()) {
@@ -361,7 +352,7 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
         const auto names = names_in(layout->fields());
         for (const auto& [key, value] : given.items())
             if (std::find(names.begin(), names.end(), key) == names.end())
-                fail(step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
+                fail(pointer_step(key), name + " has no field " + in_quotes(key) + did_you_mean(key, names));
         return reader.encode(layout->fields(), {}, layout->size(), given);
     }
     bool looks_otherwise = false;
@@ -416,7 +407,7 @@ Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_t
     if (!json.is_object()) fail("", shown(json) + " is not an object");
     for (const auto& [key, value] : json.items())
         if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))
-            fail(step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
+            fail(pointer_step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
     const std::uint8_t id = id_of(json);
     const std::uint8_t from = address_at(json, "from", address::host);
     const std::uint8_t to = address_at(json, "to", address::broadcast);

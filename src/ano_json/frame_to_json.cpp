@@ -1,6 +1,6 @@
+#include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
-#include <ano_json/hex.hpp>
 #include <ano_json/split_frames.hpp>
 
 #include <nlohmann/json.hpp>

@@ -148,6 +148,15 @@ std::optional<Number> parse_number(std::string_view text) {
     return Number{minus ? -value : value};
 }
 
+bool is_utf8(std::string_view text) noexcept {
+    for (std::size_t bad = 0; !text.empty();) {
+        const std::size_t length = utf8_length(text, bad);
+        if (length == 0) return false;
+        text.remove_prefix(length);
+    }
+    return true;
+}
+
 std::string number_text(double value) {
     std::array<char, 32> room;
     const auto end = std::to_chars(room.data(), room.data() + room.size(), value).ptr;

@@ -23,6 +23,8 @@ std::string to_utf8(std::span<const std::uint8_t> bytes, Encoding encoding);
 /// `text` in `encoding`; nothing when it is not UTF-8 or has characters `encoding` lacks. Throws as to_utf8() does.
 std::optional<std::string> from_utf8(std::string_view text, Encoding encoding);
 
+bool is_utf8(std::string_view text) noexcept;
+
 /// A number as it is written in C: -1.5, 1e-7, 0xDC; also nan and inf. A leading 0 is decimal. Nothing for anything
 /// else.
 std::optional<Number> parse_number(std::string_view text);

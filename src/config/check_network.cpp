@@ -1,5 +1,5 @@
 #include <config/check_network.hpp>
-#include <config/key_facts.hpp>
+#include <config/link_kind.hpp>
 #include <gateway/tunnel_policy.hpp>
 
 #include <algorithm>
@@ -7,16 +7,14 @@
 namespace anogate {
 namespace {
 
-bool has_peers_elsewhere(const LinkSettings& link) {
-    if (link.kind == "udp-listen") return !link.udp_listen.local.address.is_loopback();
-    return link.kind == "udp" && !link.udp.peer.address.is_loopback();
-}
+Reach reach_of(const LinkSettings& link) { return link.kind->reach ? link.kind->reach(link) : Reach::here; }
 
 /// Of the links whose tunnel frames are carried, the first with peers in the network; empty: none.
 std::string open_tunnel_link(const Settings& settings) {
     for (const LinkSettings& link : settings.links) {
         const std::vector<std::string>& carried = settings.tunnel->links;
-        if (has_peers_elsewhere(link) && std::find(carried.begin(), carried.end(), link.name) != carried.end()) return link.name;
+        if (reach_of(link) != Reach::here && std::find(carried.begin(), carried.end(), link.name) != carried.end())
+            return link.name;
     }
     return {};
 }
@@ -29,11 +27,6 @@ void check_way(Draft& draft, const Network* listed) {
                             "'allow' lists " + listed->text() + ", which is this computer, and 'links' names " + in_quotes(link) +
                                 ": its peers in the network would reach local programs by tunnel frames; take one of them "
                                 "away, or say \"relay\": true if they shall"});
-}
-
-bool is_open(const LinkSettings& link) {
-    return link.kind == "udp-listen" && link.udp_listen.local.address.is_any() && link.udp_listen.interface.empty() &&
-           (link.udp_listen.allow_any || link.udp_listen.allow.empty());
 }
 
 }    // namespace
@@ -50,7 +43,7 @@ void note_open_ports(Draft& draft) {
     std::string names;
     const Origin* first = nullptr;
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
-        if (!is_open(draft.settings.links[i])) continue;
+        if (reach_of(draft.settings.links[i]) != Reach::whole_networks) continue;
         if (!first) first = &draft.links[i];
         names += (names.empty() ? "" : ", ") + in_quotes(draft.settings.links[i].name);
     }

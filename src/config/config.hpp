@@ -4,6 +4,7 @@
 // draft.settings is usable when draft.errors is empty.
 #pragma once
 #include <config/config_error.hpp>
+#include <config/link_kind.hpp>
 #include <gateway/settings.hpp>
 
 #include <string>
@@ -23,6 +24,9 @@ struct Origin {
 
 /// What was read so far.
 struct Draft {
+    explicit Draft(LinkKinds kinds) : kinds{kinds} {}
+
+    LinkKinds kinds;    // that there are
     Settings settings;
     std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
     Origin unknown;                                      // where settings.gateway.unknown was said
@@ -56,9 +60,9 @@ void validate(Draft& draft);
 std::string print_config(const Settings& settings);
 
 /// The JSON Schema (draft 7) of the configuration.
-std::string config_schema();
+std::string config_schema(LinkKinds kinds);
 
 /// One configuration text by itself.
-Draft parse_config(std::string_view json, const std::string& file = {});
+Draft parse_config(std::string_view json, LinkKinds kinds, const std::string& file = {});
 
 }    // namespace anogate

@@ -1,11 +1,11 @@
+#include <ano_json/text.hpp>
 #include <config/config_error.hpp>
-#include <config/values.hpp>
 
 namespace anogate {
 
 std::string printable(const std::string& text, std::size_t most) {
     constexpr char digits[] = "0123456789abcdef";
-    const bool ascii_only = !is_utf8(text);
+    const bool ascii_only = !ano::is_utf8(text);
     std::string result;
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);

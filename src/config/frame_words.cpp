@@ -60,19 +60,11 @@ std::string meant_frames(std::string_view text) {
     return meant.empty() ? ano::did_you_mean(text, frame_words()) : meant;
 }
 
-std::string ranges_text(const std::vector<ByteRange>& ranges) {
-    std::string text;
-    for (const ByteRange& range : ranges) {
-        text += (text.empty() ? "" : "+") + address_text(range.first);
-        if (range.last != range.first) text += "-" + address_text(range.last);
-    }
-    return text;
+std::string range_text(ByteRange range) {
+    return address_text(range.first) + (range.last != range.first ? "-" + address_text(range.last) : "");
 }
 
-LimitText parse_limit(std::string_view text) {
-    const std::size_t equals = text.find('=');
-    const std::string_view name = text.substr(0, equals);
-    const std::string_view rate = equals == text.npos ? std::string_view{} : text.substr(equals + 1);
+LimitText parse_limit(std::string_view name, std::string_view rate) {
     const auto ids = parse_frames(name);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
         return {{},
@@ -87,9 +79,12 @@ LimitText parse_limit(std::string_view text) {
     return {LimitRule{ids->front().first, value}, {}};
 }
 
-std::string rate_text(double per_second) {
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof text, per_second).ptr};
+std::string add_limit(const LimitRule& rule, std::vector<LimitRule>& limits) {
+    const auto place = std::lower_bound(limits.begin(), limits.end(), rule.id,
+                                        [](const LimitRule& known, std::uint8_t id) { return known.id < id; });
+    if (place != limits.end() && place->id == rule.id) return address_text(rule.id) + " has a limit already";
+    limits.insert(place, rule);
+    return {};
 }
 
 }    // namespace anogate

@@ -20,15 +20,16 @@ std::string meant_addresses(std::string_view text);
 /// The same, or the word that parse_frames() knows and `text` is a slip of.
 std::string meant_frames(std::string_view text);
 
-/// 0x01+0xF0-0xF1: in hex, joined by +.
-std::string ranges_text(const std::vector<ByteRange>& ranges);
+/// 0x01 or 0xF0-0xF1: in hex.
+std::string range_text(ByteRange range);
 
-/// NAME=RATE of one id or message; what is wrong with it, or nothing.
+/// The rate of one id or message; what is wrong with it, or nothing.
 struct LimitText {
     std::optional<LimitRule> rule;
     std::string error;
 };
-LimitText parse_limit(std::string_view text);
-std::string rate_text(double per_second);
+LimitText parse_limit(std::string_view name, std::string_view rate);
+/// Adds it in the order of the ids; "0x01 has a limit already", or nothing.
+std::string add_limit(const LimitRule& rule, std::vector<LimitRule>& limits);
 
 }    // namespace anogate

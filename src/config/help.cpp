@@ -1,7 +1,5 @@
 #include <config/help.hpp>
-#include <config/keys.hpp>
 #include <config/values.hpp>
-#include <link/kinds.hpp>
 
 namespace anogate {
 namespace {
@@ -21,9 +19,9 @@ std::string usual_text(const KeyFacts& key, const std::string& usual) {
 
 /// The help with the default behind it, unless it speaks of that itself.
 template <class Section>
-std::string key_line(const Key<Section>& key, std::size_t indent, std::string_view between) {
+std::string key_line(const Key<Section>& key, const Section& defaults, std::size_t indent, std::string_view between) {
     std::string help{key.help};
-    const auto usual = key.text_in(Section{});
+    const auto usual = key.text_in(defaults);
     if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
         help += " (default " + usual_text(key, *usual) + ")";
     return line(std::string{key.name} + (key.form == Form::limits ? ".MESSAGE" : "") + std::string{between} + placeholder(key),
@@ -33,40 +31,43 @@ std::string key_line(const Key<Section>& key, std::size_t indent, std::string_vi
 template <class Section>
 std::string section(std::string_view name, Keys<Section> keys) {
     std::string text = "  " + std::string{name} + "\n";
-    for (const Key<Section>& key : keys) text += key_line(key, 4, ": ");
+    for (const Key<Section>& key : keys) text += key_line(key, Section{}, 4, ": ");
     return text;
 }
 
-std::string links() {
+std::string links(LinkKinds kinds) {
     std::string text;
-    for (const LinkKind& kind : link_kinds()) {
-        text += line(std::string{kind.name} + ":" + std::string{kind.example}, kind.help, 2);
-        for (const Key<LinkSettings>& key : link_keys())
-            if (!key.kinds.empty() && key.is_of(kind.name) && key.name != kind.address) text += key_line(key, 4, "=");
+    for (const LinkKind* kind : kinds) {
+        text += line(std::string{kind->name} + ":" + std::string{kind->example}, kind->help, 2);
+        const LinkSettings usual = new_link(*kind);
+        for (const Key<LinkSettings>& key : kind->keys)
+            if (key.name != kind->address) text += key_line(key, usual, 4, "=");
+        for (const Key<LinkSettings>* key : keys_of(*kind, kinds).keys)
+            if (!key->kinds.empty()) text += key_line(*key, usual, 4, "=");    // of some links, not of this kind alone
     }
     text += "Keys of every link; a key alone means true; send.deny=... is {\"send\": {\"deny\": [...]}} in the file:\n";
-    for (const Key<LinkSettings>& key : link_keys())
-        if (key.kinds.empty()) text += key_line(key, 4, "=");
+    for (const Key<LinkSettings>& key : common_link_keys())
+        if (key.kinds.empty()) text += key_line(key, LinkSettings{}, 4, "=");
     return text;
 }
 
 /// How the ADDRESS of each kind is called in the file.
-std::string link_objects() {
+std::string link_objects(LinkKinds kinds) {
     std::string text = "  links: a list of LINK texts, or of objects with \"kind\", the keys above, and the address:\n";
-    for (const LinkKind& kind : link_kinds()) {
-        const std::string address = "\"" + std::string{kind.address} + "\": \"" + std::string{kind.example} + "\"";
-        const KeyFacts* key = find_key(link_keys(), kind.address, kind.name);
-        text += line("{\"kind\": \"" + std::string{kind.name} + "\", " + address + "}", key->help, 4);
+    for (const LinkKind* kind : kinds) {
+        const std::string address = "\"" + std::string{kind->address} + "\": \"" + std::string{kind->example} + "\"";
+        const KeyFacts* key = find_key(kind->keys, kind->address);
+        text += line("{\"kind\": \"" + std::string{kind->name} + "\", " + address + "}", key->help, 4);
     }
     return text;
 }
 
 }    // namespace
 
-std::string links_and_keys_help() {
-    return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" + links() +
+std::string links_and_keys_help(LinkKinds kinds) {
+    return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" + links(kinds) +
            "Configuration file (JSON, comments allowed); durations are written 500ms, 30s, 2m:\n" +
-           section("gateway", gateway_keys()) + link_objects() + section("routes: a list of objects", route_keys()) +
+           section("gateway", gateway_keys()) + link_objects(kinds) + section("routes: a list of objects", route_keys()) +
            section("alias: a list of objects", alias_keys()) + section("tunnel", tunnel_keys()) +
            section("tunnel/wrap: a list of objects", wrap_keys()) + section("gpio: a list of objects", gpio_keys()) +
            section("control", control_keys()) + section("log", log_keys());

@@ -1,3 +1,4 @@
+#include <ano_json/json_pointer.hpp>
 #include <ano_json/syntax_fault.hpp>
 #include <config/json_text.hpp>
 #include <config/key_facts.hpp>
@@ -65,7 +66,8 @@ private:
 
     std::string pointer() const {
         std::string text;
-        for (const Place& place : places_) text += place.array ? "/" + std::to_string(place.count - 1) : pointer_step(place.key);
+        for (const Place& place : places_)
+            text += place.array ? "/" + std::to_string(place.count - 1) : ano::pointer_step(place.key);
         return text;
     }
 
@@ -91,12 +93,6 @@ std::optional<json> parse_json(std::string_view text, const std::string& file, C
 
 std::string at(const std::string& file, const std::string& pointer) {
     return file.empty() || pointer.empty() ? file + pointer : file + ": " + pointer;
-}
-
-std::string pointer_step(std::string_view key) {
-    std::string step = "/";
-    for (const char c : key) step += c == '~' ? std::string{"~0"} : c == '/' ? std::string{"~1"} : std::string{c};
-    return step;
 }
 
 }    // namespace anogate

@@ -15,7 +15,5 @@ std::optional<nlohmann::json> parse_json(std::string_view text, const std::strin
 
 /// "FILE: /links/0": what stands before an error at `pointer`.
 std::string at(const std::string& file, const std::string& pointer);
-/// `key` as a step of a JSON pointer, with the slash before it.
-std::string pointer_step(std::string_view key);
 
 }    // namespace anogate

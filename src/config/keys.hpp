@@ -1,32 +1,47 @@
 // Every key of the configuration is one row, and stands nowhere else: the JSON file, LINK texts, command-line options,
-// --print-config, --help and the JSON Schema are loops over these rows.
+// --print-config, --help and the JSON Schema are loops over these rows. Those of one kind of link stand with its links.
 #pragma once
 #include <config/key_facts.hpp>
 #include <gateway/settings.hpp>
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace anogate {
 
 template <class Section>
 struct Key : KeyFacts {
-    std::optional<std::string> (*write)(const KeyFacts&, const Section&) = nullptr;
-    std::string (*read)(const KeyFacts&, std::string_view, Section&) = nullptr;
+    Value (*get)(const KeyFacts&, const Section&) = nullptr;
+    std::string (*put)(const KeyFacts&, Value, Section&) = nullptr;
 
     /// The value in `section` as text; nothing when it is not set.
-    std::optional<std::string> text_in(const Section& section) const { return write(*this, section); }
+    std::optional<std::string> text_in(const Section& section) const { return text_of(*this, get(*this, section)); }
     /// Sets it and returns nothing, or says what is wrong with `text` and changes nothing.
-    std::string set(std::string_view text, Section& section) const { return read(*this, text, section); }
+    std::string set(std::string_view text, Section& section) const {
+        Value value;
+        std::string error = read_text(*this, text, value);
+        return error.empty() ? put(*this, std::move(value), section) : error;
+    }
+    /// Of Form::limits: adds that of one message, as set() does.
+    std::string set_limit(std::string_view message, std::string_view rate, Section& section) const {
+        Value value;
+        std::string error = row_of(form).read(*this, {std::string{message}, std::string{rate}}, value);
+        return error.empty() ? put(*this, std::move(value), section) : error;
+    }
 };
 
 template <class Section>
 using Keys = std::span<const Key<Section>>;
 
 Keys<GatewaySettings> gateway_keys() noexcept;
-Keys<LinkSettings> link_keys() noexcept;
+/// Those that links of every kind have, but for `rate` and `latency` (of kinds that may be paced), `pack` and `mtu` (of
+/// datagrams). keys_of() in link_kind.hpp has all of one kind.
+Keys<LinkSettings> common_link_keys() noexcept;
 Keys<RouteSettings> route_keys() noexcept;
 Keys<AliasSettings> alias_keys() noexcept;
 /// But for "wrap", a list of objects with the wrap_keys().
@@ -37,27 +52,47 @@ Keys<GpioSettings> gpio_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 
-/// The row of `name`, for a link's key the one that `kind` has; nullptr when there is none.
+/// The keys that an object may have, and what is said of others.
 template <class Section>
-const Key<Section>* find_key(Keys<Section> keys, std::string_view name, std::string_view kind = {}) {
+struct KeyList {
+    std::vector<const Key<Section>*> keys;
+    std::function<std::string(std::string_view)> unknown;
+
+    /// nullptr when there is none of that name.
+    const Key<Section>* find(std::string_view name) const {
+        for (const Key<Section>* key : keys)
+            if (key->name == name) return key;
+        return nullptr;
+    }
+    /// Whether `name` is an object of keys: "send" of "send.deny".
+    bool has_object(std::string_view name) const {
+        for (const Key<Section>* key : keys)
+            if (key->name.starts_with(name) && key->name.substr(name.size()).starts_with('.')) return true;
+        return false;
+    }
+};
+
+template <class Section>
+KeyList<Section> list_of(Keys<Section> keys, std::string_view kind = {}) {
+    KeyList<Section> list;
     for (const Key<Section>& key : keys)
-        if (key.name == name && key.is_of(kind)) return &key;
+        if (key.is_of(kind)) list.keys.push_back(&key);
+    list.unknown = [keys, kind = std::string{kind}](std::string_view name) {
+        std::vector<std::string_view> usable, owners;
+        for (const Key<Section>& key : keys) {
+            if (key.is_of(kind)) usable.push_back(key.name);
+            else if (key.name == name) owners = split(key.kinds, ' ');
+        }
+        return unknown_key(name, usable, kind, owners);
+    };
+    return list;
+}
+
+template <class Section>
+const Key<Section>* find_key(Keys<Section> keys, std::string_view name) {
+    for (const Key<Section>& key : keys)
+        if (key.name == name) return &key;
     return nullptr;
-}
-
-/// Whether `name` is an object of keys: "send" of "send.deny".
-template <class Section>
-bool is_object_of_keys(Keys<Section> keys, std::string_view name, std::string_view kind = {}) {
-    for (const Key<Section>& key : keys)
-        if (key.is_of(kind) && key.name.starts_with(name) && key.name.substr(name.size()).starts_with('.')) return true;
-    return false;
-}
-
-template <class Section>
-std::string unknown_key_of(Keys<Section> keys, std::string_view name, std::string_view kind = {}) {
-    std::vector<const KeyFacts*> facts;
-    for (const Key<Section>& key : keys) facts.push_back(&key);
-    return unknown_key(name, facts, kind);
 }
 
 }    // namespace anogate

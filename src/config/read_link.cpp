@@ -1,10 +1,10 @@
 #include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
 #include <config/config.hpp>
 #include <config/config_error.hpp>
-#include <config/keys.hpp>
+#include <config/link_kind.hpp>
 #include <config/read_link.hpp>
 #include <config/values.hpp>
-#include <link/kinds.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -13,15 +13,12 @@ namespace anogate {
 namespace {
 
 /// A text that is no KIND:ADDRESS at all.
-std::string no_kind(std::string_view text) {
-    if (const LinkKind* kind = find_link_kind(text.substr(0, text.find(','))))
+std::string no_kind(LinkKinds kinds, std::string_view text) {
+    if (const LinkKind* kind = find_link_kind(kinds, text.substr(0, text.find(','))))
         return "no address, for example " + std::string{kind->name} + ":" + std::string{kind->example};
-    if (text.starts_with('/')) return "no kind (did you mean 'serial:" + std::string{text} + "'?)";
-    const std::string_view address = text.substr(0, text.find(','));
-    if (address.starts_with("tty")) return "no kind (did you mean 'serial:/dev/" + std::string{text} + "'?)";
-    if (address.starts_with("can") || address.starts_with("vcan"))
-        return "no kind (did you mean 'can:" + std::string{text} + "'?)";
-    if (EndpointSpec::parse(text)) return "no kind (did you mean 'udp:" + std::string{text} + "' or 'udp-listen:...'?)";
+    for (const LinkKind* kind : kinds)
+        if (const std::string meant = kind->meant_by ? kind->meant_by(text) : ""; !meant.empty())
+            return "no kind (did you mean " + meant + "?)";
     return "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000";
 }
 
@@ -33,10 +30,10 @@ std::string full_width(std::string_view text) {
 }
 
 /// A key and its value, where a LINK should stand: behind a space, not a comma. Empty: it is none.
-std::string key_apart(std::string_view text) {
+std::string key_apart(LinkKinds kinds, std::string_view text) {
     const std::size_t equals = text.find('=');
     const std::string_view name = text.substr(0, equals);
-    if (equals == text.npos || (!name.starts_with("limit.") && find_key(link_keys(), name) == nullptr)) return {};
+    if (equals == text.npos || (!name.starts_with("limit.") && find_key_of_any(kinds, name) == nullptr)) return {};
     return in_quotes(name) + " is a key: write it behind the LINK that it is for, with a comma and no space: KIND:ADDRESS," +
            printable(std::string{text});
 }
@@ -49,19 +46,20 @@ public:
     void read(std::string_view text) {
         const std::size_t before = draft_.errors.size();
         const std::size_t colon = text.find(':');
-        const LinkKind* kind = colon != text.npos ? find_link_kind(text.substr(0, colon)) : nullptr;
-        if (!is_utf8(text)) {
+        const LinkKind* kind = colon != text.npos ? find_link_kind(draft_.kinds, text.substr(0, colon)) : nullptr;
+        if (!ano::is_utf8(text)) {
             error("not text in UTF-8");
         } else if (std::string wide = full_width(text); !wide.empty()) {
             error(std::move(wide));
-        } else if (std::string apart = key_apart(text); !apart.empty()) {
+        } else if (std::string apart = key_apart(draft_.kinds, text); !apart.empty()) {
             error(std::move(apart));
         } else if (colon == text.npos || text.starts_with('/') || EndpointSpec::parse(text)) {
-            error(no_kind(text));
+            error(no_kind(draft_.kinds, text));
         } else if (kind == nullptr) {
-            error(unknown_kind(text.substr(0, colon)));
+            error(unknown_kind(draft_.kinds, text.substr(0, colon)));
         } else {
-            link_ = new_link(kind->name);
+            link_ = new_link(*kind);
+            keys_ = keys_of(*kind, draft_.kinds);
             read_values(*kind, text.substr(colon + 1));
         }
         draft_.add(std::move(link_), {where_, false, draft_.errors.size() > before});
@@ -83,12 +81,12 @@ private:
     }
 
     void read_alone(std::string_view name) {
-        const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
+        const Key<LinkSettings>* key = keys_.find(name);
         if (name.empty()) error("a comma with no key behind it");
         else if (std::string joined = joined_to_last(name); key == nullptr && !joined.empty()) several(name, joined);
-        else if (link_.kind == "serial" && parse_number(name))
-            error("unknown key " + in_quotes(name) + " (did you mean 'baud=" + std::string{name} + "'?)");
-        else if (key != nullptr && key->form != Form::boolean && key->form != Form::interval)
+        else if (const std::string_view meant = link_.kind->number_means; !meant.empty() && parse_number(name))
+            error("unknown key " + in_quotes(name) + " (did you mean '" + std::string{meant} + "=" + std::string{name} + "'?)");
+        else if (key != nullptr && !row_of(key->form).may_be_alone)
             error(in_quotes(name) + " needs a value: " + std::string{name} + "=" + placeholder(*key));
         else set(name, "true");
     }
@@ -100,8 +98,8 @@ private:
 
     /// "allow=A+B", where the last key takes `value` as one more of its values.
     std::string joined_to_last(std::string_view value) const {
-        const Key<LinkSettings>* key = last_name_.empty() ? nullptr : find_key(link_keys(), last_name_, link_.kind);
-        if (key == nullptr || (key->form != Form::networks && key->form != Form::frames && key->form != Form::senders)) return {};
+        const Key<LinkSettings>* key = last_name_.empty() ? nullptr : keys_.find(last_name_);
+        if (key == nullptr || !row_of(key->form).is_joined) return {};
         const std::string all = last_value_ + "+" + std::string{value};
         LinkSettings trial = link_;
         return key->set(all, trial).empty() ? std::string{last_name_} + "=" + printable(all) : std::string{};
@@ -111,8 +109,8 @@ private:
         last_name_ = name;
         last_value_ = value;
         if (name.starts_with(one_limit)) return set_limit(name, value);
-        const Key<LinkSettings>* key = find_key(link_keys(), name, link_.kind);
-        if (key == nullptr) return error(unknown_key_of(link_keys(), name, link_.kind));
+        const Key<LinkSettings>* key = keys_.find(name);
+        if (key == nullptr) return error(keys_.unknown(name));
         if (key->form == Form::limits) return error("write " + std::string{one_limit} + "0x01=50: " + std::string{key->help});
         if (std::find(given_.begin(), given_.end(), name) != given_.end()) return error(in_quotes(name) + " is given twice");
         given_.push_back(name);
@@ -121,15 +119,15 @@ private:
 
     void set_limit(std::string_view name, std::string_view value) {
         const std::string_view message = name.substr(one_limit.size());
-        const Key<LinkSettings>* key = find_key(link_keys(), "limit", link_.kind);
-        if (std::string wrong = key->set(std::string{message} + "=" + std::string{value}, link_); !wrong.empty())
-            error(std::move(wrong));
+        const Key<LinkSettings>* key = keys_.find("limit");
+        if (std::string wrong = key->set_limit(message, value, link_); !wrong.empty()) error(std::move(wrong));
     }
 
     static constexpr std::string_view one_limit = "limit.";
     std::string where_;
     Draft& draft_;
     LinkSettings link_;
+    KeyList<LinkSettings> keys_;
     std::vector<std::string_view> given_;
     std::string_view last_name_;
     std::string last_value_;
@@ -137,19 +135,12 @@ private:
 
 }    // namespace
 
-LinkSettings new_link(std::string_view kind) {
-    LinkSettings link;
-    link.kind = kind;
-    link.queue = 0;
-    return link;
-}
-
-std::string unknown_kind(std::string_view kind) {
+std::string unknown_kind(LinkKinds kinds, std::string_view kind) {
     std::vector<std::string_view> names;
     std::string listed;
-    for (const LinkKind& row : link_kinds()) {
-        names.push_back(row.name);
-        listed += (listed.empty() ? "" : ", ") + std::string{row.name};
+    for (const LinkKind* row : kinds) {
+        names.push_back(row->name);
+        listed += (listed.empty() ? "" : ", ") + std::string{row->name};
     }
     return "unknown kind " + in_quotes(kind) + ano::did_you_mean(kind, names) + "; the kinds are " + listed;
 }

@@ -1,8 +1,6 @@
 #include <config/config.hpp>
-#include <config/keys.hpp>
-#include <link/kinds.hpp>
+#include <config/link_kind.hpp>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 namespace anogate {
@@ -10,64 +8,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json choices_of(const KeyFacts& key) {
-    Json list = Json::array();
-    for (const std::string_view choice : split(key.choices, '|')) list.push_back(choice);
-    return list;
-}
-
-/// The JSON that a value may be.
-Json type_of(const KeyFacts& key) {
-    const Json number{{"type", "integer"}, {"minimum", key.least}, {"maximum", key.most}};
-    const auto text = [](const char* pattern) { return Json{{"type", "string"}, {"pattern", pattern}}; };
-    switch (key.form) {
-    case Form::boolean: return {{"type", "boolean"}};
-    case Form::integer: return number;
-    case Form::address:
-    case Form::can_id: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)$")}}};
-    case Form::addresses: return {{"anyOf", {number, text("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
-    case Form::duration: return text("^[0-9]+(ms|s|m|h)$");
-    case Form::interval: return {{"anyOf", {Json{{"type", "boolean"}}, text("^(on|off|[0-9]+(ms|s|m|h))$")}}};
-    case Form::size: return {{"anyOf", {number, text("^[0-9]+([kKMG]B|[KMG]iB)?$")}}};
-    case Form::choice: return {{"enum", choices_of(key)}};
-    case Form::choice_or_link:
-        return {{"anyOf", {Json{{"enum", choices_of(key)}}, Json{{"type", "string"}, {"minLength", key.least}}}}};
-    case Form::text: return {{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}};
-    case Form::endpoint: return text("^.+:[0-9]+$");
-    case Form::network:
-    case Form::ip: return {{"type", "string"}};
-    case Form::line:
-        return {{"anyOf",
-                 {Json{{"type", "integer"}, {"minimum", 0}},
-                  Json{{"type", "string"}, {"minLength", key.least}, {"maxLength", key.most}}}}};
-    case Form::silence: return text("^silent [0-9]+(ms|s|m|h)$");
-    case Form::frames:
-    case Form::senders: return {{"type", "array"}, {"items", {{"type", Json::array({"string", "integer"})}}}, {"minItems", 1}};
-    case Form::limits: return {{"type", "object"}, {"additionalProperties", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
-    case Form::names: return {{"type", "array"}, {"items", {{"type", "string"}}}};
-    case Form::networks:
-        return {{"anyOf", {Json{{"const", "any"}}, Json{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}}}};
-    }
-    return {};
-}
-
 Json closed_object() { return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}}; }
 
 template <class Section>
-Json& add_keys(Json& object, Keys<Section> keys, std::string_view kind = {}) {
-    for (const Key<Section>& key : keys) {
-        if (!key.is_of(kind)) continue;
-        Json property{{"description", key.help}};
-        property.update(type_of(key));
+Json& add_keys(Json& object, const KeyList<Section>& list) {
+    for (const Key<Section>* key : list.keys) {
+        Json property{{"description", key->help}};
+        property.update(row_of(key->form).schema(*key));
         Json* in = &object;
-        const auto names = split(key.name, '.');
+        const auto names = split(key->name, '.');
         for (const std::string_view outer : std::span{names}.first(names.size() - 1)) {
             Json& inner = (*in)["properties"][std::string{outer}];
             if (inner.is_null()) inner = closed_object();
             in = &inner;
         }
         (*in)["properties"][std::string{names.back()}] = property;
-        if (key.required) object["required"].push_back(key.name);
+        if (key->required) object["required"].push_back(key->name);
     }
     return object;
 }
@@ -75,7 +31,7 @@ Json& add_keys(Json& object, Keys<Section> keys, std::string_view kind = {}) {
 template <class Section>
 Json object_of(Keys<Section> keys) {
     Json object = closed_object();
-    return add_keys(object, keys);
+    return add_keys(object, list_of(keys));
 }
 
 Json tunnel() {
@@ -100,24 +56,24 @@ Json flexible() {
     return object;
 }
 
-Json link_of(const LinkKind& kind) {
+Json link_of(const LinkKind& kind, LinkKinds kinds) {
     Json object = closed_object();
     object["description"] = kind.help;
     object["properties"]["kind"] = {{"const", kind.name}};
     object["required"] = Json::array({"kind"});
-    return add_keys(object, link_keys(), kind.name);
+    return add_keys(object, keys_of(kind, kinds));
 }
 
 }    // namespace
 
-std::string config_schema() {
-    Json kinds = Json::array();
-    kinds.push_back({{"type", "string"}, {"description", "KIND:ADDRESS[,KEY=VALUE...]"}, {"pattern", "^[a-z-]+:.+"}});
-    for (const LinkKind& kind : link_kinds()) kinds.push_back(link_of(kind));
+std::string config_schema(LinkKinds kinds) {
+    Json links = Json::array();
+    links.push_back({{"type", "string"}, {"description", "KIND:ADDRESS[,KEY=VALUE...]"}, {"pattern", "^[a-z-]+:.+"}});
+    for (const LinkKind* kind : kinds) links.push_back(link_of(*kind, kinds));
     Json schema = closed_object();
     schema["properties"] = {{"$schema", {{"type", "string"}}},
                             {"gateway", object_of(gateway_keys())},
-                            {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", kinds}}}}},
+                            {"links", {{"type", "array"}, {"maxItems", 64}, {"items", {{"anyOf", links}}}}},
                             {"routes", {{"type", "array"}, {"items", object_of(route_keys())}}},
                             {"alias", {{"type", "array"}, {"items", object_of(alias_keys())}}},
                             {"tunnel", tunnel()},

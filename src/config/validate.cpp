@@ -3,12 +3,9 @@
 #include <ano_json/nearest.hpp>
 #include <config/check_network.hpp>
 #include <config/config.hpp>
-#include <config/keys.hpp>
-#include <config/unlikely.hpp>
+#include <config/link_kind.hpp>
 #include <config/values.hpp>
-#include <gateway/can_stream.hpp>
 #include <gateway/ids.hpp>
-#include <gateway/pacer.hpp>
 
 #include <algorithm>
 #include <set>
@@ -16,8 +13,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint64_t slow_frame = 100;            // ms
-constexpr std::uint64_t much_memory = 64'000'000;    // bytes that wait, on a small computer
+constexpr std::uint64_t slow_frame = 100;    // ms
 
 // Words that mean something else where a link is named, and the links that the gateway has of itself.
 constexpr std::string_view reserved_names[] = {"flood", "drop", "none", "tunnel", "control"};
@@ -26,21 +22,13 @@ bool is_reserved(std::string_view name) {
     return std::find(std::begin(reserved_names), std::end(reserved_names), name) != std::end(reserved_names);
 }
 
-std::string last_part(const std::string& path) { return path.substr(path.rfind('/') + 1); }
-
 bool is_number(const std::string& line) { return parse_number(line).has_value(); }
 
 /// Before it is made unique.
 std::string usual_name(const LinkSettings& link) {
     constexpr std::size_t longest = 60;    // leaves room for "-64" in what a name may have
-    std::string name;
-    if (link.kind == "serial") name = last_part(link.serial.device);
-    if (link.kind == "can") name = link.can.interface;
-    if (link.kind == "pty") name = last_part(link.pty.path);
-    if (link.kind == "sim") name = link.sim.device;
-    if (link.kind == "udp-listen") name = link.kind + "-" + std::to_string(link.udp_listen.local.port);
-    if (link.kind == "udp") name = link.kind + "-" + std::to_string(link.udp.peer.port);
-    return name.empty() || name.size() > longest ? link.kind : name;
+    const std::string name = link.kind->usual_name ? link.kind->usual_name(link) : "";
+    return name.empty() || name.size() > longest ? std::string{link.kind->name} : name;
 }
 
 void name_links(std::vector<LinkSettings>& links) {
@@ -61,18 +49,7 @@ std::uint32_t default_queue(std::size_t max_data) {
     return std::max(usual, static_cast<std::uint32_t>(2 * (ano::overhead + max_data)));
 }
 
-/// What a link binds; port 0 when that is none of its own choice.
-struct Bound {
-    EndpointSpec local{};
-    std::string interface {};    // empty: any
-};
-Bound bound_by(const LinkSettings& link) {
-    if (link.kind == "udp-listen") return {link.udp_listen.local, link.udp_listen.interface};
-    if (link.kind == "udp" && link.udp.bind) return {*link.udp.bind, link.udp.interface};
-    return {};
-}
-
-bool collide(const Bound& one, const Bound& other) {
+bool collide(const BoundPort& one, const BoundPort& other) {
     const EndpointSpec &a = one.local, &b = other.local;
     if (a.port == 0 || a.port != b.port) return false;
     if (!one.interface.empty() && !other.interface.empty() && one.interface != other.interface) return false;
@@ -80,15 +57,20 @@ bool collide(const Bound& one, const Bound& other) {
     return a == b || a.address.is_any() || b.address.is_any();
 }
 
-/// A number may be that of the interface of a name.
-bool is_another(const std::string& interface, const std::string& of_address) {
-    return !interface.empty() && !of_address.empty() && interface != of_address && !is_number(of_address);
-}
+/// Adds them to the draft.
+class Faults final : public LinkFaults {
+public:
+    Faults(Draft& draft, const Origin& origin) : draft_{draft}, origin_{origin} {}
+    bool is_whole() const override { return !origin_.broken; }
+    void error(std::string_view key, std::string what) override { draft_.errors.push_back({origin_.key(key), std::move(what)}); }
+    void warning(std::string_view key, const std::string& what) override {
+        draft_.warnings.push_back({origin_.key(key), "warning: " + what});
+    }
 
-bool share_ids(const CanSettings& a, const CanSettings& b) {
-    if (a.framing != b.framing || a.extended != b.extended) return false;
-    return a.framing == CanFraming::stream ? CanIds{a}.base() == CanIds{b}.base() : a.rx == b.rx || a.tx == b.tx;
-}
+private:
+    Draft& draft_;
+    const Origin& origin_;
+};
 
 class Validation {
 public:
@@ -97,10 +79,8 @@ public:
     void all() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
             link(i);
-            if (links_[i].kind == "serial") serial(i);
-            if (links_[i].kind == "udp") udp(i);
-            if (links_[i].kind == "udp-listen") one_interface(i, links_[i].udp_listen.interface, links_[i].udp_listen.local);
-            if (links_[i].kind == "can") can(i);
+            Faults faults{draft_, draft_.links[i]};
+            if (const LinkKind& kind = *links_[i].kind; kind.validate) kind.validate(links_[i], faults);
             for (std::size_t k = 0; k < i; ++k) pair(k, i);
         }
         groups();
@@ -136,16 +116,6 @@ private:
         for (std::size_t k = 0; k < links_.size(); ++k) ids_of(i, k);
         hello(i);
         slow_line(i);
-        memory_of_peers(i);
-    }
-
-    void memory_of_peers(std::size_t i) {
-        const LinkSettings& link = links_[i];
-        const std::uint64_t most = std::uint64_t{link.queue} * link.udp_listen.max_peers;
-        if (link.kind != "udp-listen" || most <= much_memory) return;
-        warning(draft_.links[i].key("queue"),
-                "queue " + std::to_string(link.queue) + " for each of " + std::to_string(link.udp_listen.max_peers) +
-                    " peers is " + std::to_string(most / 1'000'000) + " MB, more than 64 MB: lower 'queue' or 'max_peers'");
     }
 
     // What the addresses that `link` speaks of have to do with the port id of `other`.
@@ -164,12 +134,8 @@ private:
 
     void hello(std::size_t i) {
         const LinkSettings& link = links_[i];
-        if (!link.hello || *link.hello == Duration{}) return;
-        if (link.kind == "udp-listen")
-            error(draft_.links[i], "hello",
-                  "'hello' is not possible on udp-listen: it knows nobody to speak to before they have spoken; "
-                  "for a device at a known address use udp:IP:PORT,hello=on");
-        else if (!link.broadcast)
+        if (!link.hello || *link.hello == Duration{} || link.kind->listens) return;
+        if (!link.broadcast)
             warning(draft_.links[i].key("hello"),
                     "'hello' is a frame to everybody (0xFF), which broadcast=no keeps off this link: it is never said");
     }
@@ -178,8 +144,7 @@ private:
     void slow_line(std::size_t i) {
         const LinkSettings& link = links_[i];
         std::uint32_t rate = link.rate;
-        if (rate == 0 && link.kind == "serial" && link.serial.pace != Pace::off)
-            rate = uart_rate(link.serial.baud, link.serial.parity != Parity::none, link.serial.stop_bits);
+        if (const LineRate line = line_rate_of(link); rate == 0 && line.is_kept) rate = line.bytes_per_second;
         if (rate == 0) return;
         const std::uint64_t milliseconds = (ano::overhead + link.effective_max_data_out()) * std::uint64_t{1000} / rate;
         if (milliseconds <= slow_frame) return;
@@ -194,48 +159,6 @@ private:
                                           : bound + " " + std::to_string(fits - ano::overhead) + " keeps it under " + limit));
     }
 
-    void serial(std::size_t i) {
-        if (draft_.links[i].broken) return;
-        if (std::string fault = fault_of_device(links_[i].serial.device); !fault.empty())
-            error(draft_.links[i], "device", std::move(fault));
-    }
-
-    void udp(std::size_t i) {
-        const UdpSettings& udp = links_[i].udp;
-        const std::string peer = udp.peer.text();
-        if (draft_.links[i].broken) return;
-        if (udp.peer.port == 0)
-            error(draft_.links[i], "address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
-        else if (udp.peer.address.is_any())
-            error(draft_.links[i], "address",
-                  "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
-        const IpAddress& address = udp.peer.address;
-        if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() &&
-            udp.interface.empty() && !(udp.bind && !udp.bind->interface.empty()))
-            error(draft_.links[i], "address",
-                  "'" + peer + "' is the same on every interface; say which: [" + address.text() +
-                      "%eth0]:" + std::to_string(udp.peer.port));
-        if (udp.bind && udp.bind->address.v6 != udp.peer.address.v6)
-            error(draft_.links[i], "bind",
-                  "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
-        one_interface(i, udp.interface, udp.peer);
-        if (udp.bind) one_interface(i, udp.interface, *udp.bind);
-    }
-
-    void one_interface(std::size_t i, const std::string& interface, const EndpointSpec& endpoint) {
-        if (is_another(interface, endpoint.interface))
-            error(draft_.links[i], "interface",
-                  "'interface' " + in_quotes(interface) + " is not that of " + endpoint.text() + ": take one of them away");
-    }
-
-    void can(std::size_t i) {
-        if (draft_.links[i].broken) return;
-        if (std::string fault = fault_of_interface(links_[i].can.interface); !fault.empty())
-            error(draft_.links[i], "interface", std::move(fault));
-        if (std::string fault = fault_of(links_[i].can); !fault.empty())
-            error(draft_.links[i], links_[i].can.framing == CanFraming::isotp ? "framing" : "base", std::move(fault));
-    }
-
     void pair(std::size_t first, std::size_t second) {
         const LinkSettings& a = links_[first];
         const LinkSettings& b = links_[second];
@@ -244,16 +167,12 @@ private:
             error(origin, "name", "'name' " + in_quotes(b.name) + " is the name of " + draft_.links[first].where + " too");
         if (b.id != 0 && a.id == b.id)
             error(origin, "id", "'id' " + std::to_string(b.id) + " is the port id of " + who(first) + " too");
-        if (!b.serial.device.empty() && a.serial.device == b.serial.device)
-            error(origin, "device", "'device' " + in_quotes(b.serial.device) + " is used by " + who(first) + " already");
-        if (!b.pty.path.empty() && a.pty.path == b.pty.path)
-            error(origin, "path", "'path' " + in_quotes(b.pty.path) + " is made by " + who(first) + " already");
-        if (!b.can.interface.empty() && a.can.interface == b.can.interface && share_ids(a.can, b.can))
-            error(origin, "interface",
-                  "'interface' " + in_quotes(b.can.interface) + " is used by " + who(first) + " already, under the same CAN ids");
-        if (const Bound bound = bound_by(b); collide(bound_by(a), bound))
-            error(origin, b.kind == "udp" ? "bind" : "address",
-                  "local port " + std::to_string(bound.local.port) + " is used by " + who(first) + " already");
+        if (const auto shared = a.kind == b.kind && a.kind->shared ? a.kind->shared(a, b) : std::nullopt)
+            error(origin, shared->key, shared->what + who(first) + shared->rest);
+        const auto bound_a = bound_port_of(a), bound_b = bound_port_of(b);
+        if (bound_a && bound_b && collide(*bound_a, *bound_b))
+            error(origin, bound_b->key,
+                  "local port " + std::to_string(bound_b->local.port) + " is used by " + who(first) + " already");
     }
 
     void groups() {
@@ -333,7 +252,8 @@ private:
         if (tunnel.links.empty() && tunnel.wrap.empty())
             warning(draft_.tunnel.key("links"), "no link's tunnel frames are carried: name the links of their devices");
         for (std::size_t i = 0; i < links_.size(); ++i)
-            if (collide(bound_by(links_[i]), {EndpointSpec{{tunnel.bind, tunnel.port}}}))
+            if (const auto bound = bound_port_of(links_[i]);
+                bound && collide(*bound, {EndpointSpec{{tunnel.bind, tunnel.port}}, {}, {}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
     }
 
@@ -368,10 +288,10 @@ private:
     void rs485(const GpioSettings& line, const Origin& origin) {
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
         if (link == links_.end()) return;
-        if (link->kind != "serial")
+        if (!link->kind->rs485)
             error(origin, "link", "'link' " + in_quotes(line.link) + " is not a serial port: rs485 is for those");
-        else if (link->serial.flow != FlowControl::none || link->serial.rts)
-            error(origin, "link", "'link' " + in_quotes(line.link) + " uses the RTS line by 'flow' or 'rts', which rs485 needs");
+        else if (const std::string fault = link->kind->rs485->fault(*link); !fault.empty())
+            error(origin, "link", "'link' " + in_quotes(line.link) + " " + fault);
     }
 
     /// `words` may stand there too.
@@ -402,6 +322,7 @@ private:
 
 void Draft::add(LinkSettings link, Origin origin) {
     broken_links = broken_links || origin.broken;
+    if (!link.kind) link.kind = &no_link_kind;
     settings.links.push_back(std::move(link));
     links.push_back(std::move(origin));
 }

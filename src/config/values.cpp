@@ -1,3 +1,4 @@
+#include <ano/hex.hpp>
 #include <config/values.hpp>
 
 #include <charconv>
@@ -68,24 +69,20 @@ std::string can_id_text(std::uint64_t id) {
     return text;
 }
 
-std::optional<AddressRange> parse_addresses(std::string_view text) {
+std::optional<ByteRange> parse_addresses(std::string_view text) {
     const std::size_t dash = text.find('-');
     const auto first = parse_address(text.substr(0, dash));
     const auto last = dash == std::string_view::npos ? first : parse_address(text.substr(dash + 1));
     if (!first || !last || *first > *last) return std::nullopt;
-    return AddressRange{*first, *last};
+    return ByteRange{*first, *last};
 }
 
-std::string addresses_text(AddressRange range) {
+std::string addresses_text(ByteRange range) {
     if (range.first == range.last) return address_text(range.first);
     return std::to_string(range.first) + "-" + std::to_string(range.last);
 }
 
-std::string address_text(std::uint8_t address) {
-    char text[5];
-    std::snprintf(text, sizeof text, "0x%02X", address);
-    return text;
-}
+std::string address_text(std::uint8_t address) { return ano::hex_byte(address); }
 
 std::optional<ano::Duration> parse_duration(std::string_view text) {
     constexpr std::uint64_t most = 1'000'000'000'000;    // 31 years; far from what Duration can't hold
@@ -102,23 +99,5 @@ std::string duration_text(ano::Duration duration) {
 std::optional<std::uint64_t> parse_size(std::string_view text) { return parse_with_unit(text, size_units, UINT64_MAX); }
 
 std::string size_text(std::uint64_t bytes) { return text_with_unit(bytes, size_units); }
-
-bool is_utf8(std::string_view text) {
-    for (std::size_t i = 0; i < text.size();) {
-        const auto lead = static_cast<unsigned char>(text[i]);
-        const std::size_t length = lead < 0x80 ? 1 : lead >> 5 == 6 ? 2 : lead >> 4 == 14 ? 3 : lead >> 3 == 30 ? 4 : 0;
-        if (length == 0 || i + length > text.size()) return false;
-        char32_t point = length == 1 ? lead : lead & (0x7Fu >> length);
-        for (std::size_t k = 1; k < length; ++k) {
-            const auto byte = static_cast<unsigned char>(text[i + k]);
-            if (byte >> 6 != 2) return false;
-            point = point << 6 | (byte & 0x3Fu);
-        }
-        constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-        if (point < least[length] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF)) return false;
-        i += length;
-    }
-    return true;
-}
 
 }    // namespace anogate

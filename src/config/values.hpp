@@ -1,6 +1,7 @@
 // Single values as people write them, and back. Nothing when the text is not one.
 #pragma once
 #include <ano/time.hpp>
+#include <gateway/filter.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -19,14 +20,10 @@ std::optional<std::uint8_t> parse_address(std::string_view text);
 std::optional<std::uint64_t> parse_can_id(std::string_view text);
 std::string can_id_text(std::uint64_t id);
 
-/// Both included.
-struct AddressRange {
-    std::uint8_t first = 0, last = 0;
-};
 /// 0xDC, 220, 30-40 or 0x1E-0x28; the first not above the last.
-std::optional<AddressRange> parse_addresses(std::string_view text);
+std::optional<ByteRange> parse_addresses(std::string_view text);
 /// 0xDC, or 30-40.
-std::string addresses_text(AddressRange range);
+std::string addresses_text(ByteRange range);
 std::string address_text(std::uint8_t address);    // 0xDC
 
 /// A whole number of ms, s, m or h.
@@ -37,7 +34,5 @@ std::string duration_text(ano::Duration duration);
 /// Bytes, or a whole number of kB, MB, GB (1000), KiB, MiB, GiB (1024).
 std::optional<std::uint64_t> parse_size(std::string_view text);
 std::string size_text(std::uint64_t bytes);
-
-bool is_utf8(std::string_view text);
 
 }    // namespace anogate

@@ -1,4 +1,3 @@
-#include <config/key_facts.hpp>
 #include <daemon/check_paths.hpp>
 #include <link/own_folder.hpp>
 
@@ -45,8 +44,9 @@ void warn_of_paths(Draft& draft) {
         const LinkSettings& link = draft.settings.links[i];
         const Origin& origin = draft.links[i];
         if (origin.broken) continue;
-        if (link.kind == "pty") warn(draft, origin, "path", link.pty.path, fault_of_pty(link.pty.path));
-        if (link.kind == "serial") warn(draft, origin, "device", link.serial.device, fault_of_port(link.serial.device));
+        if (!link.kind->path) continue;
+        const LinkPath path = link.kind->path(link);
+        warn(draft, origin, link.kind->address, path.path, path.is_made ? fault_of_pty(path.path) : fault_of_port(path.path));
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));

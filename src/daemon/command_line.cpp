@@ -9,6 +9,7 @@
 #include <daemon/service.hpp>
 #include <http/socket_path.hpp>
 #include <link/ip_socket.hpp>
+#include <link/kinds.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -54,7 +55,7 @@ void add_all(CLI::App& app, Arguments& arguments, const std::string& default_fil
     app.add_flag("--check", arguments.check, "check the configuration: faults one a line, exit 0 or 78");
     app.add_flag("--print-config", arguments.print_config, "print the configuration that results, as a file to use");
     app.add_option("LINK", arguments.links, "what to join, see below")->type_name(" ");
-    app.footer(links_and_keys_help());
+    app.footer(links_and_keys_help(link_kinds()));
     app.allow_extras();
 }
 
@@ -68,7 +69,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 /// What to do about an option that is none.
 std::string meant_option(const std::string& name, const std::vector<std::string_view>& known) {
     const std::string bare = name.substr(std::min(name.find_first_not_of('-'), name.size()));
-    if (const Key<LinkSettings>* key = find_key(link_keys(), bare))
+    if (const Key<LinkSettings>* key = find_key_of_any(link_kinds(), bare))
         return ": it is a key of a LINK, written KIND:ADDRESS," + bare + "=" + placeholder(*key);
     const std::string nearest = ano::did_you_mean(name, known);
     return nearest.empty() ? "; --help has them all" : nearest;
@@ -167,7 +168,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     if (auto exit = parse(app, argc, argv)) return *std::move(exit);
     if (const ConfigErrors missing = missing_values(arguments); !missing.empty()) return failure(missing);
 
-    Draft draft;
+    Draft draft{link_kinds()};
     draft.errors = reject_unknown_options(app);
     if (arguments.configs.size() > 1)
         draft.errors.push_back(

@@ -1,3 +1,4 @@
+#include <config/link_kind.hpp>
 #include <daemon/first_line.hpp>
 
 namespace anogate {
@@ -41,8 +42,8 @@ std::string duration(Duration time) {
 std::string first_line(const Settings& settings, std::string_view source, const std::vector<Network>& own) {
     std::string line = "anogated " ANOGATE_VERSION ", " + std::string{source} + ", " + count(settings.links.size(), "link");
     for (const LinkSettings& link : settings.links)
-        if (link.kind == "udp-listen")
-            line += "; " + link.name + ", for ground stations: UDP " + addresses(link.udp_listen.local, own);
+        if (const auto bound = bound_port_of(link); bound && link.kind->listens)
+            line += "; " + link.name + ", for ground stations: UDP " + addresses(bound->local, own);
     return line;
 }
 

@@ -7,7 +7,5 @@ namespace anogate {
 
 /// `group` is the number of its group, 0: none; `aliases` those of every link.
 ForwarderLink forwarder_link(const LinkSettings& link, std::uint8_t group, const std::vector<AliasSettings>& aliases);
-/// A serial port or pty: its bytes bear no stamp.
-bool is_stream(const LinkSettings& link);
 
 }    // namespace anogate

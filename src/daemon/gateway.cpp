@@ -1,8 +1,8 @@
+#include <config/link_kind.hpp>
 #include <daemon/conflict_log.hpp>
 #include <daemon/forwarder_link.hpp>
 #include <daemon/gateway.hpp>
 #include <link/clocks.hpp>
-#include <link/kinds.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -63,8 +63,8 @@ void Gateway::add_links() {
         if (group == groups.end()) group = groups.insert(group, link.group);
         const auto number = static_cast<std::uint8_t>(group - groups.begin());
         const LinkId id = forwarder_.add_link(forwarder_link(link, number, settings_.aliases));
-        add(make_link(id, link, {io_, alarms_, *this, batch_, sender_}));
-        if (is_stream(link)) streams_.insert(id);
+        add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_}));
+        if (link.kind->carries == Carries::bytes) streams_.insert(id);
     }
 }
 

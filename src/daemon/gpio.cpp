@@ -1,4 +1,4 @@
-#include <config/keys.hpp>
+#include <config/link_kind.hpp>
 #include <daemon/gpio.hpp>
 
 #include <spdlog/spdlog.h>
@@ -51,7 +51,10 @@ Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSetti
         if (s.use == GpioUse::inhibit) line.inhibit_place = inhibit_.add(line.links);
         if (s.use == GpioUse::power) line.pin.set(true);
         if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
-        if (s.use == GpioUse::rs485) find(s.link).half_duplex(s.active_low, [&line](bool sending) { line.pin.set(sending); });
+        if (s.use == GpioUse::rs485) {
+            Link& link = find(s.link);    // of a kind that can: the configuration was checked for it
+            link.settings().kind->rs485->use(link, s.active_low, [&line](bool sending) { line.pin.set(sending); });
+        }
     }
 }
 

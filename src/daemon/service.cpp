@@ -1,4 +1,3 @@
-#include <config/key_facts.hpp>
 #include <daemon/service.hpp>
 
 #include <algorithm>
@@ -75,8 +74,10 @@ void check_for_service(Draft& draft) {
         const LinkSettings& link = draft.settings.links[i];
         const Origin& origin = draft.links[i];
         if (origin.broken) continue;
-        if (link.kind == "pty") judge(link.pty.path, "path", origin.key("path"), runtime_folder, draft);
-        if (link.kind == "serial") check_port(link.serial.device, origin.key("device"), draft);
+        if (!link.kind->path) continue;
+        const LinkPath path = link.kind->path(link);
+        if (path.is_made) judge(path.path, link.kind->address, origin.key(link.kind->address), runtime_folder, draft);
+        else check_port(path.path, origin.key(link.kind->address), draft);
     }
     judge(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
     if (draft.settings.control.socket != "none")

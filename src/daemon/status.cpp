@@ -1,8 +1,9 @@
 #include <ano/address.hpp>
+#include <ano/hex.hpp>
+#include <config/link_kind.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/status.hpp>
-#include <gateway/hints.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -15,11 +16,6 @@ using Json = nlohmann::ordered_json;
 
 double seconds(Duration d) {
     return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
-}
-
-std::string hex(std::uint8_t address) {
-    constexpr char digits[] = "0123456789ABCDEF";
-    return {'0', 'x', digits[address >> 4], digits[address & 15]};
 }
 
 void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, std::size_t waiting) {
@@ -65,11 +61,11 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
     Totals t;
     const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
     LinkFigures& f = t.figures;
-    f.kind = state.link->settings().kind;
+    f.words = state.link->settings().kind->hints;
     f.up = state.up;
-    f.listens = f.kind == "udp-listen" || f.kind == "tunnel";
+    f.listens = state.link->settings().kind->listens;
     f.channels = traffic.channels.size();
-    f.waits_to_hear = !f.listens && state.link->settings().hello_interval() == Duration{};
+    f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};
     f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
     f.up_for = now - state.since;
     f.untaken_for = traffic.untaken.duration(now);
@@ -116,7 +112,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const Totals total = totals(gateway, state, now);
     Json json;
     json["name"] = state.link->name();
-    json["kind"] = state.link->settings().kind;
+    json["kind"] = state.link->settings().kind->name;
     if (state.link->settings().id != 0) json["id"] = state.link->settings().id;
     else json["id"] = nullptr;
     json["state"] = state.up ? "up" : "waiting";
@@ -141,7 +137,7 @@ Json names(const Gateway& gateway, LinkSet links) {
 }
 
 Json route_json(const Gateway& gateway, std::uint8_t address, LinkSet links, Via via) {
-    Json json{{"address", hex(address)}, {"who", ano::address::who(address)}, {"links", names(gateway, links)}};
+    Json json{{"address", ano::hex_byte(address)}, {"who", ano::address::who(address)}, {"links", names(gateway, links)}};
     json["via"] = text(via);
     return json;
 }
@@ -169,7 +165,7 @@ Json routes_json(const Gateway& gateway, TimePoint now) {
 Json conflicts_json(const Gateway& gateway, TimePoint now) {
     Json json = Json::array();
     for (const Conflict& c : gateway.forwarder().router().conflicts(now)) {
-        json.push_back({{"address", hex(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
+        json.push_back({{"address", ano::hex_byte(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
         Json& by = json.back()["claimed_by"] = nullptr;
         if (const Forwarder::Claimant* claimant = gateway.forwarder().claimant(c))
             by = {{"link", gateway.name(claimant->link)}, {"peer", claimant->peer}};

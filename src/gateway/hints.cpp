@@ -1,3 +1,4 @@
+#include <ano/hex.hpp>
 #include <gateway/hints.hpp>
 
 #include <chrono>
@@ -17,23 +18,16 @@ std::string seconds(ano::Duration d) {
     return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
 }
 
-std::string hex(std::uint8_t address) {
-    constexpr char digits[] = "0123456789ABCDEF";
-    return {'0', 'x', digits[address >> 4], digits[address & 15]};
-}
-
 // For a link to a device that may itself wait to be spoken to.
 std::string or_hello(const LinkFigures& link) {
-    const bool device = link.kind == "serial" || link.kind == "udp" || link.kind == "can";
-    return link.waits_to_hear && device && !link.for_hosts ? " (some speak only when spoken to: try hello=on)" : "";
+    return link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts
+               ? " (some speak only when spoken to: try hello=on)"
+               : "";
 }
 
 std::string nothing_at_all(const LinkFigures& link) {
-    if (link.kind == "serial") return "nothing received yet: is the device powered, are RX and TX crossed?";
     if (link.listens && link.channels == 0) return "no peer yet: a peer is known after its first whole frame";
-    if (link.kind == "can") return "nothing received yet: bit rate, termination, and the same base on all nodes?";
-    if (link.kind == "udp") return "nothing received yet from the peer";
-    return {};
+    return std::string{link.words.nothing_yet};
 }
 
 /// For how long bytes have come without frames, on a link that had frames before; nothing: that is not so.
@@ -49,8 +43,7 @@ std::string garbled(const LinkFigures& link, ano::Duration time, bool with_time)
     std::string text = "bytes but no frames ";
     text += with_time ? "for " : "any more";
     if (with_time) text += seconds(time);
-    return text +
-           (link.kind == "serial" ? ": was the baud rate changed, or the firmware?" : ": is the sender still speaking V8?");
+    return text.append(link.words.no_frames_any_more);
 }
 
 std::string ring(const LinkFigures& link) {
@@ -66,9 +59,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     if (!link.up) return {};
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
         return "older V7 frames (0xAA) seen: switch the device to protocol V8";
-    if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
-        return link.kind == "serial" ? "bytes but no frames: wrong baud rate, or another protocol?"
-                                     : "bytes but no frames: is the sender speaking V8?";
+    if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes) return std::string{link.words.no_frames};
     if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
@@ -84,7 +75,7 @@ std::string trouble(const LinkFigures& link, bool with_time) {
     if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
     if (link.shared == SharedSource::two_peers) return "two peers speak as one device: `conflicts` in the status says who";
     if (link.hidden != 0) {
-        const std::string device = "device " + hex(link.hidden);
+        const std::string device = "device " + ano::hex_byte(link.hidden);
         return device + " can't be reached: its address is the port id of a link, change one of them";
     }
     if (link.untaken_for && *link.untaken_for >= patience)

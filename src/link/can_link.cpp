@@ -1,3 +1,6 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
+#include <config/unlikely.hpp>
 #include <link/can_link.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/ip_socket.hpp>
@@ -16,11 +19,6 @@ constexpr Duration max_pause = 20ms;
 constexpr Duration patience = 1s;    // blocked for so long, the bus itself is in trouble
 
 }    // namespace
-
-std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context) {
-    if (settings.can.framing == CanFraming::isotp) return std::make_unique<CanIsotpLink>(id, settings, context);
-    return std::make_unique<CanStreamLink>(id, settings, context);
-}
 
 CanLink::CanLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
@@ -136,5 +134,84 @@ std::string CanLink::trouble() const {
         return "the bus takes nothing: is another node on it, at the same bit rate?";
     return {};
 }
+
+namespace {
+
+using namespace key_rows;
+using Can = CanSettings;
+
+constexpr Key<LinkSettings> can_keys[] = {
+    text<own<Can>, &Can::interface>("interface", 1, max_interface, "the CAN interface; its bit rate is the system's business") |
+        needed,
+    choice<own<Can>, &Can::framing>("framing", "stream|isotp",
+                                    "stream: the bytes of each frame in CAN frames under the sender's id; isotp: each frame "
+                                    "one ISO-TP PDU, for one peer device"),
+    boolean<own<Can>, &Can::fd>("fd", "CAN FD frames of up to 64 bytes"),
+    boolean<own<Can>, &Can::brs>("brs", "with fd: data at the faster bit rate"),
+    boolean<own<Can>, &Can::extended>("extended", "29-bit CAN ids"),
+    can_id<own<Can>, &Can::base>("base",
+                                 "first CAN id of stream framing, a multiple of 0x100 up to 0x700, or of 0x40000 with "
+                                 "extended (default: 0x600, extended 0x0AB00000)"),
+    can_id<own<Can>, &Can::tx>("tx", "with isotp: the CAN id that we send by (default: none)"),
+    can_id<own<Can>, &Can::rx>("rx", "with isotp: the CAN id that we receive by (default: none)"),
+};
+
+void validate_can(const LinkSettings& link, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    const Can& can = link.as<Can>();
+    if (std::string fault = fault_of_interface(can.interface); !fault.empty()) faults.error("interface", std::move(fault));
+    if (std::string fault = fault_of(can); !fault.empty())
+        faults.error(can.framing == CanFraming::isotp ? "framing" : "base", std::move(fault));
+}
+
+bool share_ids(const Can& a, const Can& b) {
+    if (a.framing != b.framing || a.extended != b.extended) return false;
+    return a.framing == CanFraming::stream ? CanIds{a}.base() == CanIds{b}.base() : a.rx == b.rx || a.tx == b.tx;
+}
+
+std::optional<SharedByTwo> shared_ids(const LinkSettings& first, const LinkSettings& second) {
+    const Can &a = first.as<Can>(), &b = second.as<Can>();
+    if (b.interface.empty() || a.interface != b.interface || !share_ids(a, b)) return std::nullopt;
+    return SharedByTwo{"interface", "'interface' " + in_quotes(b.interface) + " is used by ", " already, under the same CAN ids"};
+}
+
+std::string meant_can(std::string_view text) {
+    const std::string_view address = text.substr(0, text.find(','));
+    return address.starts_with("can") || address.starts_with("vcan") ? "'can:" + std::string{text} + "'" : "";
+}
+
+std::string about_key_of_can(std::string_view name) {
+    if (name != "bitrate" && name != "dbitrate" && name != "baud") return {};
+    return in_quotes(name) +
+           " is not a key of can: the system sets the bit rate, by sudo ip link set can0 up type can bitrate 500000";
+}
+
+std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context) {
+    if (settings.as<Can>().framing == CanFraming::isotp) return std::make_unique<CanIsotpLink>(id, settings, context);
+    return std::make_unique<CanStreamLink>(id, settings, context);
+}
+
+}    // namespace
+
+extern const LinkKind can_kind;    // listed in kinds.cpp
+constinit const LinkKind can_kind{
+    .name = "can",
+    .address = "interface",
+    .example = "can0",
+    .help = "a CAN interface; absent, down or bus-off, it is waited for",
+    .carries = Carries::pieces,
+    .may_be_paced = true,
+    .devices_only = true,
+    .hints = {.nothing_yet = "nothing received yet: bit rate, termination, and the same base on all nodes?",
+              .may_wait_for_hello = true},
+    .keys = can_keys,
+    .settings = [] { return KindSettings{Can{}}; },
+    .make = make_can_link,
+    .usual_name = [](const LinkSettings& link) { return link.as<Can>().interface; },
+    .validate = validate_can,
+    .shared = shared_ids,
+    .meant_by = meant_can,
+    .about_key = about_key_of_can,
+};
 
 }    // namespace anogate

@@ -12,9 +12,6 @@
 
 namespace anogate {
 
-/// The link of the framing that `settings` say.
-std::unique_ptr<Link> make_can_link(LinkId id, const LinkSettings& settings, const LinkContext& context);
-
 class CanLink : public Link {
 public:
     CanLink(LinkId id, LinkSettings settings, const LinkContext& context);
@@ -42,7 +39,7 @@ protected:
     /// Something was sent.
     void found_room() noexcept;
 
-    const CanSettings& can() const noexcept { return settings().can; }
+    const CanSettings& can() const noexcept { return settings().as<CanSettings>(); }
     int fd() const noexcept { return descriptor_.fd(); }
     bool is_open() const noexcept { return descriptor_.is_open(); }
     Channel& channel() noexcept { return *channel_; }

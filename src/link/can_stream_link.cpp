@@ -55,8 +55,8 @@ struct CanStreamLink::Batch {
 CanStreamLink::CanStreamLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
     : CanLink{id, settings, context},
       batch_{new Batch},
-      cutter_{settings.can},
-      streams_{settings.can, settings.max_data},
+      cutter_{settings.as<CanSettings>()},
+      streams_{settings.as<CanSettings>(), settings.max_data},
       expiry_{context.alarms, [this] { expire(); }} {}
 
 CanStreamLink::~CanStreamLink() = default;

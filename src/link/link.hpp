@@ -79,10 +79,6 @@ public:
     virtual void stop() = 0;
     /// Frames wait in the outbox of `channel`: sends what the wire takes, and the rest when it takes more.
     virtual void flush(Channel& channel) = 0;
-    /// Before start(): the wire is RS-485 with a transceiver that `send` turns to sending and back. Serial links only.
-    virtual void half_duplex(bool active_low, std::function<void(bool)> send) {
-        static_cast<void>(active_low), static_cast<void>(send);
-    }
     /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
     virtual std::size_t unsent() const { return 0; }
     /// The UDP port it listens on; 0: none.

@@ -1,4 +1,7 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
 #include <link/errors.hpp>
+#include <link/make_link.hpp>
 #include <link/own_folder.hpp>
 #include <link/pty_link.hpp>
 #include <link/terminal_path.hpp>
@@ -53,7 +56,7 @@ Expected<UniqueFd> PtyLink::open_wire() {
 UniqueFd PtyLink::open_user_side() const { return UniqueFd{::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)}; }
 
 Expected<void> PtyLink::link_path() {
-    const fs::path path = settings().pty.path;
+    const fs::path path = settings().as<PtySettings>().path;
     if (auto there = make_folder_of(path); !there) return there;
     if (auto taken = claim_.take(path); !taken) return Unexpected{std::move(taken.error().why)};
     return link_to_terminal(device_, path);
@@ -86,16 +89,16 @@ void PtyLink::look() {
 void PtyLink::watch_path() {
     if (!watch_.is_open()) return;
     constexpr std::uint32_t gone = IN_DELETE_SELF | IN_MOVE_SELF | IN_ATTRIB;
-    ::inotify_add_watch(watch_.fd(), settings().pty.path.c_str(), gone | IN_DONT_FOLLOW);
+    ::inotify_add_watch(watch_.fd(), settings().as<PtySettings>().path.c_str(), gone | IN_DONT_FOLLOW);
 }
 
 // A path that somebody removed is made again: a cleaner of /tmp, or a second gateway that had taken it and ended.
 void PtyLink::keep_path() {
     std::error_code ec;
-    const fs::file_status there = fs::symlink_status(settings().pty.path, ec);
+    const fs::file_status there = fs::symlink_status(settings().as<PtySettings>().path, ec);
     if (!fs::exists(there)) {
         if (auto linked = link_path(); !linked) return fail(std::move(linked.error()));
-    } else if (fs::read_symlink(settings().pty.path, ec) == device_) {
+    } else if (fs::read_symlink(settings().as<PtySettings>().path, ec) == device_) {
         return;
     }
     watch_path();
@@ -140,7 +143,7 @@ void PtyLink::leave_wire(int) {
     look_.cancel();
     watch_.close();
     up_ = false;
-    remove_link_to(device_, settings().pty.path);
+    remove_link_to(device_, settings().as<PtySettings>().path);
     claim_.release();
 }
 
@@ -163,7 +166,7 @@ std::size_t PtyLink::unsent() const {
 }
 
 std::string PtyLink::nobody_there() const {
-    const std::string& path = settings().pty.path;
+    const std::string& path = settings().as<PtySettings>().path;
     std::error_code ec;
     const fs::path leads_to = fs::read_symlink(path, ec);
     if (ec || leads_to == device_) return "no program has " + path + " open";
@@ -173,9 +176,49 @@ std::string PtyLink::nobody_there() const {
 std::string PtyLink::gone_text(int error) const { return error_text(device_, error == 0 ? EIO : error); }
 
 LinkFacts PtyLink::facts() const {
-    LinkFacts facts{{"path", settings().pty.path}, {"device", device_}};
+    LinkFacts facts{{"path", settings().as<PtySettings>().path}, {"device", device_}};
     if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }
+
+namespace {
+
+using namespace key_rows;
+
+constexpr Key<LinkSettings> pty_keys[] = {
+    text<own<PtySettings>, &PtySettings::path>("path", 1, max_path, "the link that is made to the pseudo-terminal") | as("PATH") |
+        needed,
+};
+
+std::optional<SharedByTwo> shared_path(const LinkSettings& a, const LinkSettings& b) {
+    const std::string& path = b.as<PtySettings>().path;
+    if (path.empty() || a.as<PtySettings>().path != path) return std::nullopt;
+    return SharedByTwo{"path", "'path' " + in_quotes(path) + " is made by "};
+}
+
+}    // namespace
+
+extern const LinkKind pty_kind;    // listed in kinds.cpp
+constinit const LinkKind pty_kind{
+    .name = "pty",
+    .address = "path",
+    .example = "/run/anogate/app",
+    .help = "a pseudo-terminal, linked to PATH, for programs that expect a serial port",
+    .carries = Carries::bytes,
+    .may_be_paced = true,
+    .keys = pty_keys,
+    .settings = [] { return KindSettings{PtySettings{}}; },
+    .make = make_link_of<PtyLink>,
+    .usual_name =
+        [](const LinkSettings& link) {
+            const std::string& path = link.as<PtySettings>().path;
+            return path.substr(path.rfind('/') + 1);
+        },
+    .path =
+        [](const LinkSettings& link) {
+            return LinkPath{link.as<PtySettings>().path, true};
+        },
+    .shared = shared_path,
+};
 
 }    // namespace anogate

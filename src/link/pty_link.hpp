@@ -17,7 +17,7 @@ public:
 
 private:
     Expected<UniqueFd> open_wire() override;
-    const std::string& peer() const override { return settings().pty.path; }
+    const std::string& peer() const override { return settings().as<PtySettings>().path; }
     void leave_wire(int fd) override;
     void read_ended(int error) override;
     std::string gone_text(int error) const override;

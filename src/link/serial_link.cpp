@@ -1,9 +1,14 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
+#include <config/unlikely.hpp>
 #include <link/device_holder.hpp>
 #include <link/errors.hpp>
+#include <link/make_link.hpp>
 #include <link/serial_link.hpp>
 #include <link/termios.hpp>
 
 #include <algorithm>
+#include <limits>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -44,7 +49,7 @@ std::string open_error_text(const std::string& device, int error) {
 }    // namespace
 
 Expected<UniqueFd> SerialLink::open_wire() {
-    const SerialSettings& serial = settings().serial;
+    const SerialSettings& serial = settings().as<SerialSettings>();
     UniqueFd fd{::open(serial.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     if (!fd) return Unexpected{open_error_text(serial.device, errno)};
     // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
@@ -60,7 +65,7 @@ Expected<UniqueFd> SerialLink::open_wire() {
 }
 
 Expected<void> SerialLink::make_ready(int fd) {
-    const auto baud = terminal::configure(fd, settings().serial);
+    const auto baud = terminal::configure(fd, settings().as<SerialSettings>());
     if (!baud) return Unexpected{baud.error()};
     actual_baud_ = *baud;
     return begin_half_duplex(fd);
@@ -99,7 +104,7 @@ ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
 }
 
 std::string SerialLink::gone_text(int error) const {
-    const std::string& device = settings().serial.device;
+    const std::string& device = settings().as<SerialSettings>().device;
     return error == 0 || error == EIO || error == ENXIO || error == ENODEV ? device + " was unplugged"
                                                                            : error_text(device, error);
 }
@@ -112,23 +117,109 @@ std::size_t SerialLink::unsent() const {
 std::size_t SerialLink::held_by_driver() const { return wire_ < 0 ? 0 : terminal::unsent(wire_); }
 
 std::uint32_t SerialLink::byte_rate() const {
-    const SerialSettings& s = settings().serial;
+    const SerialSettings& s = settings().as<SerialSettings>();
     return uart_rate(actual_baud_ != 0 ? actual_baud_ : s.baud, s.parity != Parity::none, s.stop_bits);
 }
 
 // To a USB modem class device the rate is a word without meaning: it takes what the bus carries.
 std::uint32_t SerialLink::line_rate() const {
-    const Pace pace = settings().serial.pace;
+    const Pace pace = settings().as<SerialSettings>().pace;
     if (pace == Pace::off || (pace == Pace::automatic && terminal::driver(fd()) == "cdc_acm")) return 0;
     return byte_rate();
 }
 
 LinkFacts SerialLink::facts() const {
-    LinkFacts facts{{"device", settings().serial.device},
-                    {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().serial.baud : actual_baud_}}};
+    LinkFacts facts{{"device", settings().as<SerialSettings>().device},
+                    {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().as<SerialSettings>().baud : actual_baud_}}};
     if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
     if (pacing().is_on()) facts.push_back({"paced", std::int64_t{pacing().rate()}});
     return facts;
 }
+
+namespace {
+
+using namespace key_rows;
+using Serial = SerialSettings;
+
+constexpr Key<LinkSettings> serial_keys[] = {
+    text<own<Serial>, &Serial::device>("device", 1, max_path, "path of the port") | as("PATH") | needed,
+    integer<own<Serial>, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
+                                        "line rate, any the driver can make"),
+    choice<own<Serial>, &Serial::parity>("parity", "none|even|odd", "parity bit"),
+    integer<own<Serial>, &Serial::stop_bits>("stop_bits", 1, 2, "stop bits"),
+    choice<own<Serial>, &Serial::flow>("flow", "none|hardware", "flow control; hardware is RTS/CTS"),
+    boolean<own<Serial>, &Serial::low_latency>("low_latency", "ask the driver not to collect bytes"),
+    choice<own<Serial>, &Serial::pace>("pace", "auto|on|off",
+                                       "give the port no more than the line carries, so that what is urgent can overtake; auto: "
+                                       "not a cdc_acm port, whose baud means nothing"),
+    boolean<own<Serial>, &Serial::dtr>("dtr", "hold the DTR line on or off (default: as the driver sets it)"),
+    boolean<own<Serial>, &Serial::rts>("rts", "hold the RTS line on or off (default: as the driver sets it)"),
+};
+
+std::string name_of_port(const LinkSettings& link) {
+    const std::string& device = link.as<Serial>().device;
+    return device.substr(device.rfind('/') + 1);
+}
+
+LineRate rate_of_port(const LinkSettings& link) {
+    const Serial& s = link.as<Serial>();
+    return {uart_rate(s.baud, s.parity != Parity::none, s.stop_bits), s.pace != Pace::off};
+}
+
+void validate_serial(const LinkSettings& link, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    if (std::string fault = fault_of_device(link.as<Serial>().device); !fault.empty()) faults.error("device", std::move(fault));
+}
+
+std::optional<SharedByTwo> shared_port(const LinkSettings& a, const LinkSettings& b) {
+    const std::string& device = b.as<Serial>().device;
+    if (device.empty() || a.as<Serial>().device != device) return std::nullopt;
+    return SharedByTwo{"device", "'device' " + in_quotes(device) + " is used by "};
+}
+
+std::string meant_port(std::string_view text) {
+    if (text.starts_with('/')) return "'serial:" + std::string{text} + "'";
+    return text.substr(0, text.find(',')).starts_with("tty") ? "'serial:/dev/" + std::string{text} + "'" : "";
+}
+
+// The transceiver's direction hangs on RTS where the driver can do it.
+constexpr Rs485 rs485{[](const LinkSettings& link) {
+                          const bool is_used = link.as<Serial>().flow != FlowControl::none || link.as<Serial>().rts;
+                          return std::string{is_used ? "uses the RTS line by 'flow' or 'rts', which rs485 needs" : ""};
+                      },
+                      [](Link& link, bool active_low, std::function<void(bool)> send) {
+                          static_cast<SerialLink&>(link).half_duplex(active_low, std::move(send));
+                      }};
+
+}    // namespace
+
+extern const LinkKind serial_kind;    // listed in kinds.cpp
+constinit const LinkKind serial_kind{
+    .name = "serial",
+    .address = "device",
+    .example = "/dev/ttyUSB0",
+    .help = "a serial port; absent or unplugged, it is waited for",
+    .carries = Carries::bytes,
+    .may_be_paced = true,
+    .devices_only = true,
+    .number_means = "baud",
+    .hints = {.nothing_yet = "nothing received yet: is the device powered, are RX and TX crossed?",
+              .may_wait_for_hello = true,
+              .no_frames = "bytes but no frames: wrong baud rate, or another protocol?",
+              .no_frames_any_more = ": was the baud rate changed, or the firmware?"},
+    .keys = serial_keys,
+    .settings = [] { return KindSettings{Serial{}}; },
+    .make = make_link_of<SerialLink>,
+    .usual_name = name_of_port,
+    .line_rate = rate_of_port,
+    .path =
+        [](const LinkSettings& link) {
+            return LinkPath{link.as<Serial>().device, false};
+        },
+    .rs485 = &rs485,
+    .validate = validate_serial,
+    .shared = shared_port,
+    .meant_by = meant_port,
+};
 
 }    // namespace anogate

@@ -11,12 +11,13 @@ class SerialLink final : public StreamLink {
 public:
     using StreamLink::StreamLink;
     std::size_t unsent() const override;
-    void half_duplex(bool active_low, std::function<void(bool)> send) override;
+    /// Before start(): the wire is RS-485 with a transceiver that `send` turns to sending and back.
+    void half_duplex(bool active_low, std::function<void(bool)> send);
     LinkFacts facts() const override;
 
 private:
     Expected<UniqueFd> open_wire() override;
-    const std::string& peer() const override { return settings().serial.device; }
+    const std::string& peer() const override { return settings().as<SerialSettings>().device; }
     ssize_t write_some(std::span<const iovec> pieces) override;
     Expected<void> make_ready(int fd);
     Expected<void> begin_half_duplex(int fd);

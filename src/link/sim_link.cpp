@@ -1,4 +1,7 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
 #include <link/feed.hpp>
+#include <link/make_link.hpp>
 #include <link/sim_link.hpp>
 
 #include <array>
@@ -9,12 +12,12 @@ namespace anogate {
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
-      fc_{this->settings().sim.hz, Clock::now()},
+      fc_{this->settings().as<SimSettings>().hz, Clock::now()},
       tick_{context.alarms, [this] { tick(); }},
       answer_{context.alarms, [this] { answer(); }} {}
 
 void SimLink::start() {
-    channel_ = context_.host.open_channel(*this, settings().sim.device);
+    channel_ = context_.host.open_channel(*this, settings().as<SimSettings>().device);
     context_.host.link_up(*this);
     tick();
 }
@@ -55,5 +58,30 @@ void SimLink::answer() {
     hear(answers);
     context_.host.flush();
 }
+
+namespace {
+
+using namespace key_rows;
+
+constexpr Key<LinkSettings> sim_keys[] = {
+    choice<own<SimSettings>, &SimSettings::device>("device", "fc", "the device to simulate") | needed,
+    integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion"),
+};
+
+}    // namespace
+
+extern const LinkKind sim_kind;    // listed in kinds.cpp
+constinit const LinkKind sim_kind{
+    .name = "sim",
+    .address = "device",
+    .example = "fc",
+    .help = "a simulated flight controller (0xDC) inside the process: demo, tests, development",
+    .carries = Carries::pieces,
+    .devices_only = true,
+    .keys = sim_keys,
+    .settings = [] { return KindSettings{SimSettings{}}; },
+    .make = make_link_of<SimLink>,
+    .usual_name = [](const LinkSettings& link) { return link.as<SimSettings>().device; },
+};
 
 }    // namespace anogate

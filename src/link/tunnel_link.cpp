@@ -1,3 +1,4 @@
+#include <config/link_kind.hpp>
 #include <gateway/ring_watch.hpp>
 #include <link/tunnel_link.hpp>
 
@@ -10,17 +11,23 @@ namespace {
 
 constexpr Duration look_again = std::chrono::seconds{1};    // interfaces and ways come and go
 
+// Not one that can be configured as a link.
+constinit const LinkKind tunnel_kind{.name = "tunnel", .carries = Carries::datagrams, .listens = true};
+
 }    // namespace
 
 // A peer's frame may be as large as any link of ours carries, as long as a datagram holds it.
 LinkSettings TunnelLink::link_settings(const Settings& settings) {
     LinkSettings link;
-    link.kind = link.name = "tunnel";
+    link.kind = &tunnel_kind;
+    link.name = tunnel_kind.name;
     for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
     link.max_data = std::min(link.max_data, static_cast<std::uint16_t>(max_datagram - ano::overhead));
     link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
+    UdpListenSettings listen;
+    listen.local = {{settings.tunnel->bind, settings.tunnel->port}};
+    link.of_kind = std::move(listen);
     link.rules = settings.tunnel->rules;
-    link.udp_listen.local = {{settings.tunnel->bind, settings.tunnel->port}};
     return link;
 }
 

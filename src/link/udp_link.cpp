@@ -1,8 +1,11 @@
+#include <config/link_kind.hpp>
 #include <gateway/listening_notice.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
+#include <link/make_link.hpp>
+#include <link/udp_keys.hpp>
 #include <link/udp_link.hpp>
 
 #include <net/if.h>
@@ -38,7 +41,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
-    channel_ = context_.host.open_channel(*this, settings().udp.peer.text());
+    channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
     reconnect_.start();
 }
 
@@ -55,20 +58,20 @@ Expected<void> UdpLink::open() {
     arrival_.found_empty(context_.host.turn().clocks());
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
-    if (settings().udp.peer.address.is_multicast()) rejoin_.set(now + join_again);
+    if (settings().as<UdpSettings>().peer.address.is_multicast()) rejoin_.set(now + join_again);
     context_.host.link_up(*this);
     return {};
 }
 
 // The endpoint that names the interface on which all depends, if any does.
 EndpointSpec UdpLink::watched() const {
-    const UdpSettings& udp = settings().udp;
+    const UdpSettings& udp = settings().as<UdpSettings>();
     if (!udp.interface.empty()) return {udp.peer, udp.interface};
     return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
 Expected<UniqueFd> UdpLink::open_to_peer() {
-    const EndpointSpec& written = settings().udp.peer;
+    const EndpointSpec& written = settings().as<UdpSettings>().peer;
     const auto to = endpoint_now(written);
     if (!to) return Unexpected{no_interface(written.interface)};
     const Endpoint& peer = *to;
@@ -76,12 +79,12 @@ Expected<UniqueFd> UdpLink::open_to_peer() {
     EndpointSpec local;
     local.address.v6 = peer.address.v6;
     if (multicast) local.port = peer.port;
-    if (settings().udp.bind) local = *settings().udp.bind;
+    if (settings().as<UdpSettings>().bind) local = *settings().as<UdpSettings>().bind;
     if (multicast) {    // bound to another address, a socket would not hear the group
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
-    auto socket = open_udp(local, multicast, settings().udp.interface);
+    auto socket = open_udp(local, multicast, settings().as<UdpSettings>().interface);
     if (!socket) return socket;
     to_ = SocketAddress::of(peer, local.address.v6);
     to_interface_ = peer.address.scope;
@@ -97,9 +100,9 @@ Expected<UniqueFd> UdpLink::open_to_peer() {
 // By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
 // in the group already is as good.
 Expected<void> UdpLink::join_group(int fd) const {
-    const EndpointSpec& peer = settings().udp.peer;
-    const auto& bind = settings().udp.bind;
-    const std::string& name = settings().udp.interface;
+    const EndpointSpec& peer = settings().as<UdpSettings>().peer;
+    const auto& bind = settings().as<UdpSettings>().bind;
+    const std::string& name = settings().as<UdpSettings>().interface;
     unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
     if (!name.empty() && interface == 0) return Unexpected{no_interface(name)};
     if (name.empty() && bind && !bind->address.is_any()) {
@@ -167,7 +170,7 @@ void UdpLink::read() {
             note({SendResult::done, error, error == ECONNREFUSED ? 1u : 0u});
             return;
         }
-        return fail(error_text(settings().udp.peer.text(), error));
+        return fail(error_text(settings().as<UdpSettings>().peer.text(), error));
     }
     const LoopWatch& loop = context_.host.turn();
     const ClockReading asked = loop.before();
@@ -218,7 +221,7 @@ void UdpLink::flush(Channel& channel) {
     case SendResult::paced: return;
     case SendResult::full: descriptor_.when_writable([this] { flush(*channel_); }); return;
     case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
-    case SendResult::broken: return fail(error_text("the way to " + settings().udp.peer.text(), report.error));
+    case SendResult::broken: return fail(error_text("the way to " + settings().as<UdpSettings>().peer.text(), report.error));
     }
 }
 
@@ -227,19 +230,77 @@ void UdpLink::note(const SendReport& report) {
     if (report.refused > 0) context_.host.report_unreachable(*this);
     if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
     trouble_at_ = context_.host.now();
-    trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().udp.peer.text()
+    trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().as<UdpSettings>().peer.text()
                                             : error_text(report.error);
 }
 
 std::string UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : std::string{}; }
 
 LinkFacts UdpLink::facts() const {
-    LinkFacts facts{{"peer", settings().udp.peer.text()}};
+    LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};
     if (!descriptor_.is_open()) return facts;
     facts.push_back({"address", local_.text()});
     facts.push_back({"port", std::int64_t{local_.port}});
     facts.push_back({"refused", static_cast<std::int64_t>(refused_)});
     return facts;
 }
+
+namespace {
+
+using namespace key_rows;
+using Udp = UdpSettings;
+
+constexpr Key<LinkSettings> udp_keys[] = {
+    endpoint<own<Udp>, &Udp::peer>("address", "the peer's IP:PORT") | needed,
+    endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: the system chooses)") | local,
+    text<own<Udp>, &Udp::interface>("interface", 1, max_interface, one_interface_help),
+};
+
+void validate_udp(const LinkSettings& link, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    const Udp& udp = link.as<Udp>();
+    const std::string peer = udp.peer.text();
+    const IpAddress& address = udp.peer.address;
+    if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: a fixed peer needs its port, 1 to 65535");
+    else if (address.is_any())
+        faults.error("address", "'" + peer + "' is nobody's address; to wait for peers there, use udp-listen:" + peer);
+    if (address.v6 && address.is_link_local() && !address.is_multicast() && udp.peer.interface.empty() && udp.interface.empty() &&
+        !(udp.bind && !udp.bind->interface.empty()))
+        faults.error("address", "'" + peer + "' is the same on every interface; say which: [" + address.text() +
+                                    "%eth0]:" + std::to_string(udp.peer.port));
+    if (udp.bind && udp.bind->address.v6 != address.v6)
+        faults.error("bind", "'bind' " + udp.bind->text() + " and the peer " + peer + " are not both IPv4 or both IPv6");
+    check_interface(udp.interface, udp.peer, faults);
+    if (udp.bind) check_interface(udp.interface, *udp.bind, faults);
+}
+
+std::optional<BoundPort> port_of_udp(const LinkSettings& link) {
+    const Udp& udp = link.as<Udp>();
+    return udp.bind ? std::optional{BoundPort{*udp.bind, udp.interface, "bind"}} : std::nullopt;
+}
+
+}    // namespace
+
+extern const LinkKind udp_kind;    // listed in kinds.cpp
+constinit const LinkKind udp_kind{
+    .name = "udp",
+    .address = "address",
+    .example = "192.168.1.20:6670",
+    .help = "one fixed UDP peer; broadcast and multicast addresses too",
+    .carries = Carries::datagrams,
+    .may_be_paced = true,
+    .hints = {.nothing_yet = "nothing received yet from the peer", .may_wait_for_hello = true},
+    .keys = udp_keys,
+    .settings = [] { return KindSettings{Udp{}}; },
+    .make = make_link_of<UdpLink>,
+    .usual_name = [](const LinkSettings& link) { return "udp-" + std::to_string(link.as<Udp>().peer.port); },
+    .bound_port = port_of_udp,
+    .reach = [](const LinkSettings& link) { return link.as<Udp>().peer.address.is_loopback() ? Reach::here : Reach::network; },
+    .validate = validate_udp,
+    .meant_by =
+        [](std::string_view text) {
+            return EndpointSpec::parse(text) ? "'udp:" + std::string{text} + "' or 'udp-listen:...'" : std::string{};
+        },
+};
 
 }    // namespace anogate

@@ -1,10 +1,13 @@
 #include <ano/address.hpp>
+#include <config/link_kind.hpp>
 #include <gateway/far_peer.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/datagram_sender.hpp>
 #include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
+#include <link/make_link.hpp>
+#include <link/udp_keys.hpp>
 #include <link/udp_listen_link.hpp>
 
 #include <algorithm>
@@ -74,7 +77,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
-      book_{book_options(this->settings().udp_listen)},
+      book_{book_options(this->settings().as<UdpListenSettings>())},
       random_{random_number},
       check_{random_},
       take_reports_{[this] { return take_reports(); }} {}
@@ -82,7 +85,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
 UdpListenLink::~UdpListenLink() = default;
 
 Expected<void> UdpListenLink::open() {
-    const UdpListenSettings& listen = settings().udp_listen;
+    const UdpListenSettings& listen = settings().as<UdpListenSettings>();
     auto socket = open_udp(listen.local, false, listen.interface);
     if (!socket) return Unexpected{std::move(socket.error())};
     reconnect_.came_up(context_.host.now());
@@ -277,12 +280,12 @@ bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
 }
 
 bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
-    const UdpListenSettings& udp = settings().udp_listen;
+    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
     return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !is_near(address, now);
 }
 
 bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
-    const UdpListenSettings& udp = settings().udp_listen;
+    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
     if (udp.allow_any || contains(udp.allow, sender.address)) return true;
     return udp.allow.empty() && is_near(sender.address, now);
 }
@@ -405,7 +408,7 @@ void UdpListenLink::flush_all() {
 }
 
 LinkFacts UdpListenLink::facts() const {
-    const std::string local = descriptor_.is_open() ? local_.text() : settings().udp_listen.local.text();
+    const std::string local = descriptor_.is_open() ? local_.text() : settings().as<UdpListenSettings>().local.text();
     LinkFacts facts{{"address", local}, {"port", std::int64_t{local_port()}}};
     if (descriptor_.is_open()) facts.push_back({"kernel_drops", kernel_drops(descriptor_.fd())});
     return facts;
@@ -416,5 +419,73 @@ std::string UdpListenLink::trouble() const {
     if (no_place_ > 0) return std::to_string(no_place_) + " datagrams of strangers were refused: all places are taken";
     return unassigned_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
 }
+
+namespace {
+
+using namespace key_rows;
+using Listen = UdpListenSettings;
+
+constexpr Key<LinkSettings> listen_keys[] = {
+    endpoint<own<Listen>, &Listen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
+    text<own<Listen>, &Listen::interface>("interface", 1, max_interface, one_interface_help),
+    duration<own<Listen>, &Listen::peer_timeout>(
+        "peer_timeout", second, day, "a peer silent for so long is forgotten; a host of our networks may listen for an hour"),
+    integer<own<Listen>, &Listen::max_peers>("max_peers", 1, max_channels, "most peers at a time; one that is silent gives way"),
+    integer<own<Listen>, &Listen::max_per_address>("max_per_address", 1, max_channels,
+                                                   "most peers of one IP address, loopback excepted (default: a quarter of "
+                                                   "max_peers, two at least)"),
+    networks<Listen, &Listen::allow_any, &Listen::allow>(
+        "allow", "networks whose members may become peers, or any (default: the networks of our interfaces)"),
+    networks<Listen, &Listen::trusted_any, &Listen::trusted>(
+        "trusted",
+        "networks outside those of our interfaces whose peers are sent to at once, or any; others get at most three "
+        "times what they send, until they answer (default: none)"),
+};
+
+void validate_listener(const LinkSettings& link, LinkFaults& faults) {
+    const Listen& listen = link.as<Listen>();
+    constexpr std::uint64_t much_memory = 64'000'000;    // bytes that wait, on a small computer
+    const std::uint64_t memory = std::uint64_t{link.queue} * listen.max_peers;
+    if (link.hello && *link.hello != Duration{})
+        faults.error("hello",
+                     "'hello' is not possible on udp-listen: it knows nobody to speak to before they have spoken; "
+                     "for a device at a known address use udp:IP:PORT,hello=on");
+    if (memory > much_memory)
+        faults.warning("queue", "queue " + std::to_string(link.queue) + " for each of " + std::to_string(listen.max_peers) +
+                                    " peers is " + std::to_string(memory / 1'000'000) +
+                                    " MB, more than 64 MB: lower 'queue' or 'max_peers'");
+    check_interface(listen.interface, listen.local, faults);
+}
+
+Reach reach_of_listener(const LinkSettings& link) {
+    const Listen& listen = link.as<Listen>();
+    if (listen.local.address.is_loopback()) return Reach::here;
+    const bool all = listen.local.address.is_any() && listen.interface.empty() && (listen.allow_any || listen.allow.empty());
+    return all ? Reach::whole_networks : Reach::network;
+}
+
+}    // namespace
+
+extern const LinkKind udp_listen_kind;    // listed in kinds.cpp
+constinit const LinkKind udp_listen_kind{
+    .name = "udp-listen",
+    .address = "address",
+    .example = "0.0.0.0:12333",
+    .help = "a UDP socket whose peers are learned: one exists after one whole good frame; port 0: the kernel chooses",
+    .carries = Carries::datagrams,
+    .listens = true,
+    .may_be_paced = true,
+    .keys = listen_keys,
+    .settings = [] { return KindSettings{Listen{}}; },
+    .make = make_link_of<UdpListenLink>,
+    .usual_name = [](const LinkSettings& link) { return "udp-listen-" + std::to_string(link.as<Listen>().local.port); },
+    .bound_port =
+        [](const LinkSettings& link) {
+            const Listen& listen = link.as<Listen>();
+            return std::optional{BoundPort{listen.local, listen.interface, "address"}};
+        },
+    .reach = reach_of_listener,
+    .validate = validate_listener,
+};
 
 }    // namespace anogate

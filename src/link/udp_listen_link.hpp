@@ -26,7 +26,9 @@ public:
     UnassignedTraffic unassigned_traffic() const override {
         return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_};
     }
-    std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : settings().udp_listen.local.port; }
+    std::uint16_t local_port() const override {
+        return descriptor_.is_open() ? local_.port : settings().as<UdpListenSettings>().local.port;
+    }
 
 protected:
     /// The socket is bound.

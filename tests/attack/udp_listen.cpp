@@ -340,8 +340,8 @@ protected:
         here->ip("route add default via 10.0.0.2");
         there->ip("address add 203.0.113.5/32 dev lo");
         auto link = udp_listen("ground", "0.0.0.0:0");
-        link.udp_listen.allow_any = true;
-        link.udp_listen.trusted = trusted;
+        link.as<anogate::UdpListenSettings>().allow_any = true;
+        link.as<anogate::UdpListenSettings>().trusted = trusted;
         vehicle = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{link});
         {
             const Inside inside{*there};

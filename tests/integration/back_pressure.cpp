@@ -44,7 +44,7 @@ testing::AssertionResult whole_and_in_order(const Bytes& stream, std::size_t& co
 // As fast as the reader takes it, without pacing.
 LinkSettings unpaced(const std::string& name, const std::string& device) {
     LinkSettings link = serial(name, device);
-    link.serial.pace = Pace::off;
+    link.as<anogate::SerialSettings>().pace = Pace::off;
     return link;
 }
 

@@ -63,7 +63,7 @@ protected:
             if (i % 2 == 0) {
                 end.device = std::make_unique<PtyDevice>(dir / name);
                 links.push_back(serial(name, end.device->path()));
-                links.back().serial.pace = anogate::Pace::off;
+                links.back().as<anogate::SerialSettings>().pace = anogate::Pace::off;
             } else {
                 end.peer = std::make_unique<UdpPeer>();
                 links.push_back(udp(name, end.peer->local().text()));

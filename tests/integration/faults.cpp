@@ -79,7 +79,7 @@ class SerialFaults : public Faults {
 protected:
     void start() {
         LinkSettings to = serial("to", device.path());
-        to.serial.pace = anogate::Pace::off;
+        to.as<anogate::SerialSettings>().pace = anogate::Pace::off;
         Faults::start(to);
     }
     PtyDevice device{dir / "port"};

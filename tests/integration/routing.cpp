@@ -363,7 +363,7 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
 
 TEST(Gateway, sixty_four_channels_and_no_more) {
     auto ground = udp_listen("ground");
-    ground.udp_listen.max_peers = 100;
+    ground.as<anogate::UdpListenSettings>().max_peers = 100;
     RunningGateway daemon{ground};
     std::vector<std::unique_ptr<UdpPeer>> hosts;
     for (int i = 0; i < 70; ++i) {

@@ -239,8 +239,8 @@ TEST(SerialLink, the_line_is_raw_8n1_unless_told_otherwise) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"};
     auto odd = serial("b", b.path());
-    odd.serial.parity = anogate::Parity::odd;
-    odd.serial.stop_bits = 2;
+    odd.as<anogate::SerialSettings>().parity = anogate::Parity::odd;
+    odd.as<anogate::SerialSettings>().stop_bits = 2;
     RunningGateway daemon{serial("a", a.path()), odd};
     ASSERT_TRUE(daemon.until_up("a") && daemon.until_up("b"));
     const termios raw = a.settings();
@@ -264,7 +264,7 @@ TEST_P(AnyBaud, is_set_and_shown) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     auto link = serial("fc", fc.path());
-    link.serial.baud = GetParam();
+    link.as<anogate::SerialSettings>().baud = GetParam();
     RunningGateway daemon{link};
     ASSERT_TRUE(daemon.until_up("fc")) << daemon.link("fc");
     EXPECT_EQ(daemon.link("fc").at("baud"), GetParam());

@@ -40,7 +40,7 @@ protected:
     }
     LinkSettings port(const std::string& name) {
         LinkSettings link = serial(name, dir / name);
-        link.serial.pace = Pace::off;
+        link.as<anogate::SerialSettings>().pace = Pace::off;
         return link;
     }
     std::vector<Bytes> heard1() { return split(std::span{flow1.heard()}.subspan(said1)).frames; }
@@ -253,8 +253,8 @@ TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
 TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());
-    to.serial.baud = 115200;
-    to.serial.pace = Pace::on;
+    to.as<anogate::SerialSettings>().baud = 115200;
+    to.as<anogate::SerialSettings>().pace = Pace::on;
     start(to);
     ASSERT_TRUE(daemon->until_up("to"));
     const auto begin = anogate::Clock::now();
@@ -270,8 +270,8 @@ TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
 TEST_F(Traffic, a_third_host_does_not_wait_for_two_that_flood_a_line) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());
-    to.serial.baud = 9600;
-    to.serial.pace = Pace::on;
+    to.as<anogate::SerialSettings>().baud = 9600;
+    to.as<anogate::SerialSettings>().pace = Pace::on;
     start(to);
     ASSERT_TRUE(daemon->until_up("to"));
     UdpPeer second, third;

@@ -49,7 +49,7 @@ protected:
     }
     LinkSettings device(const std::string& name) {
         LinkSettings link = serial("device", dir / name);
-        link.serial.pace = anogate::Pace::off;
+        link.as<anogate::SerialSettings>().pace = anogate::Pace::off;
         return link;
     }
     LinkSettings way(std::size_t number, bool side_a, const std::string& group) const {

@@ -28,7 +28,7 @@ class TwoHosts : public testing::TestWithParam<bool> {
 protected:
     TwoHosts() {
         anogate::LinkSettings cable = serial("device", dir / "device");
-        cable.serial.pace = anogate::Pace::off;
+        cable.as<anogate::SerialSettings>().pace = anogate::Pace::off;
         std::vector<anogate::LinkSettings> links{cable, udp_listen("ground")};
         if (GetParam()) links.push_back(udp_listen("tower"));
         gateway = std::make_unique<RunningGateway>(settings_of(std::move(links)));
@@ -92,7 +92,7 @@ class Bridged : public testing::Test {
 protected:
     Bridged() {
         anogate::LinkSettings cable = serial("device", dir / "device");
-        cable.serial.pace = anogate::Pace::off;
+        cable.as<anogate::SerialSettings>().pace = anogate::Pace::off;
         gateway = std::make_unique<RunningGateway>(
             settings_of({cable, udp_listen("ground"), udp("radio", left.local().text()), udp("wifi", right.local().text())}));
         EXPECT_TRUE(gateway->until_up("device") && gateway->until_up("radio") && gateway->until_up("wifi"));

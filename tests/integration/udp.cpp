@@ -18,7 +18,7 @@ const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 
 /// `interface` may be empty.
 anogate::LinkSettings on_interface(anogate::LinkSettings link, const std::string& interface) {
-    link.udp.interface = interface;
+    link.as<anogate::UdpSettings>().interface = interface;
     return link;
 }
 
@@ -92,19 +92,19 @@ TEST(UdpLink, bind_chooses_where_it_sends_from) {
     }
     UdpPeer host, air;
     auto link = udp("host", host.local().text());
-    link.udp.bind = endpoint("127.0.0.1:" + std::to_string(port));
+    link.as<anogate::UdpSettings>().bind = endpoint("127.0.0.1:" + std::to_string(port));
     RunningGateway daemon{link, udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("host"));
     air.send(daemon.port("air"), telemetry);
     ASSERT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
-    EXPECT_EQ(host.last_sender(), *link.udp.bind);
+    EXPECT_EQ(host.last_sender(), *link.as<anogate::UdpSettings>().bind);
 }
 
 TEST(UdpLink, a_bound_port_in_use_is_waited_for) {
     auto holder = std::make_unique<UdpPeer>();
     UdpPeer host;
     auto link = udp("host", host.local().text());
-    link.udp.bind = endpoint(holder->local().text());
+    link.as<anogate::UdpSettings>().bind = endpoint(holder->local().text());
     RunningGateway daemon{link};
     EXPECT_EQ(daemon.link("host").at("state"), "waiting");
     EXPECT_NE(daemon.link("host").at("error").get<std::string>().find("in use"), std::string::npos);
@@ -115,7 +115,7 @@ TEST(UdpLink, a_bound_port_in_use_is_waited_for) {
 TEST(UdpLink, a_bound_ipv6_any_address_reaches_an_ipv4_peer) {
     UdpPeer host, air;
     auto link = udp("host", host.local().text());
-    link.udp.bind = endpoint("[::]:0");
+    link.as<anogate::UdpSettings>().bind = endpoint("[::]:0");
     RunningGateway daemon{link, udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("host")) << daemon.link("host");
     air.send(daemon.port("air"), telemetry);
@@ -140,7 +140,7 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
     const std::string group = "239.1.2.3:" + std::to_string(member.port());
     join(member, group);
     auto link = udp("group", group);
-    link.udp.bind = endpoint("0.0.0.0:0");    // a port of its own: `member` uses the port of the group
+    link.as<anogate::UdpSettings>().bind = endpoint("0.0.0.0:0");    // a port of its own: `member` uses the port of the group
     RunningGateway daemon{link, udp_listen("air", "127.0.0.1:0")};
     ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
     air.send(daemon.port("air"), telemetry);
@@ -161,7 +161,7 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
                 network.run("link set va up") && network.run("link set vb up"));
     // bind= names the interface by its address: there is no route for the group here.
     auto one = udp("group", "239.1.2.3:17000");
-    one.udp.bind = endpoint("10.9.0.1:17000");
+    one.as<anogate::UdpSettings>().bind = endpoint("10.9.0.1:17000");
     RunningGateway daemon{one, udp_listen("air")};
     ASSERT_TRUE(daemon.until_up("group")) << daemon.link("group");
     UdpPeer other{"10.9.0.1:0"}, air;
@@ -197,7 +197,7 @@ TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_
     const Inside inside{t.vehicle};
     for (const bool bound : {false, true}) {
         auto link = on_interface(udp("ground", "10.77.0.2:6670"), bound ? "wg0" : "");
-        link.udp.bind = endpoint("10.77.0.1:6669");
+        link.as<anogate::UdpSettings>().bind = endpoint("10.77.0.1:6669");
         const auto daemon = t.gateway({link});
         OpenNetworkBeside::expect_heard(*daemon, *ground, *stranger, "10.77.0.1:6669", bound);
     }
@@ -246,7 +246,7 @@ TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
     };
     ASSERT_TRUE(plug_in());
     auto named = udp("named", "239.1.2.4:17001");
-    named.udp.bind = endpoint("10.9.0.1:17001");
+    named.as<anogate::UdpSettings>().bind = endpoint("10.9.0.1:17001");
     RunningGateway daemon{udp("routed", "239.1.2.3:17000"), named};
     ASSERT_TRUE(daemon.until_up("routed") && daemon.until_up("named"));
     for (int round = 0; round < 2; ++round) {
@@ -346,7 +346,7 @@ TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
     for (const char* address : {"10.9.0.255", "255.255.255.255"}) {
         network.run("route replace default dev va");    // 255.255.255.255 leaves by it
         auto link = udp("all", std::string{address} + ":" + std::to_string(listener.port()));
-        link.udp.bind = endpoint("0.0.0.0:0");
+        link.as<anogate::UdpSettings>().bind = endpoint("0.0.0.0:0");
         RunningGateway daemon{link, udp_listen("air")};
         ASSERT_TRUE(daemon.until_up("all")) << daemon.link("all");
         listener.forget();

@@ -91,7 +91,7 @@ TEST(UdpListenLink, peers_hear_each_other) {
 
 TEST(UdpListenLink, a_silent_peer_is_forgotten) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 200ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link};
     UdpPeer device;
     device.send(daemon.port("ground"), vendor::i_am_an_mcu);
@@ -107,7 +107,7 @@ TEST(UdpListenLink, a_silent_peer_is_forgotten) {
 
 TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 300ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 300ms;
     link.rules.send.deny = {{0x06, 0x06}};
     RunningGateway daemon{link, udp_listen("air")};
     UdpPeer first, second, air;
@@ -147,7 +147,7 @@ TEST(UdpListenLink, half_frames_of_several_peers_expire_each_in_its_own_time) {
 
 TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 400ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 400ms;
     RunningGateway daemon{link};
     UdpPeer host, silent;
     silent.send(daemon.port("ground"), vendor::i_am_an_mcu);
@@ -161,7 +161,7 @@ TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
 
 TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 200ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link, udp_listen("air")};
     UdpPeer host, device, air;
     host.send(daemon.port("ground"), vendor::who_are_you);
@@ -177,7 +177,7 @@ TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
 // Without the new peer, the next look would have been in an hour.
 TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 200ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link};
     UdpPeer host, device, later;
     host.send(daemon.port("ground"), vendor::who_are_you);
@@ -192,7 +192,7 @@ TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) 
 
 TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
     auto link = udp_listen("ground");
-    link.udp_listen.peer_timeout = 200ms;
+    link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link};
     UdpPeer hosts[4];
     for (UdpPeer& host : hosts) {
@@ -209,7 +209,7 @@ TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
 
 TEST(UdpListenLink, when_all_places_are_taken_the_one_silent_longest_gives_way) {
     auto link = udp_listen("ground");
-    link.udp_listen.max_peers = 2;
+    link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
     UdpPeer first, second, third;
     const auto say = [&](UdpPeer& peer) {
@@ -226,7 +226,7 @@ TEST(UdpListenLink, when_all_places_are_taken_the_one_silent_longest_gives_way) 
 
 TEST(UdpListenLink, a_sender_outside_the_allowed_networks_is_refused_and_counted) {
     auto link = udp_listen("ground");
-    link.udp_listen.allow = {*anogate::Network::parse("10.0.0.0/8")};
+    link.as<anogate::UdpListenSettings>().allow = {*anogate::Network::parse("10.0.0.0/8")};
     RunningGateway daemon{link};
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
@@ -239,9 +239,9 @@ TEST(UdpListenLink, a_sender_outside_the_allowed_networks_is_refused_and_counted
 
 TEST(UdpListenLink, an_allowed_network_or_any_is_let_in) {
     auto one = udp_listen("one");
-    one.udp_listen.allow = {*anogate::Network::parse("10.0.0.0/8"), *anogate::Network::parse("127.0.0.1")};
+    one.as<anogate::UdpListenSettings>().allow = {*anogate::Network::parse("10.0.0.0/8"), *anogate::Network::parse("127.0.0.1")};
     auto any = udp_listen("any");
-    any.udp_listen.allow_any = true;
+    any.as<anogate::UdpListenSettings>().allow_any = true;
     RunningGateway daemon{one, any, udp_listen("own")};
     UdpPeer host;
     for (const char* name : {"one", "any", "own"}) {
@@ -273,7 +273,7 @@ TEST(UdpListenLink, the_first_datagram_of_a_stranger_counts_with_all_its_frames)
 
 TEST(UdpListenLink, a_stranger_whose_first_frame_stands_behind_a_false_header_is_a_peer_like_any_other) {
     auto link = udp_listen("ground");
-    link.udp_listen.max_peers = 2;
+    link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
     UdpPeer first, second, odd;
     first.send(daemon.port("ground"), vendor::who_are_you);
@@ -399,7 +399,7 @@ TEST(UdpListenLink, a_port_in_use_is_waited_for_and_taken_when_it_is_free) {
 /// `interface` may be empty.
 anogate::LinkSettings port_of(const std::string& name, const std::string& local, const std::string& interface) {
     auto link = udp_listen(name, local);
-    link.udp_listen.interface = interface;
+    link.as<anogate::UdpListenSettings>().interface = interface;
     return link;
 }
 
@@ -512,7 +512,7 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
 
 TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
     auto link = udp_listen("ground");
-    link.udp_listen.max_peers = 4;
+    link.as<anogate::UdpListenSettings>().max_peers = 4;
     RunningGateway daemon{link};
     UdpPeer steady;
     const auto port = daemon.port("ground");

@@ -1,6 +1,7 @@
 // Link settings in one line, for tests.
 #pragma once
 #include <gateway/settings.hpp>
+#include <link/kinds.hpp>
 
 #include <stdexcept>
 #include <string>
@@ -15,33 +16,34 @@ inline anogate::EndpointSpec endpoint(const std::string& text) {
 
 inline anogate::LinkSettings link(const std::string& kind, const std::string& name) {
     anogate::LinkSettings s;
-    s.kind = kind;
+    s.kind = anogate::find_link_kind(kind);
+    s.of_kind = s.kind->settings();
     s.name = name;
     return s;
 }
 inline anogate::LinkSettings serial(const std::string& name, const std::string& device) {
     auto s = link("serial", name);
-    s.serial.device = device;
+    s.as<anogate::SerialSettings>().device = device;
     return s;
 }
 inline anogate::LinkSettings udp_listen(const std::string& name, const std::string& local = "127.0.0.1:0") {
     auto s = link("udp-listen", name);
-    s.udp_listen.local = endpoint(local);
+    s.as<anogate::UdpListenSettings>().local = endpoint(local);
     return s;
 }
 inline anogate::LinkSettings udp(const std::string& name, const std::string& peer) {
     auto s = link("udp", name);
-    s.udp.peer = endpoint(peer);
+    s.as<anogate::UdpSettings>().peer = endpoint(peer);
     return s;
 }
 inline anogate::LinkSettings pty(const std::string& name, const std::string& path) {
     auto s = link("pty", name);
-    s.pty.path = path;
+    s.as<anogate::PtySettings>().path = path;
     return s;
 }
 inline anogate::LinkSettings sim(const std::string& name, std::uint16_t hz = 50) {
     auto s = link("sim", name);
-    s.sim.hz = hz;
+    s.as<anogate::SimSettings>().hz = hz;
     return s;
 }
 

@@ -1,7 +1,7 @@
 // The golden vectors: tests/vectors/frames.csv, columns name, hex, JSON.
 #pragma once
+#include <ano/hex.hpp>
 #include <ano_json/frame_json.hpp>
-#include <ano_json/hex.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -5,6 +5,7 @@
 #include <config/config.hpp>
 #include <daemon/gpio_control.hpp>
 #include <gateway/backoff.hpp>
+#include <link/kinds.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -47,7 +48,7 @@ public:
 
 private:
     static anogate::Settings settings(const std::string& config) {
-        const anogate::Draft draft = anogate::parse_config(config);
+        const anogate::Draft draft = anogate::parse_config(config, anogate::link_kinds());
         if (!draft.errors.empty()) throw std::runtime_error(anogate::lines(draft.errors));
         return draft.settings;
     }

@@ -4,8 +4,8 @@
 #include "gap.hpp"
 #include "hex_text.hpp"
 
+#include <ano/hex.hpp>
 #include <ano/parser.hpp>
-#include <ano_json/hex.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #include "reference.hpp"
 
+#include <ano/hex.hpp>
 #include <ano/messages.hpp>
-#include <ano_json/hex.hpp>
 #include <ano_json/text.hpp>
 #include <ano_json/words.hpp>
 

@@ -2,8 +2,8 @@
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 
+#include <ano/hex.hpp>
 #include <ano/reading.hpp>
-#include <ano_json/hex.hpp>
 #include <ano_json/syntax_fault.hpp>
 
 #include <nlohmann/json.hpp>

@@ -1,9 +1,9 @@
 #include "frame_printer.hpp"
 
 #include <ano/address.hpp>
+#include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/flexible_json.hpp>
-#include <ano_json/hex.hpp>
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/words.hpp>
 #include <config/read_file.hpp>

@@ -31,8 +31,6 @@ namespace {
 
 using namespace anogate;
 
-constexpr Duration datagram_quiet = std::chrono::milliseconds{100};
-constexpr Duration stream_quiet = std::chrono::milliseconds{50};
 constexpr Duration look_every = std::chrono::seconds{3};
 constexpr char only_listens[] =
     "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
@@ -77,7 +75,7 @@ public:
           left_{count},
           streams_{streams},
           printer_{streams, frames},
-          link_{make_link(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
+          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
 
     int run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -99,11 +97,9 @@ private:
         if (i == max_channels) return nullptr;
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
-        const bool datagrams = s.kind == "udp" || s.kind == "udp-listen";
-        channels_[i] = std::make_unique<Channel>(
-            static_cast<ChannelId>(i), link.id(), std::move(peer),
-            ano::FrameParser::Options{s.max_data, 0, datagrams ? datagram_quiet : stream_quiet},
-            Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
+        channels_[i] = std::make_unique<Channel>(static_cast<ChannelId>(i), link.id(), std::move(peer),
+                                                 ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind)},
+                                                 Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
         return channels_[i].get();
     }
     void close_channel(Channel& channel) override {
@@ -162,9 +158,9 @@ private:
     LinkFigures figures() {
         const UnassignedTraffic unassigned = link_->unassigned_traffic();
         LinkFigures f;
-        f.kind = link_->settings().kind;
+        f.words = link_->settings().kind->hints;
         f.up = up_;
-        f.listens = f.kind == "udp-listen";
+        f.listens = link_->settings().kind->listens;
         f.received = unassigned.received;
         f.v7_frames = unassigned.v7_frames;
         f.up_for = now() - up_at_;
@@ -256,7 +252,7 @@ private:
         return options;
     }
     LinkSettings link_settings() const {
-        anogate::Draft draft;
+        anogate::Draft draft{link_kinds()};
         read_link(link, "", draft);
         validate(draft);
         if (!draft.errors.empty()) {

@@ -47,7 +47,7 @@ TEST(CommandLine, links_and_options) {
                                     "--log-level", "debug"});
     ASSERT_EQ(s.links.size(), 2u);
     EXPECT_EQ(s.links[0].name, "fc");
-    EXPECT_EQ(s.links[1].kind, "udp-listen");
+    EXPECT_EQ(s.links[1].kind->name, "udp-listen");
     EXPECT_EQ(s.gateway.id, 199);
     EXPECT_EQ(s.gateway.unknown, Unknown::link);
     EXPECT_EQ(s.gateway.unknown_link, "fc");

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
+#include <ano_json/text.hpp>
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 
 #include <config/check_network.hpp>
 #include <config/values.hpp>
 #include <gateway/tunnel_policy.hpp>
+#include <nlohmann/json.hpp>
 #include <unit/daemon/faults.hpp>
 
 namespace anogate {
@@ -37,12 +39,12 @@ TEST(Config, every_section) {
     })");
     EXPECT_EQ(s.gateway, (GatewaySettings{199, "boat", Unknown::link, "fc", std::chrono::minutes{5}}));
     ASSERT_EQ(s.links.size(), 4u);
-    EXPECT_EQ(s.links[0].serial.baud, 115200u);
+    EXPECT_EQ(s.links[0].as<SerialSettings>().baud, 115200u);
     EXPECT_EQ(s.links[0].id, 1);
-    EXPECT_EQ(s.links[0].serial.dtr, false);
+    EXPECT_EQ(s.links[0].as<SerialSettings>().dtr, false);
     EXPECT_EQ(s.links[1].name, "udp-listen-12333");
-    EXPECT_EQ(s.links[2].udp_listen.allow.size(), 2u);
-    EXPECT_TRUE(s.links[3].udp_listen.allow_any);
+    EXPECT_EQ(s.links[2].as<UdpListenSettings>().allow.size(), 2u);
+    EXPECT_TRUE(s.links[3].as<UdpListenSettings>().allow_any);
     EXPECT_EQ(s.routes, (std::vector<RouteSettings>{{220, 220, "fc"}, {7, 7, "udp-listen-12333"}, {30, 40, "fc"}}));
     EXPECT_EQ(s.control.socket, "none");
     EXPECT_EQ(s.log, (LogSettings{"debug", "/var/log/anogate.log", 0}));
@@ -175,7 +177,7 @@ TEST(Config, a_long_text_is_cut_between_its_characters) {
         std::string name = start;
         for (int i = 0; i < 5000; ++i) name += "\u00E9";
         const std::string told = lines(parse_config(R"({"gateway": {"name": ")" + name + "\"}}").errors);
-        EXPECT_TRUE(is_utf8(told)) << told;
+        EXPECT_TRUE(ano::is_utf8(told)) << told;
         EXPECT_LT(told.size(), 400u);
     }
 }
@@ -474,54 +476,57 @@ EndpointSpec random_endpoint(support::Random& random, bool v6) {
 }
 
 void give_kind(LinkSettings& link, support::Random& random, const std::string& unique) {
-    link.kind = random.of({"serial", "udp-listen", "udp", "pty", "sim"});
+    const std::string kind = random.of({"serial", "udp-listen", "udp", "pty", "sim"});
+    link.kind = find_link_kind(kind);
+    link.of_kind = link.kind->settings();
     const bool v6 = random.one_in(2);
-    if (link.kind == "serial") {
+    if (kind == "serial") {
         const auto line = [&] {
             return random.of({std::optional<bool>{}, std::optional<bool>{true}, std::optional<bool>{false}});
         };
-        link.serial = {"/dev/" + unique,
-                       1 + random.below(UINT32_MAX),
-                       random.of({Parity::none, Parity::even, Parity::odd}),
-                       static_cast<std::uint8_t>(1 + random.below(2)),
-                       random.of({FlowControl::none, FlowControl::hardware}),
-                       random.one_in(2),
-                       random.of({Pace::automatic, Pace::on, Pace::off}),
-                       line(),
-                       line()};
-    } else if (link.kind == "udp-listen") {
-        link.udp_listen.local = random_endpoint(random, v6);
-        link.udp_listen.interface = random.of({"", "wg0"});
-        link.udp_listen.peer_timeout = std::chrono::milliseconds{1000 + random.below(86'399'000)};
-        link.udp_listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
-        if (random.one_in(2)) link.udp_listen.max_per_address = static_cast<std::uint16_t>(1 + random.below(64));
-        link.udp_listen.trusted_any = random.one_in(3);
-        if (!link.udp_listen.trusted_any && random.one_in(2))
-            link.udp_listen.trusted.push_back({random_endpoint(random, false).address, 24});
-        link.udp_listen.allow_any = random.one_in(3);
-        for (unsigned i = link.udp_listen.allow_any ? 0 : random.below(4u); i > 0; --i)
-            link.udp_listen.allow.push_back(
-                {random_endpoint(random, i % 2 == 0).address, static_cast<std::uint8_t>(random.below(33))});
-    } else if (link.kind == "udp") {
-        link.udp.peer = random_endpoint(random, v6);
-        if (random.one_in(2)) link.udp.bind = EndpointSpec{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
-        link.udp.interface = random.of({"", "wg0"});
-    } else if (link.kind == "can") {
-        link.can.interface = "can" + unique;
-        link.can.fd = random.one_in(2);
-        link.can.brs = random.one_in(2);
-        link.can.extended = random.one_in(2);
+        link.of_kind = SerialSettings{"/dev/" + unique,
+                                      1 + random.below(UINT32_MAX),
+                                      random.of({Parity::none, Parity::even, Parity::odd}),
+                                      static_cast<std::uint8_t>(1 + random.below(2)),
+                                      random.of({FlowControl::none, FlowControl::hardware}),
+                                      random.one_in(2),
+                                      random.of({Pace::automatic, Pace::on, Pace::off}),
+                                      line(),
+                                      line()};
+    } else if (kind == "udp-listen") {
+        auto& listen = link.as<UdpListenSettings>();
+        listen.local = random_endpoint(random, v6);
+        listen.interface = random.of({"", "wg0"});
+        listen.peer_timeout = std::chrono::milliseconds{1000 + random.below(86'399'000)};
+        listen.max_peers = static_cast<std::uint16_t>(1 + random.below(64));
+        if (random.one_in(2)) listen.max_per_address = static_cast<std::uint16_t>(1 + random.below(64));
+        listen.trusted_any = random.one_in(3);
+        if (!listen.trusted_any && random.one_in(2)) listen.trusted.push_back({random_endpoint(random, false).address, 24});
+        listen.allow_any = random.one_in(3);
+        for (unsigned i = listen.allow_any ? 0 : random.below(4u); i > 0; --i)
+            listen.allow.push_back({random_endpoint(random, i % 2 == 0).address, static_cast<std::uint8_t>(random.below(33))});
+    } else if (kind == "udp") {
+        auto& udp = link.as<UdpSettings>();
+        udp.peer = random_endpoint(random, v6);
+        if (random.one_in(2)) udp.bind = EndpointSpec{{*IpAddress::parse(v6 ? "::" : "0.0.0.0"), 0}};
+        udp.interface = random.of({"", "wg0"});
+    } else if (kind == "can") {
+        auto& can = link.as<CanSettings>();
+        can.interface = "can" + unique;
+        can.fd = random.one_in(2);
+        can.brs = random.one_in(2);
+        can.extended = random.one_in(2);
         if (random.one_in(2)) {
-            link.can.framing = CanFraming::isotp;
-            link.can.tx = random.below(0x800u);
-            link.can.rx = 0x7FF - *link.can.tx;
+            can.framing = CanFraming::isotp;
+            can.tx = random.below(0x800u);
+            can.rx = 0x7FF - *can.tx;
         } else if (random.one_in(2)) {
-            link.can.base = random.below(8u) * (link.can.extended ? 0x40000 : 0x100);
+            can.base = random.below(8u) * (can.extended ? 0x40000 : 0x100);
         }
-    } else if (link.kind == "pty") {
-        link.pty.path = "/tmp/ü " + unique;
+    } else if (kind == "pty") {
+        link.as<PtySettings>().path = "/tmp/ü " + unique;
     } else {
-        link.sim.hz = static_cast<std::uint16_t>(1 + random.below(100));
+        link.as<SimSettings>().hz = static_cast<std::uint16_t>(1 + random.below(100));
     }
 }
 
@@ -547,7 +552,7 @@ void give_devices(LinkSettings& link, support::Random& random) {
     if (random.one_in(2)) link.max_data_out = static_cast<std::uint16_t>(random.below(link.max_data + 1u));
     if (random.one_in(2)) link.value_type_7 = random.of({ValueType7::f32, ValueType7::u64});
     if (random.one_in(2)) link.encoding = random.of({TextEncoding::utf8, TextEncoding::gbk});
-    if (link.kind != "udp-listen" && random.one_in(2))
+    if (link.kind->name != "udp-listen" && random.one_in(2))
         link.hello = random.of<Duration>({Duration{}, LinkSettings::usual_hello, std::chrono::milliseconds{1500}});
 }
 
@@ -557,10 +562,10 @@ void give_traffic(LinkSettings& link, support::Random& random) {
     link.present_as = link.group.empty() ? random.of<std::uint8_t>({0, 0xFE, 31}) : std::uint8_t{0};
     link.age = {duration(5000), duration(5000), duration(86'400'000)};
     link.rules = random_rules(random);
-    if (link.kind == "sim") return;
+    if (link.kind->name == "sim") return;
     link.rate = random.of<std::uint32_t>({0, 1, 5000, 1'000'000'000});
     link.latency = duration(1000);
-    if (link.kind != "udp" && link.kind != "udp-listen") return;
+    if (link.kind->name != "udp" && link.kind->name != "udp-listen") return;
     link.pack = random.one_in(2);
     link.mtu = static_cast<std::uint16_t>(64 + random.below(65444));
 }
@@ -598,7 +603,7 @@ Settings random_settings(support::Random& random) {
         link.name = random.of({"link ", "链路", "a/b,c=d"}) + std::to_string(i);
         give_kind(link, random, std::to_string(i));
         // No port twice.
-        link.udp_listen.local.port = static_cast<std::uint16_t>(link.kind == "udp-listen" ? 1000 + i : 0);
+        if (link.kind->name == "udp-listen") link.as<UdpListenSettings>().local.port = static_cast<std::uint16_t>(1000 + i);
         if (random.one_in(2)) link.id = static_cast<std::uint8_t>(i + 1 == s.gateway.id || i >= 20 ? 0 : i + 1);
         link.max_data = static_cast<std::uint16_t>(random.below(65536));
         link.queue = link.max_data + 8u + random.below(100'000u);
@@ -632,7 +637,8 @@ TEST(Config, flexible_layouts_are_read_and_kept_for_the_tools) {
     const std::string layout = R"({"fields":[{"name":"t","scale":0.1,"type":"i16","unit":"°C"}],"id":"0xF1","source":30})";
     const Draft draft = parse_config(R"({"flexible": [)" + layout + "]}");
     EXPECT_TRUE(draft.errors.empty());
-    EXPECT_EQ(draft.settings.flexible, "[" + layout + "]");
+    EXPECT_EQ(draft.settings.flexible, (std::vector<ano::FlexibleSpec>{{0xF1, 30, {{"t", ano::Type::i16, 0.1, "°C"}}}}));
+    EXPECT_EQ(nlohmann::json::parse(print_config(draft.settings))["flexible"].dump(), "[" + layout + "]");
     EXPECT_EQ(parse_config(print_config(draft.settings)).settings, draft.settings);
 }
 

@@ -1,10 +1,14 @@
 // Reading configurations in tests.
 #pragma once
 #include <config/config.hpp>
+#include <link/kinds.hpp>
 
 #include <string>
 
 namespace anogate {
+
+/// With the kinds of link that there are.
+inline Draft parse_config(std::string_view json, const std::string& file = {}) { return parse_config(json, link_kinds(), file); }
 
 /// Every error of a configuration in JSON, one a line: "/links/0/baud: what is wrong".
 inline std::string faults_in(std::string_view json) {
@@ -15,7 +19,7 @@ inline std::string faults_in(std::string_view json) {
 
 /// Every error of some LINK texts.
 inline std::string faults_of(std::initializer_list<std::string_view> links) {
-    Draft draft;
+    Draft draft{link_kinds()};
     for (const std::string_view link : links) read_link(link, "", draft);
     validate(draft);
     std::string text;

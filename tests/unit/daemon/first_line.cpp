@@ -1,5 +1,6 @@
 #include <config/config.hpp>
 #include <daemon/first_line.hpp>
+#include <link/kinds.hpp>
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ std::vector<Network> networks(std::initializer_list<const char*> texts) {
 
 /// The line without the version at its beginning.
 std::string said(std::initializer_list<std::string_view> links, const std::vector<Network>& own = {}) {
-    Draft draft;
+    Draft draft{link_kinds()};
     for (const std::string_view link : links) read_link(link, "", draft);
     validate(draft);
     EXPECT_TRUE(draft.errors.empty()) << lines(draft.errors);

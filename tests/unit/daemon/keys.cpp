@@ -5,6 +5,7 @@
 #include <config/keys.hpp>
 #include <link/kinds.hpp>
 #include <support/files.hpp>
+#include <unit/daemon/faults.hpp>
 
 #include <cstdlib>
 #include <map>
@@ -21,7 +22,8 @@ void for_every_key(auto visit) {
         for (const auto& key : keys) visit(name, key);
     };
     section("gateway", gateway_keys());
-    section("links", link_keys());
+    for (const LinkKind* kind : link_kinds())
+        for (const Key<LinkSettings>* key : keys_of(*kind, link_kinds()).keys) visit(std::string{kind->name}, *key);
     section("routes", route_keys());
     section("alias", alias_keys());
     section("tunnel", tunnel_keys());
@@ -53,65 +55,62 @@ void add_names(std::set<std::string>& names, const json& object, const std::stri
     }
 }
 
-TEST(Keys, are_of_kinds_that_exist) {
-    for (const Key<LinkSettings>& key : link_keys())
-        for (const std::string_view kind : key.kinds.empty() ? std::vector<std::string_view>{} : split(key.kinds, ' '))
-            EXPECT_NE(find_link_kind(kind), nullptr) << key.name << " of " << kind;
-}
-
 TEST(Keys, have_a_name_once_in_a_kind) {
-    for (const LinkKind& kind : link_kinds()) {
+    for (const LinkKind* kind : link_kinds()) {
         std::set<std::string_view> names;
-        for (const Key<LinkSettings>& key : link_keys())
-            EXPECT_TRUE(!key.is_of(kind.name) || names.insert(key.name).second) << kind.name << " " << key.name;
+        for (const Key<LinkSettings>* key : keys_of(*kind, link_kinds()).keys)
+            EXPECT_TRUE(names.insert(key->name).second) << kind->name << " " << key->name;
     }
 }
 
 TEST(Keys, the_address_of_a_kind_is_needed_and_its_example_is_right) {
-    for (const LinkKind& kind : link_kinds()) {
-        const auto* key = find_key(link_keys(), kind.address, kind.name);
-        ASSERT_NE(key, nullptr) << kind.name;
-        EXPECT_TRUE(key->required) << kind.name;
-        LinkSettings link;
-        EXPECT_EQ(key->set(kind.example, link), "");
+    for (const LinkKind* kind : link_kinds()) {
+        const auto* key = find_key(kind->keys, kind->address);
+        ASSERT_NE(key, nullptr) << kind->name;
+        EXPECT_TRUE(key->required) << kind->name;
+        LinkSettings link = new_link(*kind);
+        EXPECT_EQ(key->set(kind->example, link), "");
     }
 }
 
 TEST(Keys, write_what_they_read) {
     Draft all = parse_config(with_examples(sample()));
     for (const LinkSettings& link : all.settings.links)
-        for (const Key<LinkSettings>& key : link_keys()) {
-            const auto text = key.text_in(link);
-            if (!text || !key.is_of(link.kind)) continue;
-            LinkSettings read;
-            EXPECT_EQ(key.set(*text, read), "") << key.name;
-            EXPECT_EQ(key.text_in(read), text) << key.name;
+        for (const Key<LinkSettings>* key : keys_of(*link.kind, link_kinds()).keys) {
+            LinkSettings read = new_link(*link.kind);
+            if (!printed(*key, key->get(*key, link))) continue;
+            if (const auto text = key->text_in(link)) {
+                EXPECT_EQ(key->set(*text, read), "") << key->name;
+                EXPECT_EQ(key->text_in(read), text) << key->name;
+            } else {
+                EXPECT_EQ(key->put(*key, key->get(*key, link), read), "") << key->name;
+            }
+            EXPECT_EQ(printed(*key, key->get(*key, read)), printed(*key, key->get(*key, link))) << key->name;
         }
 }
 
 TEST(Keys, are_all_in_the_help) {
-    const std::string help = links_and_keys_help();
+    const std::string help = links_and_keys_help(link_kinds());
     for_every_key([&](const std::string&, const KeyFacts& key) {
         EXPECT_NE(help.find(std::string{key.help}), std::string::npos) << key.name;
         EXPECT_NE(help.find(std::string{key.name}), std::string::npos) << key.name;
     });
-    for (const LinkKind& kind : link_kinds()) EXPECT_NE(help.find(std::string{kind.help}), std::string::npos) << kind.name;
+    for (const LinkKind* kind : link_kinds()) EXPECT_NE(help.find(std::string{kind->help}), std::string::npos) << kind->name;
 }
 
 TEST(Keys, are_all_in_the_schema) {
-    const json schema = json::parse(config_schema())["properties"];
-    const auto properties = [&](const std::string& section, const KeyFacts& key) -> std::vector<json> {
+    const json schema = json::parse(config_schema(link_kinds()))["properties"];
+    const auto properties = [&](const std::string& section) -> std::vector<json> {
         if (section == "routes" || section == "alias" || section == "gpio") return {schema[section]["items"]["properties"]};
         if (section == "wrap") return {schema["tunnel"]["properties"]["wrap"]["items"]["properties"]};
-        if (section != "links") return {schema[section]["properties"]};
+        if (schema.contains(section)) return {schema[section]["properties"]};
         std::vector<json> all;
         for (const json& kind : schema["links"]["items"]["anyOf"])
-            if (kind["type"] == "object" && key.is_of(kind["properties"]["kind"]["const"].get<std::string>()))
-                all.push_back(kind["properties"]);
+            if (kind["type"] == "object" && kind["properties"]["kind"]["const"] == section) all.push_back(kind["properties"]);
         return all;
     };
     for_every_key([&](const std::string& section, const KeyFacts& key) {
-        const auto all = properties(section, key);
+        const auto all = properties(section);
         EXPECT_FALSE(all.empty()) << key.name;
         const auto names = split(key.name, '.');
         for (const json& whole : all) {
@@ -123,8 +122,8 @@ TEST(Keys, are_all_in_the_schema) {
 
 TEST(Schema, in_the_repository_is_the_one_that_the_table_makes) {
     const auto path = support::source_file("config/anogate.schema.json");
-    if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << config_schema();
-    EXPECT_EQ(support::text_of(path), config_schema()) << "run this test with ANOGATE_UPDATE=1 and commit " << path;
+    if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << config_schema(link_kinds());
+    EXPECT_EQ(support::text_of(path), config_schema(link_kinds())) << "run this test with ANOGATE_UPDATE=1 and commit " << path;
 }
 
 TEST(Sample, is_a_configuration_and_has_the_defaults) {
@@ -132,7 +131,7 @@ TEST(Sample, is_a_configuration_and_has_the_defaults) {
     EXPECT_EQ(lines(draft.errors), "");
     Settings defaults;
     for (const char* link : {"serial:/dev/ttyUSB0,name=fc", "udp-listen:0.0.0.0:12333,name=ground"}) {
-        Draft one;
+        Draft one{link_kinds()};
         read_link(link, "", one);
         validate(one);
         defaults.links.push_back(one.settings.links[0]);
@@ -154,10 +153,12 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     for (const json& link : document["links"])
         if (link.is_object()) add_names(seen[link["kind"].get<std::string>()], link);
     for_every_key([&](const std::string& section, const KeyFacts& key) {
-        std::vector<std::string_view> places{section};
-        if (section == "links") places = key.kinds.empty() ? std::vector<std::string_view>{"serial"} : split(key.kinds, ' ');
-        EXPECT_TRUE(std::any_of(places.begin(), places.end(),
-                                [&](std::string_view place) { return seen[std::string{place}].contains(std::string{key.name}); }))
+        const bool common = find_key(common_link_keys(), key.name) == &key;
+        const auto shows = [&](const std::string& place) { return seen[place].contains(std::string{key.name}); };
+        const auto shown_by_any = [&] {
+            return std::ranges::any_of(link_kinds(), shows, [](const LinkKind* k) { return std::string{k->name}; });
+        };
+        EXPECT_TRUE(common ? (key.kinds.empty() ? shows("serial") : shown_by_any()) : shows(section))
             << section << " " << key.name;
     });
 }
@@ -166,10 +167,12 @@ TEST(Sample, shows_the_default_of_every_key_that_has_one) {
     const Draft draft = parse_config(with_examples(sample()));
     for (const LinkSettings& link : draft.settings.links) {
         if (link.name == "gps" || link.name == "servo") continue;    // examples of their own
-        for (const Key<LinkSettings>& key : link_keys()) {
-            const auto usual = key.text_in(LinkSettings{});
-            if (!key.is_of(link.kind) || key.required || !usual) continue;
-            EXPECT_EQ(key.text_in(link), usual) << link.name << " " << key.name;
+        LinkSettings defaults = new_link(*link.kind);
+        defaults.queue = LinkSettings{}.queue;
+        for (const Key<LinkSettings>* key : keys_of(*link.kind, link_kinds()).keys) {
+            const auto usual = key->text_in(defaults);
+            if (key->required || !usual) continue;
+            EXPECT_EQ(key->text_in(link), usual) << link.name << " " << key->name;
         }
     }
 }

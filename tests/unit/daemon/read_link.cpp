@@ -8,11 +8,18 @@ namespace {
 using testing::Test;
 
 LinkSettings link_of(std::string_view text) {
-    Draft draft;
+    Draft draft{link_kinds()};
     read_link(text, "", draft);
     validate(draft);
     EXPECT_EQ(lines(draft.errors), "");
     return draft.settings.links.at(0);
+}
+
+LinkSettings of_kind(std::string_view name) {
+    LinkSettings link;
+    link.kind = find_link_kind(name);
+    link.of_kind = link.kind->settings();
+    return link;
 }
 
 /// One LINK text with one fault: the words behind "LINK '...': ".
@@ -27,7 +34,7 @@ std::string fault_of(const std::string& link) {
 TEST(LinkText, of_great_length_is_told_in_short_lines) {
     std::string text = "sim:fc";
     while (text.size() < 1 << 16) text += ",k=v";
-    Draft draft;
+    Draft draft{link_kinds()};
     read_link(text, "", draft);
     std::size_t told = 0;
     for (const ConfigError& error : draft.errors) told += error.where.size();
@@ -55,7 +62,7 @@ TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
               "/links/0/device: 'device' 'ttyAMA0' is not the path of a port (did you mean '/dev/ttyAMA0'?)\n");
     for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
                                      "/dev/serial/by-path/platform-x-usb-0:1:1.0", "./here", "a/b", "/dev/ttyUSB0"})
-        EXPECT_EQ(link_of("serial:" + device).serial.device, device);
+        EXPECT_EQ(link_of("serial:" + device).as<SerialSettings>().device, device);
 }
 
 TEST(LinkText, a_full_width_separator_is_named) {
@@ -78,10 +85,10 @@ TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
 TEST(LinkText, serial) {
     const LinkSettings link = link_of(
         "serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
-    LinkSettings expected;
-    expected.kind = "serial";
+    LinkSettings expected = of_kind("serial");
     expected.name = "ttyUSB0";
-    expected.serial = {"/dev/ttyUSB0", 123456, Parity::even, 2, FlowControl::hardware, false, Pace::off, false, true};
+    expected.of_kind = SerialSettings{"/dev/ttyUSB0", 123456,    Parity::even, 2,   FlowControl::hardware,
+                                      false,          Pace::off, false,        true};
     EXPECT_EQ(link, expected);
 }
 
@@ -110,18 +117,16 @@ TEST(LinkText, faults_of_traffic) {
 }
 
 TEST(LinkText, serial_has_defaults) {
-    LinkSettings expected;
-    expected.kind = "serial";
+    LinkSettings expected = of_kind("serial");
     expected.name = "ttyUSB0";
-    expected.serial.device = "/dev/ttyUSB0";
+    expected.as<SerialSettings>().device = "/dev/ttyUSB0";
     EXPECT_EQ(link_of("serial:/dev/ttyUSB0"), expected);
 }
 
 TEST(LinkText, keys_of_every_link) {
     const LinkSettings link = link_of(
         "sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
-    LinkSettings expected;
-    expected.kind = "sim";
+    LinkSettings expected = of_kind("sim");
     expected.name = "飞控";
     expected.id = 5;
     expected.max_data = 65535;
@@ -129,17 +134,17 @@ TEST(LinkText, keys_of_every_link) {
     expected.flood = false;
     expected.broadcast = false;
     expected.required = true;
-    expected.sim.hz = 100;
+    expected.as<SimSettings>().hz = 100;
     EXPECT_EQ(link, expected);
 }
 
 TEST(LinkText, hello_is_a_switch_or_an_interval) {
     using namespace std::chrono_literals;
-    EXPECT_EQ(link_of("serial:/dev/x").hello_interval(), 0s);
-    EXPECT_EQ(link_of("serial:/dev/x,hello").hello_interval(), 2s);
-    EXPECT_EQ(link_of("serial:/dev/x,hello=on").hello_interval(), 2s);
-    EXPECT_EQ(link_of("udp:127.0.0.1:5,hello=10s").hello_interval(), 10s);
-    EXPECT_EQ(link_of("serial:/dev/x,profile=vendor,hello=off").hello_interval(), 0s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x")), 0s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,hello")), 2s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,hello=on")), 2s);
+    EXPECT_EQ(hello_interval(link_of("udp:127.0.0.1:5,hello=10s")), 10s);
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,hello=off")), 0s);
     EXPECT_EQ(fault_of("serial:/dev/x,hello=900ms"),
               "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
 }
@@ -149,20 +154,20 @@ TEST(LinkText, a_profile_gives_defaults_and_no_more) {
     const LinkSettings vendor = link_of("serial:/dev/x,profile=vendor");
     EXPECT_EQ(vendor.max_data, 4096) << "of what comes in";
     EXPECT_EQ(vendor.effective_max_data_out(), 198);
-    EXPECT_EQ(vendor.hello_interval(), 2s);
+    EXPECT_EQ(hello_interval(vendor), 2s);
     EXPECT_EQ(vendor.meaning_of_type_7(), ValueType7::u64);
     EXPECT_EQ(vendor.text_encoding(), TextEncoding::gbk);
     const LinkSettings said = link_of("serial:/dev/x,profile=vendor,max_data_out=298,hello=5s,value_type_7=f32,encoding=utf8");
     EXPECT_EQ(said.effective_max_data_out(), 298);
-    EXPECT_EQ(said.hello_interval(), 5s);
+    EXPECT_EQ(hello_interval(said), 5s);
     EXPECT_EQ(said.meaning_of_type_7(), ValueType7::f32);
     EXPECT_EQ(said.text_encoding(), TextEncoding::utf8);
     const LinkSettings none = link_of("serial:/dev/x,max_data=1000");
     EXPECT_EQ(none.effective_max_data_out(), 1000);
     EXPECT_EQ(none.meaning_of_type_7(), ValueType7::f32);
     EXPECT_EQ(none.text_encoding(), TextEncoding::utf8);
-    EXPECT_EQ(link_of("udp-listen:0.0.0.0:5,profile=vendor").hello_interval(), 0s) << "it has nobody to speak to";
-    EXPECT_EQ(link_of("serial:/dev/x,profile=vendor,broadcast=no").hello_interval(), 0s);
+    EXPECT_EQ(hello_interval(link_of("udp-listen:0.0.0.0:5,profile=vendor")), 0s) << "it has nobody to speak to";
+    EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,broadcast=no")), 0s);
 }
 
 TEST(LinkText, the_queue_holds_what_may_leave) {
@@ -175,38 +180,37 @@ TEST(LinkText, the_queue_holds_what_may_leave) {
 
 TEST(LinkText, udp_listen) {
     const LinkSettings link = link_of("udp-listen:[::]:12333,peer_timeout=90s,max_peers=3,allow=192.168.0.0/16+::1");
-    EXPECT_EQ(link.udp_listen.local.text(), "[::]:12333");
-    EXPECT_EQ(link.udp_listen.peer_timeout, std::chrono::seconds{90});
-    EXPECT_EQ(link.udp_listen.max_peers, 3);
-    EXPECT_FALSE(link.udp_listen.allow_any);
-    ASSERT_EQ(link.udp_listen.allow.size(), 2u);
-    EXPECT_EQ(link.udp_listen.allow[1].text(), "::1/128");
-    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,allow=any").udp_listen.allow_any);
-    EXPECT_FALSE(link.udp_listen.max_per_address);
-    EXPECT_EQ(link_of("udp-listen:0.0.0.0:0,max_per_address=5").udp_listen.max_per_address, 5);
-    EXPECT_TRUE(link.udp_listen.trusted.empty());
-    const auto trusting = link_of("udp-listen:0.0.0.0:0,trusted=10.8.0.0/16+fd00::/8").udp_listen;
+    EXPECT_EQ(link.as<UdpListenSettings>().local.text(), "[::]:12333");
+    EXPECT_EQ(link.as<UdpListenSettings>().peer_timeout, std::chrono::seconds{90});
+    EXPECT_EQ(link.as<UdpListenSettings>().max_peers, 3);
+    EXPECT_FALSE(link.as<UdpListenSettings>().allow_any);
+    ASSERT_EQ(link.as<UdpListenSettings>().allow.size(), 2u);
+    EXPECT_EQ(link.as<UdpListenSettings>().allow[1].text(), "::1/128");
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,allow=any").as<UdpListenSettings>().allow_any);
+    EXPECT_FALSE(link.as<UdpListenSettings>().max_per_address);
+    EXPECT_EQ(link_of("udp-listen:0.0.0.0:0,max_per_address=5").as<UdpListenSettings>().max_per_address, 5);
+    EXPECT_TRUE(link.as<UdpListenSettings>().trusted.empty());
+    const auto trusting = link_of("udp-listen:0.0.0.0:0,trusted=10.8.0.0/16+fd00::/8").as<UdpListenSettings>();
     ASSERT_EQ(trusting.trusted.size(), 2u);
     EXPECT_EQ(trusting.trusted[1].text(), "fd00::/8");
-    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,trusted=any").udp_listen.trusted_any);
+    EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,trusted=any").as<UdpListenSettings>().trusted_any);
 }
 
 TEST(LinkText, udp) {
     const LinkSettings link = link_of("udp:[::1]:12333,bind=[::]:0");
-    EXPECT_EQ(link.udp.peer.text(), "[::1]:12333");
-    ASSERT_TRUE(link.udp.bind);
-    EXPECT_EQ(link.udp.bind->text(), "[::]:0");
-    EXPECT_FALSE(link_of("udp:255.255.255.255:6670").udp.bind);
+    EXPECT_EQ(link.as<UdpSettings>().peer.text(), "[::1]:12333");
+    ASSERT_TRUE(link.as<UdpSettings>().bind);
+    EXPECT_EQ(link.as<UdpSettings>().bind->text(), "[::]:0");
+    EXPECT_FALSE(link_of("udp:255.255.255.255:6670").as<UdpSettings>().bind);
 }
 
 TEST(LinkText, can) {
     const LinkSettings link = link_of("can:can0,fd,brs=no,extended,base=0x40000");
-    LinkSettings expected;
-    expected.kind = "can";
+    LinkSettings expected = of_kind("can");
     expected.name = "can0";
-    expected.can = {"can0", CanFraming::stream, true, false, true, 0x40000, {}, {}};
+    expected.of_kind = CanSettings{"can0", CanFraming::stream, true, false, true, 0x40000, {}, {}};
     EXPECT_EQ(link, expected);
-    const CanSettings isotp = link_of("can:can0,framing=isotp,tx=0x7E0,rx=2024").can;
+    const CanSettings isotp = link_of("can:can0,framing=isotp,tx=0x7E0,rx=2024").as<CanSettings>();
     EXPECT_EQ(isotp.framing, CanFraming::isotp);
     EXPECT_EQ(isotp.tx, 0x7E0u);
     EXPECT_EQ(isotp.rx, 0x7E8u);
@@ -219,10 +223,10 @@ TEST(LinkText, can) {
     EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
 }
 
-TEST(LinkText, pty) { EXPECT_EQ(link_of("pty:/run/anogate/app").pty.path, "/run/anogate/app"); }
+TEST(LinkText, pty) { EXPECT_EQ(link_of("pty:/run/anogate/app").as<PtySettings>().path, "/run/anogate/app"); }
 
 TEST(LinkText, links_without_a_name_get_one_of_their_own) {
-    Draft draft;
+    Draft draft{link_kinds()};
     for (const char* text : {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
                              "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
         read_link(text, "", draft);
@@ -425,7 +429,7 @@ TEST(LinkText, two_links_cannot_have_the_same_local_port) {
 }
 
 TEST(LinkText, at_most_64_links) {
-    Draft draft;
+    Draft draft{link_kinds()};
     for (int i = 0; i < 64; ++i) read_link("sim:fc", "", draft);
     validate(draft);
     EXPECT_EQ(lines(draft.errors), "");

@@ -1,3 +1,4 @@
+#include <ano_json/text.hpp>
 #include <config/values.hpp>
 
 #include <gtest/gtest.h>
@@ -72,9 +73,9 @@ TEST(Values, sizes) {
 }
 
 TEST(Values, utf8) {
-    EXPECT_TRUE(is_utf8("飞控 fc \xF0\x9F\x9A\x81"));
+    EXPECT_TRUE(ano::is_utf8("飞控 fc \xF0\x9F\x9A\x81"));
     for (const char* text : {"\xFF", "\x80", "\xC3", "\xE9\xA3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80"})
-        EXPECT_FALSE(is_utf8(text)) << testing::PrintToString(text);
+        EXPECT_FALSE(ano::is_utf8(text)) << testing::PrintToString(text);
 }
 
 }    // namespace

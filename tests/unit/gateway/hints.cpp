@@ -1,4 +1,5 @@
 #include <gateway/hints.hpp>
+#include <link/kinds.hpp>
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@ namespace {
 
 LinkFigures line_that_sent(std::uint64_t frames) {
     LinkFigures link{};
-    link.kind = "serial";
+    link.words = anogate::find_link_kind("serial")->hints;
     link.up = true;
     link.received.frames_in = link.received.bytes_in = 1000;
     link.sent.frames_out = frames;
@@ -95,7 +96,7 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     const auto ends_with_it = [&](const LinkFigures& link) { return hint(link).ends_with(advice); };
     for (const char* kind : {"serial", "udp", "can"}) {
         LinkFigures link{};
-        link.kind = kind;
+        link.words = anogate::find_link_kind(kind)->hints;
         link.up = true;
         link.up_for = 3s;
         EXPECT_FALSE(ends_with_it(link)) << "it says hello";
@@ -113,7 +114,7 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
         EXPECT_EQ(hint(link), "silent for 12 s" + advice);
     }
     LinkFigures program{};
-    program.kind = "pty";
+    program.words = anogate::find_link_kind("pty")->hints;
     program.up = program.waits_to_hear = true;
     program.silent_for = 12s;
     EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
@@ -129,7 +130,7 @@ TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
     EXPECT_EQ(hint(link), "bytes but no frames for 12 s: was the baud rate changed, or the firmware?");
     EXPECT_EQ(hint_of_trouble(link), "bytes but no frames any more: was the baud rate changed, or the firmware?")
         << "told once, so without the time";
-    link.kind = "udp";
+    link.words = anogate::find_link_kind("udp")->hints;
     EXPECT_EQ(hint(link), "bytes but no frames for 12 s: is the sender still speaking V8?");
     link.silent_for = 2s;
     EXPECT_EQ(hint(link), "") << "a noisy moment";
@@ -155,7 +156,7 @@ TEST(Hint, a_few_bytes_or_bytes_of_long_ago_do_not_break_a_silence) {
 
 TEST(Hint, strangers_and_their_tricks_are_named) {
     LinkFigures link = line_that_sent(1000);
-    link.kind = "udp-listen";
+    link.words = anogate::find_link_kind("udp-listen")->hints;
     link.listens = true;
     link.channels = 1;
     link.sent.held_back = 1;

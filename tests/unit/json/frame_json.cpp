@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
+#include <ano/hex.hpp>
 #include <ano/reading.hpp>
 #include <ano_json/frame_json.hpp>
-#include <ano_json/hex.hpp>
 
 #include <nlohmann/json.hpp>
 

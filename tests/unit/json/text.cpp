@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <ano_json/hex.hpp>
+#include <ano/hex.hpp>
 #include <ano_json/text.hpp>
 
 #include <cstdint>

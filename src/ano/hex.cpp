@@ -1,4 +1,4 @@
-#include <ano_json/hex.hpp>
+#include <ano/hex.hpp>
 
 namespace ano {
 namespace {

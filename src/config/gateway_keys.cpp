@@ -1,0 +1,91 @@
+// The keys of the sections that are short.
+#include <config/key_rows.hpp>
+
+namespace anogate {
+namespace {
+
+using namespace key_rows;
+using G = GatewaySettings;
+using R = RouteSettings;
+using A = AliasSettings;
+
+constexpr std::uint64_t max_socket_path = 107;
+
+Value get_unknown(const KeyFacts&, const GatewaySettings& gateway) {
+    if (gateway.unknown == Unknown::link) return gateway.unknown_link;
+    return std::string{gateway.unknown == Unknown::flood ? "flood" : "drop"};
+}
+
+std::string put_unknown(const KeyFacts&, Value value, GatewaySettings& gateway) {
+    auto& text = std::get<std::string>(value);
+    gateway.unknown = text == "flood" ? Unknown::flood : text == "drop" ? Unknown::drop : Unknown::link;
+    gateway.unknown_link = gateway.unknown == Unknown::link ? std::move(text) : std::string{};
+    return {};
+}
+
+Value get_addresses(const KeyFacts&, const RouteSettings& route) {
+    return route.last == 0 ? Value{} : Value{ByteRange{route.first, route.last}};
+}
+
+std::string put_addresses(const KeyFacts&, Value value, RouteSettings& route) {
+    const auto range = std::get<ByteRange>(value);
+    route.first = range.first;
+    route.last = range.last;
+    return {};
+}
+
+constexpr Key<G> gateway_rows[] = {
+    address<&G::id>("id", first_id, last_id, "the gateway's own hardware id (default: none)") | by("--id"),
+    text<&G::name>("name", 1, max_name, "the gateway's name in the status") | as("NAME"),
+    Key<G>{{.name = "unknown",
+            .form = Form::choice_or_link,
+            .help = "frames to an address that nobody has used: flood them, drop them, or the one link they go to",
+            .least = 1,
+            .most = max_name,
+            .choices = "flood|drop",
+            .option = "--unknown"},
+           get_unknown,
+           put_unknown},
+    duration<&G::forget_after>("forget_after", second, day, "an address not heard for so long is forgotten"),
+};
+
+constexpr Key<A> alias_rows[] = {
+    text<&A::link>("link", 1, max_name, "the name of the link that the device is behind") | as("LINK") | needed,
+    address<&A::device>("device", first_id, last_id, "the id that the device has") | needed,
+    address<&A::as>("as", first_id, last_id, "the id under which all others see it") | needed,
+};
+
+constexpr Key<R> route_rows[] = {
+    Key<R>{{.name = "address",
+            .form = Form::addresses,
+            .help = "the address or range to pin",
+            .least = first_id,
+            .most = last_id,
+            .required = true},
+           get_addresses,
+           put_addresses},
+    text<&R::link>("link", 1, max_name, "the name of the link that leads there") | as("LINK") | needed,
+};
+
+constexpr Key<ControlSettings> control_rows[] = {
+    text<&ControlSettings::socket>("socket", 0, max_socket_path,
+                                   "path of the control socket, or none (default: /run/anogate/control.sock, "
+                                   "for users $XDG_RUNTIME_DIR/anogate.sock)") |
+        as("PATH|none") | by("--control"),
+};
+
+constexpr Key<LogSettings> log_rows[] = {
+    choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),
+    text<&LogSettings::file>("file", 0, max_path, "where to (default: standard error)") | as("PATH"),
+    size<&LogSettings::rotate>("rotate", "a log file of this size is put aside and a new one begun; 0: never"),
+};
+
+}    // namespace
+
+Keys<GatewaySettings> gateway_keys() noexcept { return gateway_rows; }
+Keys<RouteSettings> route_keys() noexcept { return route_rows; }
+Keys<AliasSettings> alias_keys() noexcept { return alias_rows; }
+Keys<ControlSettings> control_keys() noexcept { return control_rows; }
+Keys<LogSettings> log_keys() noexcept { return log_rows; }
+
+}    // namespace anogate

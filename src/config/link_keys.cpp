@@ -1,0 +1,119 @@
+#include <ano/address.hpp>
+#include <config/link_kind.hpp>
+#include <config/rule_keys.hpp>
+
+#include <algorithm>
+#include <tuple>
+
+namespace anogate {
+namespace {
+
+using namespace key_rows;
+using L = LinkSettings;
+
+Value get_hello(const KeyFacts&, const LinkSettings& link) {
+    if (!link.hello) return {};
+    if (*link.hello == LinkSettings::usual_hello) return true;
+    return *link.hello == Duration{} ? Value{false} : Value{*link.hello};
+}
+
+std::string put_hello(const KeyFacts&, Value value, LinkSettings& link) {
+    if (const bool* on = std::get_if<bool>(&value)) link.hello = *on ? LinkSettings::usual_hello : Duration{};
+    else link.hello = std::get<Duration>(value);
+    return {};
+}
+
+constexpr std::string_view paced = "paced", datagrams = "datagrams";    // the links that have a key
+
+constexpr Key<L> own_rows[] = {
+    text<&L::name>("name", 1, max_name, "what the link is called (default: last part of the path, or kind-port)") | as("NAME"),
+    address<&L::id>("id", 1, ano::address::last_port_id, "port id: frames to this address leave by this link (default: none)"),
+    choice<&L::profile>("profile", "none|vendor",
+                        "what the devices there stand; vendor, the maker's newest library: max_data_out=198, hello=on, "
+                        "value_type_7=u64, encoding=gbk, no frame without DATA, at most 8 questions not answered yet"),
+    integer<&L::max_data>("max_data", 0, 65535, "most bytes of DATA in a frame that comes in; longer ones are refused"),
+    integer<&L::max_data_out>("max_data_out", 0, 65535,
+                              "most bytes of DATA in a frame that leaves (default: max_data, with profile=vendor 198 at most)"),
+    Key<L>{{.name = "hello",
+            .form = Form::interval,
+            .help = "while nothing comes in, asks who is there (0xE0 0 from 0xFE): first after 1 s, then so often, on is 2s "
+                    "(default: off, with profile=vendor on); not on udp-listen",
+            .least = second,
+            .most = day},
+           get_hello,
+           put_hello},
+    choice<&L::value_type_7>("value_type_7", "f32|u64",
+                             "for tools: what type 7 of a command's value means (default: f32, with profile=vendor u64)"),
+    choice<&L::encoding>("encoding", "utf8|gbk",
+                         "for tools: what text on this link is written in (default: utf8, with profile=vendor gbk)"),
+    integer<&L::queue>("queue", 8, 64 << 20, "most bytes waiting to leave by a channel, at least max_data_out + 8"),
+    boolean<&L::flood>("flood", "takes frames to addresses that nobody has used"),
+    boolean<&L::broadcast>("broadcast", "takes frames to 0xFF"),
+    text<&L::group>("group", 1, max_name,
+                    "links of one group lead to the same place: one carries, copies are dropped (default: none)") |
+        as("GROUP"),
+    address<&L::present_as>("present_as", first_id, last_id,
+                            "for devices that answer 0xFE only: hosts of another address appear there under this one, and "
+                            "answers go to who asked (default: none)"),
+    integer<&L::rate>("rate", 1, 1'000'000'000, "most bytes a second to leave, for a slow radio behind it (default: no limit)") |
+        of(paced),
+    duration<&L::latency>("latency", 1, second, "how far a paced link may be ahead of its line") | of(paced),
+    boolean<&L::pack>("pack", "several frames share a datagram when they wait anyway") | of(datagrams),
+    integer<&L::mtu>("mtu", 64, 65507, "most bytes in a datagram of several frames") | of(datagrams),
+    duration<&L::age, &AgeLimits::control>("age.control", 1, day, "sticks (0x40, 0x41) that waited longer are dropped"),
+    duration<&L::age, &AgeLimits::telemetry>("age.telemetry", 1, day, "telemetry that waited longer is dropped"),
+    duration<&L::age, &AgeLimits::rest>("age.rest", 1, day, "any other frame that waited longer is dropped"),
+    boolean<&L::required>("required", "the program ends with 1 when this link is not up within 10 s"),
+};
+
+constexpr auto rows = own_rows + rules_of<L, &L::rules>();
+
+bool may_have(const LinkKind& kind, const KeyFacts& common) {
+    if (common.kinds == paced) return kind.may_be_paced;
+    return common.kinds != datagrams || kind.carries == Carries::datagrams;
+}
+
+/// Wires before networks, and who listens last.
+auto place_of(const LinkKind* kind) {
+    return std::tuple{kind->carries == Carries::datagrams, kind->carries != Carries::bytes, kind->listens};
+}
+
+/// The kinds that have a key of this name: in the order of the table where it is one of their own.
+std::vector<std::string_view> owners_of(std::string_view name, LinkKinds kinds) {
+    std::vector<std::string_view> owners;
+    for (const LinkKind* kind : kinds)
+        if (find_key(kind->keys, name) != nullptr) owners.push_back(kind->name);
+    if (!owners.empty()) return owners;
+    const Key<L>* common = find_key(common_link_keys(), name);
+    std::vector<const LinkKind*> all{kinds.begin(), kinds.end()};
+    std::stable_sort(all.begin(), all.end(), [](const auto* a, const auto* b) { return place_of(a) < place_of(b); });
+    for (const LinkKind* kind : all)
+        if (common != nullptr && may_have(*kind, *common)) owners.push_back(kind->name);
+    return owners;
+}
+
+}    // namespace
+
+Keys<LinkSettings> common_link_keys() noexcept { return rows; }
+
+KeyList<LinkSettings> keys_of(const LinkKind& kind, LinkKinds kinds) {
+    KeyList<LinkSettings> list;
+    for (const Key<L>& key : kind.keys) list.keys.push_back(&key);
+    for (const Key<L>& key : common_link_keys())
+        if (may_have(kind, key)) list.keys.push_back(&key);
+    list.unknown = [kind = &kind, kinds](std::string_view name) {
+        if (std::string about = kind->about_key ? kind->about_key(name) : ""; !about.empty()) return about;
+        std::vector<std::string_view> names;
+        for (const Key<L>* key : keys_of(*kind, kinds).keys) names.push_back(key->name);
+        return unknown_key(name, names, kind->name, owners_of(name, kinds));
+    };
+    return list;
+}
+
+const Key<LinkSettings>* find_key_of_any(LinkKinds kinds, std::string_view name) {
+    for (const LinkKind* kind : kinds)
+        if (const Key<L>* key = find_key(kind->keys, name)) return key;
+    return find_key(common_link_keys(), name);
+}
+
+}    // namespace anogate

@@ -1,0 +1,36 @@
+#include <config/link_kind.hpp>
+
+namespace anogate {
+
+constinit const LinkKind no_link_kind{};
+
+const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept {
+    for (const LinkKind* kind : kinds)
+        if (kind->name == name) return kind;
+    return nullptr;
+}
+
+LinkSettings new_link(const LinkKind& kind) {
+    LinkSettings link;
+    link.kind = &kind;
+    link.of_kind = kind.settings();
+    link.queue = 0;
+    return link;
+}
+
+Duration hello_interval(const LinkSettings& link) noexcept {
+    const bool on = link.profile == Profile::vendor && !link.kind->listens && link.broadcast;
+    return link.hello.value_or(on ? LinkSettings::usual_hello : Duration{});
+}
+
+LineRate line_rate_of(const LinkSettings& link) { return link.kind->line_rate ? link.kind->line_rate(link) : LineRate{}; }
+
+std::optional<BoundPort> bound_port_of(const LinkSettings& link) {
+    return link.kind->bound_port ? link.kind->bound_port(link) : std::nullopt;
+}
+
+Duration quiet_of(const LinkKind& kind) noexcept {
+    return std::chrono::milliseconds{kind.carries == Carries::datagrams ? 100 : 50};
+}
+
+}    // namespace anogate

@@ -1,0 +1,91 @@
+#include <config/rule_keys.hpp>
+
+namespace anogate {
+namespace {
+
+using namespace key_rows;
+using T = TunnelSettings;
+using W = WrapSettings;
+
+Value get_ip(const KeyFacts&, const TunnelSettings& tunnel) { return tunnel.ip ? Value{*tunnel.ip} : Value{std::string{"auto"}}; }
+
+std::string put_ip(const KeyFacts&, Value value, TunnelSettings& tunnel) {
+    const auto* address = std::get_if<IpAddress>(&value);
+    tunnel.ip = address ? std::optional{*address} : std::nullopt;
+    return {};
+}
+
+Value get_allow(const KeyFacts&, const TunnelSettings& tunnel) { return NetworkList{false, tunnel.allow}; }
+
+std::string put_allow(const KeyFacts&, Value value, TunnelSettings& tunnel) {
+    auto& list = std::get<NetworkList>(value);
+    if (list.any) list.networks = {Network{}};
+    tunnel.allow = std::move(list.networks);
+    return {};
+}
+
+constexpr std::uint8_t first_tunnel_id = 0xB1;    // the choices name the ids from here on
+
+Value get_as(const KeyFacts& key, const WrapSettings& rule) {
+    return std::string{split(key.choices, '|')[static_cast<std::size_t>(rule.id - first_tunnel_id)]};
+}
+
+std::string put_as(const KeyFacts& key, Value value, WrapSettings& rule) {
+    const auto choices = split(key.choices, '|');
+    const auto chosen = std::find(choices.begin(), choices.end(), std::get<std::string>(value)) - choices.begin();
+    rule.id = static_cast<std::uint8_t>(first_tunnel_id + chosen);
+    return {};
+}
+
+constexpr Key<T> own_tunnel_rows[] = {
+    row<&T::links>({.name = "links",
+                    .form = Form::names,
+                    .help = "the links whose tunnel frames (0xB1, 0xB2) are carried over IP",
+                    .least = 1,
+                    .most = max_name}),
+    address<&T::address>("address", first_id, last_id,
+                         "tunnel frames to this address, to the gateway's id and to 0xFF are carried"),
+    row<&T::bind>({.name = "bind", .form = Form::ip, .help = "the local address of the tunnel port"}),
+    integer<&T::port>("port", 0, 65535, "the tunnel port, and what port 0 in a tunnel frame means"),
+    Key<T>{{.name = "ip",
+            .form = Form::ip,
+            .help = "our address as others know it, or auto: the one the system uses towards them",
+            .choices = "auto"},
+           get_ip,
+           put_ip},
+    choice<&T::deliver>("deliver", "frames|tunnel",
+                        "what leaves: the frames inside, or the tunnel frame with our address as its source"),
+    Key<T>{{.name = "allow",
+            .form = Form::networks,
+            .help = "networks that may be sent to and may send (default: the networks of our interfaces, not loopback)",
+            .is_v4 = true},
+           get_allow,
+           put_allow},
+    boolean<&T::relay>("relay", "peers of UDP links may reach programs on this computer, where `allow` lists it"),
+};
+
+constexpr auto tunnel_rows = own_tunnel_rows + rules_of<T, &T::rules>();
+
+constexpr Key<W> wrap_rows[] = {
+    row<&W::from>({.name = "from",
+                   .form = Form::network,
+                   .help = "what comes from this network is wrapped into a tunnel frame",
+                   .required = true,
+                   .is_v4 = true}),
+    text<&W::link>("link", 1, max_name, "the name of the link that gets it") | as("LINK") | needed,
+    Key<W>{{.name = "as",
+            .form = Form::choice,
+            .help = "the kind of tunnel frame, 0xB1 or 0xB2",
+            .choices = "ip_tunnel|ip_tunnel_short"},
+           get_as,
+           put_as},
+    address<&W::source>("source", first_id, last_id, "the tunnel frame's source"),
+    address<&W::to>("to", first_id, 255, "the tunnel frame's destination"),
+};
+
+}    // namespace
+
+Keys<TunnelSettings> tunnel_keys() noexcept { return tunnel_rows; }
+Keys<WrapSettings> wrap_keys() noexcept { return wrap_rows; }
+
+}    // namespace anogate

@@ -1,0 +1,24 @@
+// A value of the configuration between what was written, JSON or text, and the field of the settings that it fills.
+#pragma once
+#include <gateway/filter.hpp>
+#include <gateway/ip.hpp>
+
+#include <ano/time.hpp>
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace anogate {
+
+struct NetworkList {
+    bool any = false;    // of whatever network; the list is empty then
+    std::vector<Network> networks;
+};
+
+/// std::monostate: not set. Enumerations are the text of their choice.
+using Value = std::variant<std::monostate, bool, std::uint64_t, ano::Duration, std::string, EndpointSpec, IpAddress, Network,
+                           NetworkList, ByteRange, std::vector<ByteRange>, std::vector<std::string>, std::vector<LimitRule>>;
+
+}    // namespace anogate
