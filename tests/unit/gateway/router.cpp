@@ -560,9 +560,9 @@ TEST(Router, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
     Net net{{}, {{}, {.port_id = 5, .flood = false, .broadcast = false, .group = 1}, {.group = 1}, {}}};
     net->pin(40, 42, link(1));
     net->unpin(41, 41, link(1));
+    net.route(1, 0xDC, 0xFE);
     expect(net.route(0, 0xFE, 42), channels({1}), Via::pinned);
     expect(net.route(0, 0xFE, 41), channels({2, 3}), Via::unknown);
-    net.route(1, 0xDC, 0xFE);
     net->close(channel(1));
     net->remove_link(link(1));
     EXPECT_EQ(net->group(1), links({2}));
