@@ -24,9 +24,9 @@ struct Origin {
 
 /// What was read so far.
 struct Draft {
-    explicit Draft(LinkKinds kinds) : kinds{kinds} {}
+    explicit Draft(LinkKinds there_are) : kinds{there_are} {}
 
-    LinkKinds kinds;    // that there are
+    LinkKinds kinds;    // those that there are
     Settings settings;
     std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
     Origin unknown;                                      // where settings.gateway.unknown was said
