@@ -20,17 +20,9 @@ namespace support {
 class BareLinkHost final : public anogate::LinkHost {
 public:
     anogate::Channel* open_channel(anogate::Link& link, std::string peer) override {
-        channels_.emplace_back(new anogate::Channel{anogate::ChannelId{static_cast<std::uint8_t>(channels_.size())},
-                                                    link.id(),
-                                                    std::move(peer),
-                                                    ano::FrameParser{{}},
-                                                    anogate::Outbox{{}},
-                                                    {},
-                                                    now(),
-                                                    {},
-                                                    {},
-                                                    false,
-                                                    {}});
+        channels_.push_back(std::make_unique<anogate::Channel>(anogate::ChannelId{static_cast<std::uint8_t>(channels_.size())},
+                                                               link.id(), std::move(peer), ano::FrameParser::Options{},
+                                                               anogate::Outbox::Options{}, now()));
         return channels_.back().get();
     }
     void close_channel(anogate::Channel& channel) override {
