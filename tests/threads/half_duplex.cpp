@@ -64,7 +64,9 @@ TEST_F(Transceiver, turns_with_every_burst_however_they_meet) {
     open();
     for (int burst = 0; burst < 500; ++burst) {
         for (int n = 0; n <= burst % 3; ++n) write();
-        if (burst % 2 == 0) ASSERT_TRUE(loop.until([&] { return !line.is_sending(); }));
+        if (burst % 2 == 0) {
+            ASSERT_TRUE(loop.until([&] { return !line.is_sending(); }));
+        }
         loop.turn();
     }
     EXPECT_TRUE(loop.until([&] { return !line.is_sending(); }));
