@@ -42,6 +42,15 @@ struct Draft {
     void add(AliasSettings alias, Origin origin);
 };
 
+/// A path that a link names, the key that says it, and where that was said.
+struct NamedPath {
+    LinkPath path;
+    std::string_view key;
+    Origin origin;
+};
+/// Those of every link whose settings are known.
+std::vector<NamedPath> paths_of_links(const Draft& draft);
+
 /// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none.
 void read_config(std::string_view json, const std::string& file, Draft& draft);
 

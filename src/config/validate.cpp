@@ -320,6 +320,16 @@ private:
 
 }    // namespace
 
+std::vector<NamedPath> paths_of_links(const Draft& draft) {
+    std::vector<NamedPath> paths;
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const LinkSettings& link = draft.settings.links[i];
+        if (draft.links[i].broken || !link.kind->path) continue;
+        paths.push_back({link.kind->path(link), link.kind->address, draft.links[i]});
+    }
+    return paths;
+}
+
 void Draft::add(LinkSettings link, Origin origin) {
     broken_links = broken_links || origin.broken;
     if (!link.kind) link.kind = &no_link_kind;

@@ -40,13 +40,9 @@ void warn(Draft& draft, const Origin& origin, std::string_view key, const std::s
 }    // namespace
 
 void warn_of_paths(Draft& draft) {
-    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
-        const LinkSettings& link = draft.settings.links[i];
-        const Origin& origin = draft.links[i];
-        if (origin.broken) continue;
-        if (!link.kind->path) continue;
-        const LinkPath path = link.kind->path(link);
-        warn(draft, origin, link.kind->address, path.path, path.is_made ? fault_of_pty(path.path) : fault_of_port(path.path));
+    for (const NamedPath& named : paths_of_links(draft)) {
+        const std::string& path = named.path.path;
+        warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_port(path));
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));

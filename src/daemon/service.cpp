@@ -38,7 +38,7 @@ bool is_below_one_of(const fs::path& path, std::span<const char* const> folders)
     return std::any_of(folders.begin(), folders.end(), [&](const char* folder) { return is_below(path, folder); });
 }
 
-void judge(const std::string& path, std::string_view key, const std::string& where, const char* better, Draft& draft) {
+void check_writable(const std::string& path, std::string_view key, const std::string& where, const char* better, Draft& draft) {
     const fs::path there = looked_up(path);
     if (path.empty() || is_below_one_of(there, writable)) return;
     const bool unseen = is_below_one_of(there, private_folders);
@@ -70,18 +70,13 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
 }
 
 void check_for_service(Draft& draft) {
-    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
-        const LinkSettings& link = draft.settings.links[i];
-        const Origin& origin = draft.links[i];
-        if (origin.broken) continue;
-        if (!link.kind->path) continue;
-        const LinkPath path = link.kind->path(link);
-        if (path.is_made) judge(path.path, link.kind->address, origin.key(link.kind->address), runtime_folder, draft);
-        else check_port(path.path, origin.key(link.kind->address), draft);
+    for (const auto& [path, key, origin] : paths_of_links(draft)) {
+        if (path.is_made) check_writable(path.path, key, origin.key(key), runtime_folder, draft);
+        else check_port(path.path, origin.key(key), draft);
     }
-    judge(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
+    check_writable(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
     if (draft.settings.control.socket != "none")
-        judge(draft.settings.control.socket, "socket", draft.control.key("socket"), runtime_folder, draft);
+        check_writable(draft.settings.control.socket, "socket", draft.control.key("socket"), runtime_folder, draft);
 }
 
 }    // namespace anogate
