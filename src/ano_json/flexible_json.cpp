@@ -14,14 +14,12 @@
 namespace ano {
 namespace {
 
-using nlohmann::json;
-
 class LayoutReader {
 public:
     LayoutReader(FlexibleLayouts& layouts, std::vector<FlexibleSpec>& specs, std::vector<JsonFault>& faults)
         : layouts_{layouts}, specs_{specs}, faults_{faults} {}
 
-    void read(const json& given, const std::string& pointer) {
+    void read(const nlohmann::json& given, const std::string& pointer) {
         constexpr std::array<std::string_view, 3> keys{"id", "source", "fields"};
         const std::size_t faults_before = faults_.size();
         if (!check_keys(given, pointer, keys)) return;
@@ -46,7 +44,7 @@ public:
 private:
     void fault(std::string pointer, std::string what) { faults_.push_back({std::move(pointer), std::move(what)}); }
 
-    bool check_keys(const json& given, const std::string& pointer, std::span<const std::string_view> keys) {
+    bool check_keys(const nlohmann::json& given, const std::string& pointer, std::span<const std::string_view> keys) {
         if (!given.is_object()) {
             fault(pointer, "this is to be an object");
             return false;
@@ -57,7 +55,7 @@ private:
         return true;
     }
 
-    static std::optional<std::uint8_t> byte(const json& value) {
+    static std::optional<std::uint8_t> byte(const nlohmann::json& value) {
         std::optional<Number> number;
         if (value.is_number_integer()) number = value.get<std::int64_t>();
         if (value.is_string()) number = parse_number(value.get_ref<const std::string&>());
@@ -68,12 +66,12 @@ private:
         return std::nullopt;
     }
 
-    std::optional<std::uint8_t> id_at(const json& given, const std::string& pointer) {
+    std::optional<std::uint8_t> id_at(const nlohmann::json& given, const std::string& pointer) {
         if (!given.contains("id")) {
             fault(pointer, "key 'id' is missing");
             return std::nullopt;
         }
-        const json& value = given["id"];
+        const nlohmann::json& value = given["id"];
         auto id = byte(value);
         if (!id && value.is_string())
             if (const Message* message = find_message(value.get_ref<const std::string&>())) id = message->id;
@@ -81,7 +79,7 @@ private:
         return id;
     }
 
-    std::vector<FlexibleField> fields_at(const json& given, const std::string& pointer) {
+    std::vector<FlexibleField> fields_at(const nlohmann::json& given, const std::string& pointer) {
         std::vector<FlexibleField> fields;
         if (!given.contains("fields")) {
             fault(pointer, "key 'fields' is missing");
@@ -94,7 +92,7 @@ private:
         return fields;
     }
 
-    FlexibleField field(const json& given, const std::string& pointer) {
+    FlexibleField field(const nlohmann::json& given, const std::string& pointer) {
         constexpr std::array<std::string_view, 4> keys{"name", "type", "scale", "unit"};
         FlexibleField field;
         if (!check_keys(given, pointer, keys)) return field;
@@ -129,7 +127,7 @@ private:
     std::vector<JsonFault>& faults_;
 };
 
-std::vector<JsonFault> read_all(const json& array, const std::string& pointer, FlexibleLayouts& layouts,
+std::vector<JsonFault> read_all(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts,
                                 std::vector<FlexibleSpec>& specs) {
     std::vector<JsonFault> faults;
     if (!array.is_array()) return {{pointer, "this is to be an array of layouts"}};
@@ -148,12 +146,12 @@ Json field_to_json(const FlexibleField& field) {
 
 }    // namespace
 
-std::vector<JsonFault> add_flexible(const json& array, const std::string& pointer, FlexibleLayouts& layouts) {
+std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts) {
     std::vector<FlexibleSpec> specs;
     return read_all(array, pointer, layouts, specs);
 }
 
-std::vector<JsonFault> read_flexible(const json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs) {
+std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs) {
     FlexibleLayouts layouts;
     return read_all(array, pointer, layouts, specs);
 }

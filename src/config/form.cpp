@@ -149,7 +149,7 @@ std::string or_choices(std::string text, std::string_view choices) {
     return choices.empty() ? text : text.append("|").append(choices);
 }
 
-using Key = const KeyFacts&;
+using Facts = const KeyFacts&;
 
 constexpr FormRow rows[] = {
     {.form = Form::boolean,
@@ -157,149 +157,149 @@ constexpr FormRow rows[] = {
      .words = boolean_words,
      .read = read_value::boolean,
      .print = print_boolean,
-     .schema = [](Key) -> Json {
+     .schema = [](Facts) -> Json {
          return {{"type", "boolean"}};
      },
-     .expected = [](Key) { return std::string{"true or false"}; },
-     .placeholder = [](Key) { return std::string{"true|false"}; }},
+     .expected = [](Facts) { return std::string{"true or false"}; },
+     .placeholder = [](Facts) { return std::string{"true|false"}; }},
     {.form = Form::integer,
      .words = integer_words,
      .read = read_value::integer,
      .print = print_number,
      .schema = number_schema,
-     .expected = [](Key key) { return "a whole number" + numbers_of(key); },
-     .placeholder = [](Key) { return std::string{"NUMBER"}; }},
+     .expected = [](Facts key) { return "a whole number" + numbers_of(key); },
+     .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
     {.form = Form::address,
      .words = integer_or_text_words,
      .read = read_value::address,
      .print = print_number,
      .schema = id_schema,
-     .expected = [](Key key) { return "an address" + numbers_of(key) + " (or in hex such as 0x05)"; },
-     .placeholder = [](Key) { return std::string{"ADDR"}; }},
+     .expected = [](Facts key) { return "an address" + numbers_of(key) + " (or in hex such as 0x05)"; },
+     .placeholder = [](Facts) { return std::string{"ADDR"}; }},
     {.form = Form::can_id,
      .words = integer_or_text_words,
      .read = read_value::can_id,
      .print = print_can_id,
      .schema = id_schema,
-     .expected = [](Key) { return std::string{"a CAN id such as 0x600, at most 0x1FFFFFFF"}; },
-     .placeholder = [](Key) { return std::string{"CAN_ID"}; }},
+     .expected = [](Facts) { return std::string{"a CAN id such as 0x600, at most 0x1FFFFFFF"}; },
+     .placeholder = [](Facts) { return std::string{"CAN_ID"}; }},
     {.form = Form::addresses,
      .words = integer_or_text_words,
      .read = read_value::addresses,
      .print = print_addresses,
-     .schema = [](Key key) -> Json {
+     .schema = [](Facts key) -> Json {
          return {{"anyOf", {number_schema(key), pattern("^(0[xX][0-9A-Fa-f]+|[0-9]+)(-(0[xX][0-9A-Fa-f]+|[0-9]+))?$")}}};
      },
-     .expected = [](Key key) { return "an address such as 0xDC or a range such as 30-40," + numbers_of(key); },
-     .placeholder = [](Key) { return std::string{"ADDR"}; }},
+     .expected = [](Facts key) { return "an address such as 0xDC or a range such as 30-40," + numbers_of(key); },
+     .placeholder = [](Facts) { return std::string{"ADDR"}; }},
     {.form = Form::duration,
      .words = text_words,
      .read = read_value::duration,
      .print = print_duration,
-     .schema = [](Key) { return pattern("^[0-9]+(ms|s|m|h)$"); },
-     .expected = [](Key key) { return "a duration such as 500ms, 30s or 2m," + times_of(key); },
-     .placeholder = [](Key) { return std::string{"DURATION"}; }},
+     .schema = [](Facts) { return pattern("^[0-9]+(ms|s|m|h)$"); },
+     .expected = [](Facts key) { return "a duration such as 500ms, 30s or 2m," + times_of(key); },
+     .placeholder = [](Facts) { return std::string{"DURATION"}; }},
     {.form = Form::interval,
      .may_be_alone = true,
      .words = boolean_or_text_words,
      .read = read_value::interval,
      .print = print_interval,
-     .schema = [](Key) -> Json {
+     .schema = [](Facts) -> Json {
          return {{"anyOf", {Json{{"type", "boolean"}}, pattern("^(on|off|[0-9]+(ms|s|m|h))$")}}};
      },
-     .expected = [](Key key) { return "off, on, or a duration such as 5s," + times_of(key); },
-     .placeholder = [](Key) { return std::string{"off|on|DURATION"}; }},
+     .expected = [](Facts key) { return "off, on, or a duration such as 5s," + times_of(key); },
+     .placeholder = [](Facts) { return std::string{"off|on|DURATION"}; }},
     {.form = Form::size,
      .words = integer_or_text_words,
      .read = read_value::size,
      .print = print_size,
-     .schema = [](Key key) -> Json {
+     .schema = [](Facts key) -> Json {
          return {{"anyOf", {number_schema(key), pattern("^[0-9]+([kKMG]B|[KMG]iB)?$")}}};
      },
-     .expected = [](Key) { return std::string{"a size such as 500kB, 10MB or 1GB"}; },
-     .placeholder = [](Key) { return std::string{"SIZE"}; }},
+     .expected = [](Facts) { return std::string{"a size such as 500kB, 10MB or 1GB"}; },
+     .placeholder = [](Facts) { return std::string{"SIZE"}; }},
     {.form = Form::choice,
      .words = text_words,
      .read = read_value::choice,
      .print = print_text,
      .schema = choices_schema,
      .expected = choice_expected,
-     .placeholder = [](Key key) { return std::string{key.choices}; }},
+     .placeholder = [](Facts key) { return std::string{key.choices}; }},
     {.form = Form::choice_or_link,
      .words = text_words,
      .read = read_value::choice_or_link,
      .print = print_text,
-     .schema = [](Key key) -> Json {
+     .schema = [](Facts key) -> Json {
          return {{"anyOf", {choices_schema(key), Json{{"type", "string"}, {"minLength", key.least}}}}};
      },
-     .expected = [](Key key) { return "one of " + listed(key.choices) + " or the name of a link"; },
-     .placeholder = [](Key key) { return std::string{key.choices} + "|LINK"; }},
+     .expected = [](Facts key) { return "one of " + listed(key.choices) + " or the name of a link"; },
+     .placeholder = [](Facts key) { return std::string{key.choices} + "|LINK"; }},
     {.form = Form::text,
      .words = text_words,
      .read = read_value::text,
      .print = print_text,
      .schema = text_schema,
-     .expected = [](Key key) { return "text of " + std::to_string(key.least) + " to " + std::to_string(key.most) + " bytes"; },
-     .placeholder = [](Key) { return std::string{"TEXT"}; }},
+     .expected = [](Facts key) { return "text of " + std::to_string(key.least) + " to " + std::to_string(key.most) + " bytes"; },
+     .placeholder = [](Facts) { return std::string{"TEXT"}; }},
     {.form = Form::endpoint,
      .words = text_words,
      .read = read_value::endpoint,
      .print = print_endpoint,
-     .schema = [](Key) { return pattern("^.+:[0-9]+$"); },
-     .expected = [](Key) { return std::string{"an IP address and a port such as 127.0.0.1:12333 or [::1]:12333"}; },
-     .placeholder = [](Key) { return std::string{"IP:PORT"}; }},
+     .schema = [](Facts) { return pattern("^.+:[0-9]+$"); },
+     .expected = [](Facts) { return std::string{"an IP address and a port such as 127.0.0.1:12333 or [::1]:12333"}; },
+     .placeholder = [](Facts) { return std::string{"IP:PORT"}; }},
     {.form = Form::networks,
      .is_joined = true,
      .words = networks_words,
      .read = read_value::networks,
      .print = print_networks,
-     .schema = [](Key) -> Json {
+     .schema = [](Facts) -> Json {
          return {{"anyOf", {Json{{"const", "any"}}, Json{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}}}};
      },
-     .expected = [](Key) { return std::string{"any, or networks such as 192.168.0.0/24"}; },
-     .placeholder = [](Key) { return std::string{"CIDR[+CIDR...]|any"}; }},
+     .expected = [](Facts) { return std::string{"any, or networks such as 192.168.0.0/24"}; },
+     .placeholder = [](Facts) { return std::string{"CIDR[+CIDR...]|any"}; }},
     {.form = Form::network,
      .words = text_words,
      .read = read_value::network,
      .print = print_network,
      .schema = any_string,
-     .expected = [](Key) { return std::string{"an IPv4 network such as 192.168.0.0/24"}; },
-     .placeholder = [](Key) { return std::string{"CIDR"}; }},
+     .expected = [](Facts) { return std::string{"an IPv4 network such as 192.168.0.0/24"}; },
+     .placeholder = [](Facts) { return std::string{"CIDR"}; }},
     {.form = Form::ip,
      .words = text_words,
      .read = read_value::ip,
      .print = print_ip,
      .schema = any_string,
      .expected =
-         [](Key key) {
+         [](Facts key) {
              return "an IPv4 address such as 192.168.0.5" + (key.choices.empty() ? "" : " or " + std::string{key.choices});
          },
-     .placeholder = [](Key key) { return or_choices("IP", key.choices); }},
+     .placeholder = [](Facts key) { return or_choices("IP", key.choices); }},
     {.form = Form::names,
      .words = names_words,
      .read = read_value::names,
      .print = print_names,
-     .schema = [](Key) -> Json {
+     .schema = [](Facts) -> Json {
          return {{"type", "array"}, {"items", {{"type", "string"}}}};
      },
-     .expected = [](Key) { return std::string{"a list of names of links such as [\"fc\"]"}; },
-     .placeholder = [](Key) { return std::string{"[LINK...]"}; }},
+     .expected = [](Facts) { return std::string{"a list of names of links such as [\"fc\"]"}; },
+     .placeholder = [](Facts) { return std::string{"[LINK...]"}; }},
     {.form = Form::line,
      .words = count_or_text_words,
      .read = read_value::text,
      .print = print_line,
-     .schema = [](Key key) -> Json {
+     .schema = [](Facts key) -> Json {
          return {{"anyOf", {Json{{"type", "integer"}, {"minimum", 0}}, text_schema(key)}}};
      },
-     .expected = [](Key) { return std::string{"a line's number such as 17 or its name such as \"GPIO17\""}; },
-     .placeholder = [](Key) { return std::string{"NUMBER|NAME"}; }},
+     .expected = [](Facts) { return std::string{"a line's number such as 17 or its name such as \"GPIO17\""}; },
+     .placeholder = [](Facts) { return std::string{"NUMBER|NAME"}; }},
     {.form = Form::silence,
      .words = text_words,
      .read = read_value::silence,
      .print = print_silence,
-     .schema = [](Key) { return pattern("^silent [0-9]+(ms|s|m|h)$"); },
-     .expected = [](Key key) { return "\"silent\" and a duration such as \"silent 10s\"," + times_of(key); },
-     .placeholder = [](Key) { return std::string{"silent DURATION"}; }},
+     .schema = [](Facts) { return pattern("^silent [0-9]+(ms|s|m|h)$"); },
+     .expected = [](Facts key) { return "\"silent\" and a duration such as \"silent 10s\"," + times_of(key); },
+     .placeholder = [](Facts) { return std::string{"silent DURATION"}; }},
     {.form = Form::frames,
      .is_joined = true,
      .words = list_words,
@@ -307,27 +307,27 @@ constexpr FormRow rows[] = {
      .print = print_ranges,
      .schema = words_schema,
      .expected =
-         [](Key) {
+         [](Facts) {
              return std::string{"ids such as 0xF0 or 0x01-0x0F, names of messages such as firmware, or urgent, telemetry, bulk"};
          },
-     .placeholder = [](Key) { return std::string{"FRAMES[+FRAMES...]"}; }},
+     .placeholder = [](Facts) { return std::string{"FRAMES[+FRAMES...]"}; }},
     {.form = Form::senders,
      .is_joined = true,
      .words = list_words,
      .read = read_value::senders,
      .print = print_ranges,
      .schema = words_schema,
-     .expected = [](Key) { return std::string{"addresses such as 0xFE or ranges such as 30-40"}; },
-     .placeholder = [](Key) { return std::string{"ADDR[+ADDR...]"}; }},
+     .expected = [](Facts) { return std::string{"addresses such as 0xFE or ranges such as 30-40"}; },
+     .placeholder = [](Facts) { return std::string{"ADDR[+ADDR...]"}; }},
     {.form = Form::limits,
      .words = no_words,
      .read = read_value::limit,
      .print = print_limits,
-     .schema = [](Key) -> Json {
+     .schema = [](Facts) -> Json {
          return {{"type", "object"}, {"additionalProperties", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
      },
-     .expected = [](Key) { return std::string{"an object such as {\"0x01\": 50}: frames a second"}; },
-     .placeholder = [](Key) { return std::string{"NUMBER"}; }},
+     .expected = [](Facts) { return std::string{"an object such as {\"0x01\": 50}: frames a second"}; },
+     .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
 };
 
 constexpr bool are_in_order() {

@@ -2,6 +2,7 @@
 #include <config/json_text.hpp>
 #include <config/key_facts.hpp>
 #include <config/values.hpp>
+#include <daemon/answer_json.hpp>
 #include <daemon/gpio_control.hpp>
 
 #include <nlohmann/json.hpp>
@@ -12,10 +13,6 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double seconds(Duration d) {
-    return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
-}
 
 Json line_number(const std::string& line) {
     if (const auto number = parse_number(line)) return *number;
@@ -35,18 +32,16 @@ Json line_json(const Gpio::Line& line, TimePoint now) {
     json["value"] = held ? Json(line.pin.active()) : Json(nullptr);
     if (s.use == GpioUse::inhibit) json["inhibiting"] = !held || line.pin.active();
     json["edges"] = line.pin.edges();
-    json["edge_s"] = line.pin.edges() == 0 ? Json(nullptr) : Json(seconds(std::max(now - line.pin.edge_at(), Duration::zero())));
+    json["edge_s"] = line.pin.edges() == 0 ? Json(nullptr)
+                                           : Json(in_seconds(std::max(now - line.pin.edge_at(), Duration::zero())));
     if (s.use == GpioUse::reset || s.use == GpioUse::power) json["pulses"] = line.pulses;
     return json;
 }
 
-// Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
 http::Response reply(unsigned status, const Json& json) {
     http::Response response;
     response.status = status;
-    response.body = dump(json);
+    response.body = line_of(json);
     return response;
 }
 
@@ -114,7 +109,7 @@ http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
         return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
-        return reply(429, {{"error", refusal->why}, {"wait_s", seconds(refusal->wait)}});
+        return reply(429, {{"error", refusal->why}, {"wait_s", in_seconds(refusal->wait)}});
     }
     return reply(200, line_json(line, now));
 }

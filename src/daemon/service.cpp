@@ -1,4 +1,5 @@
 #include <daemon/service.hpp>
+#include <link/own_folder.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,8 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// RuntimeDirectory= and LogsDirectory= of the unit; /dev is left as it is, and there everybody may write to /dev/shm.
-constexpr char runtime_folder[] = "/run/anogate";
+// LogsDirectory= of the unit; /dev is left as it is, and there everybody may write to /dev/shm.
 constexpr char log_folder[] = "/var/log/anogate";
 constexpr const char* writable[] = {runtime_folder, log_folder, "/dev/shm"};
 

@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <config/link_kind.hpp>
+#include <daemon/answer_json.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/status.hpp>
@@ -13,10 +14,6 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double seconds(Duration d) {
-    return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
-}
 
 void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, std::size_t waiting) {
     for (const auto& row : receive_counters) json[std::string{row.name}] = received.*row.value;
@@ -102,8 +99,8 @@ Totals totals(const Gateway& gateway, const LinkState& state, TimePoint now) {
 Json channel_json(const Channel& channel, TimePoint now) {
     Json json;
     json["peer"] = channel.peer;
-    json["since_s"] = seconds(now - channel.opened_at);
-    if (channel.heard_at != TimePoint{}) json["heard_s"] = seconds(now - channel.heard_at);
+    json["since_s"] = in_seconds(now - channel.opened_at);
+    if (channel.heard_at != TimePoint{}) json["heard_s"] = in_seconds(now - channel.heard_at);
     put(json, channel.received(), channel.sent(), channel.waiting());
     return json;
 }
@@ -116,7 +113,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     if (state.link->settings().id != 0) json["id"] = state.link->settings().id;
     else json["id"] = nullptr;
     json["state"] = state.up ? "up" : "waiting";
-    json["since_s"] = seconds(now - state.since);
+    json["since_s"] = in_seconds(now - state.since);
     json["error"] = state.up ? state.link->trouble() : state.error;
     json["hint"] = hint(total.figures);
     for (const auto& fact : state.link->facts())
@@ -156,7 +153,7 @@ Json routes_json(const Gateway& gateway, TimePoint now) {
             json.push_back(route_json(gateway, address, pinned, Via::pinned));
         } else if (const Router::Learned learned = router.learned(address, now); !learned.links.empty()) {
             json.push_back(route_json(gateway, address, learned.links, Via::learned));
-            json.back()["age_s"] = seconds(now - learned.last);
+            json.back()["age_s"] = in_seconds(now - learned.last);
         }
     }
     return json;
@@ -180,9 +177,9 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     else json["id"] = nullptr;
     json["name"] = settings.name;
     json["version"] = ANOGATE_VERSION;
-    json["uptime_s"] = seconds(now - gateway.started_at());
+    json["uptime_s"] = in_seconds(now - gateway.started_at());
     json["standstills"] = gateway.loop().standstills();
-    json["longest_standstill_s"] = seconds(gateway.loop().longest());
+    json["longest_standstill_s"] = in_seconds(gateway.loop().longest());
     json["own_frames"] = gateway.forwarder().router().own_frames();
     return json;
 }
@@ -200,9 +197,6 @@ Json links_json(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
-// Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
 }    // namespace
 
 std::string status_json(Gateway& gateway) {
@@ -214,7 +208,7 @@ std::string status_json(Gateway& gateway) {
     json["conflicts"] = conflicts_json(gateway, now);
     json["tunnel"] = tunnel_json(gateway);
     json["gpio"] = gpio_json(gateway.gpio(), now);
-    return dump(json);
+    return line_of(json);
 }
 
 std::string status_text(Gateway& gateway) {

@@ -7,7 +7,7 @@ namespace anogate {
 namespace {
 
 // How many senders are compared for the most bytes waiting: 250 forged addresses must not make push() slow.
-constexpr int max_search = 16;
+constexpr int max_flows_searched = 16;
 
 }    // namespace
 
@@ -169,7 +169,7 @@ FairQueue::Number FairQueue::longest(Number ring) noexcept {
     const Number start = nodes_[ring].now.turn;
     Number most = start;
     int looked = 0;
-    for (Number n = nodes_[start].in_ring.behind; n != start && ++looked < max_search; n = nodes_[n].in_ring.behind)
+    for (Number n = nodes_[start].in_ring.behind; n != start && ++looked < max_flows_searched; n = nodes_[n].in_ring.behind)
         if (nodes_[n].now.bytes > nodes_[most].now.bytes) most = n;
     const Number before = nodes_[ring].longest;
     if (before != nobody && nodes_[before].now.bytes > nodes_[most].now.bytes) most = before;

@@ -1,16 +1,13 @@
 #include <ano/address.hpp>
-#include <ano/messages.hpp>
 #include <gateway/in_flight.hpp>
+#include <gateway/question_ids.hpp>
 
 #include <algorithm>
 
 namespace anogate {
 namespace {
 
-constexpr std::uint8_t waypoint_read = ano::id_of<"waypoint_read">, waypoint = ano::id_of<"waypoint">,
-                       command_query = ano::id_of<"command_query">, command_info = ano::id_of<"command_info">,
-                       parameter_command = ano::id_of<"parameter_command">, parameter_value = ano::id_of<"parameter_value">,
-                       parameter_info = ano::id_of<"parameter_info">, device_info = ano::id_of<"device_info">;
+using namespace questions;
 
 constexpr std::uint8_t how_many = 0xFF;    // of waypoints
 

@@ -14,7 +14,7 @@ constexpr std::size_t urgent = static_cast<std::size_t>(TrafficClass::urgent);
 constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 256};
 
 // How many frames of one bucket are looked at: addresses chosen by an attacker must not make push() slow.
-constexpr int max_search = 16;
+constexpr int max_entries_searched = 16;
 
 std::uint32_t replacement_key(ano::FrameView frame, Replaces replaces) noexcept {
     const std::uint32_t first_byte = replaces == Replaces::same_first_byte ? frame.data()[0] : 0u;
@@ -185,7 +185,7 @@ std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     const auto same = [&](Index i) { return entries_[i].key == key && queues_[entries_[i].traffic].channel_of(i) == from; };
     Index i = bucket(key, from).last;
     for (int looked = 0; i != none && !same(i); i = entries_[i].in_bucket.before)
-        if (++looked == max_search) return UINT64_MAX;
+        if (++looked == max_entries_searched) return UINT64_MAX;
     if (i == none) return UINT64_MAX;
     const std::uint64_t turn = entries_[i].turn;
     const FrameList& line = queues_[entries_[i].traffic].line_of(i);

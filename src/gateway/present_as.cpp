@@ -2,6 +2,7 @@
 #include <ano/control.hpp>
 #include <gateway/inhibit.hpp>
 #include <gateway/present_as.hpp>
+#include <gateway/question_ids.hpp>
 #include <gateway/queue_policy.hpp>
 
 #include <algorithm>
@@ -12,18 +13,8 @@ namespace {
 
 namespace address = ano::address;
 
-enum : std::uint8_t {
-    check = ano::id_of<"check">,
-    waypoint_read = ano::id_of<"waypoint_read">,
-    waypoint = ano::id_of<"waypoint">,
-    command_query = ano::id_of<"command_query">,
-    command_info = ano::id_of<"command_info">,
-    parameter_command = ano::id_of<"parameter_command">,
-    parameter_value = ano::id_of<"parameter_value">,
-    parameter_info = ano::id_of<"parameter_info">,
-    device_info = ano::id_of<"device_info">,
-    firmware = ano::id_of<"firmware">,
-};
+using namespace questions;
+constexpr std::uint8_t check = ano::id_of<"check">, firmware = ano::id_of<"firmware">;
 
 // What both a question and its answer lead to: the id of the answer, and what the answer repeats of the question.
 constexpr std::uint32_t key(std::uint8_t id, std::uint32_t repeats = 0) noexcept { return id | repeats << 8; }

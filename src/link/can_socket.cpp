@@ -20,7 +20,7 @@ namespace anogate {
 namespace {
 
 // The kernel charges some 0.8 KB a frame. Bursts overflow its default of 208 KiB.
-constexpr int receive_buffer = 4 << 20;
+constexpr int can_receive_buffer = 4 << 20;
 // The least the kernel allows, some six frames: what waits in the kernel no urgent frame can overtake, and a queue shorter
 // than the interface's own (10 by default) fills with EAGAIN and a wake-up, not with ENOBUFS and none.
 constexpr int send_buffer = 1;
@@ -114,8 +114,8 @@ Expected<UniqueFd> open_can_stream(const CanSettings& can) {
     if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0 ||
         (can.fd && ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0))
         return Unexpected{can_error_text(can, errno)};
-    if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &receive_buffer, sizeof receive_buffer) != 0)
-        ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &can_receive_buffer, sizeof can_receive_buffer) != 0)
+        ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &can_receive_buffer, sizeof can_receive_buffer);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
     return bound(std::move(*socket), can);
 }

@@ -5,6 +5,7 @@
 #include <link/pacing.hpp>
 
 #include <array>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <span>
@@ -14,10 +15,12 @@ namespace anogate {
 enum class SendResult {
     done,         // nothing waits
     full,         // go on when the socket is writable
-    no_memory,    // go on a little later: the system says so without saying when
+    no_memory,    // go on after no_memory_pause: the system says so without saying when
     paced,        // the rest waits for its time; the pacing calls
     broken,       // the socket is of no use any more; `error` says why
 };
+
+inline constexpr std::chrono::milliseconds no_memory_pause{5};
 
 struct SendReport {
     SendResult result = SendResult::done;

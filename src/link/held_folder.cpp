@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int max_links = 40;    // as the kernel follows
+constexpr int max_symlinks = 40;    // as the kernel follows
 constexpr int look = O_PATH | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_trusted(const struct stat& info) { return info.st_uid == 0 || info.st_uid == ::geteuid(); }
@@ -47,7 +47,7 @@ Expected<HeldFolder> HeldFolder::of(const fs::path& path) {
         if (size < 0 || ::fstat(link.get(), &info) != 0) return Unexpected{error_text(error)};
         if (!is_trusted(info))
             return Unexpected{"leads through " + step.string() + ", a link of another user: it is not followed"};
-        if (++links > max_links) return Unexpected{error_text(ELOOP)};
+        if (++links > max_symlinks) return Unexpected{error_text(ELOOP)};
         const fs::path leads_to{std::string{target.data(), static_cast<std::size_t>(size)}};
         if (leads_to.is_absolute()) {
             folder.fd_ = UniqueFd{};

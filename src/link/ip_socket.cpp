@@ -15,7 +15,7 @@ namespace anogate {
 namespace {
 
 constexpr int small_send_buffer = 8 << 10;    // bytes: some datagrams; one that is larger passes when nothing else waits
-constexpr int receive_buffer = 1 << 20;       // bytes; the kernel gives what net.core.rmem_max allows
+constexpr int ip_receive_buffer = 1 << 20;    // bytes; the kernel gives what net.core.rmem_max allows
 
 IpAddress address_of(const sockaddr_in6& in) noexcept {
     IpAddress address{true, {}, in.sin6_scope_id};
@@ -145,7 +145,7 @@ Expected<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const 
     const int on = 1;
     const int off = 0;
     ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &ip_receive_buffer, sizeof ip_receive_buffer);
     ::setsockopt(fd.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);    // Stamp
     if (share_port) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);

@@ -20,7 +20,6 @@ namespace {
 constexpr Duration networks_age = std::chrono::seconds{5};
 constexpr Duration join_again = std::chrono::seconds{3};
 constexpr Duration join_slack = std::chrono::seconds{1};
-constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 constexpr Duration trouble_shown = std::chrono::seconds{3};    // a peer may listen without ever saying that all is well
 
 }    // namespace

@@ -18,9 +18,8 @@ namespace anogate {
 namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
-constexpr Duration networks_age = std::chrono::seconds{1};    // a sender outside makes us look again this often
+constexpr Duration networks_kept = std::chrono::seconds{1};    // a sender outside makes us look again this often
 constexpr Duration look_slack = std::chrono::seconds{1};
-constexpr Duration no_memory_pause = std::chrono::milliseconds{5};
 constexpr Duration read_first = std::chrono::seconds{1};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
 
@@ -293,7 +292,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
 bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
     if (contains(networks_, address)) return true;
     // Interfaces come and go: what was true when we opened need not be true now.
-    if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_age) return false;
+    if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_kept) return false;
     networks_read_at_ = now;
     networks_ = own_networks();
     return contains(networks_, address);

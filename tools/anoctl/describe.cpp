@@ -12,7 +12,7 @@ namespace {
 
 using namespace ano;
 
-Json describe(const Field& f) {
+Json field_json(const Field& f) {
     Json json{{"name", f.name}, {"type", name_of(f.type)}};
     if (f.is_open()) json["count"] = nullptr;
     else if (f.count != 1) json["count"] = f.count;
@@ -43,8 +43,8 @@ Json describe(const Message& row) {
     json["replaces"] = replaces[static_cast<std::size_t>(row.traffic.replaces)];
     json["acknowledged"] = acknowledged[static_cast<std::size_t>(row.acknowledged)];
     json["fields"] = Json::array();
-    for (const Field& f : row.fields()) json["fields"].push_back(describe(f));
-    for (const Field& f : row.element()) json["element"].push_back(describe(f));
+    for (const Field& f : row.fields()) json["fields"].push_back(field_json(f));
+    for (const Field& f : row.element()) json["element"].push_back(field_json(f));
     return json;
 }
 

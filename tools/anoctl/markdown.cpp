@@ -48,7 +48,7 @@ std::string remark(const Field& f) {
     return text;
 }
 
-void write_fields(std::ostream& out, std::span<const Field> fields, const std::string& base) {
+void write_rows_of_fields(std::ostream& out, std::span<const Field> fields, const std::string& base) {
     for (const Field& f : fields)
         out << "| " << base << f.offset << " | `" << f.name << "` | " << type_text(f) << " | " << scale_text(f) << " | " << f.unit
             << " | " << remark(f) << " |\n";
@@ -66,8 +66,8 @@ void write_layout(std::ostream& out, const Message& row) {
         return;
     }
     out << "\n\n| at | field | type | scale | unit | |\n|---:|---|---|---:|---|---|\n";
-    write_fields(out, row.fields(), "");
-    write_fields(out, row.element(), "+");
+    write_rows_of_fields(out, row.fields(), "");
+    write_rows_of_fields(out, row.element(), "+");
 }
 
 }    // namespace
