@@ -50,7 +50,7 @@ bool answers(ano::FrameView frame, Question question) noexcept {
     const auto data = frame.data();
     if (frame.id() != question.answer_id || !may_be_of(frame.source(), question.asked)) return false;
     switch (frame.id()) {
-    case device_info: return true;
+    case device_info:
     case waypoint_read: return true;
     case waypoint: return !data.empty() && data[0] == question.about;
     case command_query: return !data.empty() && data[0] == 0;

@@ -34,7 +34,7 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
 
 // An address has few rows here too, so that one address can't take the places of all others.
 bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
-    Knock* oldest = &knocks_[0];
+    Knock* oldest = knocks_.data();
     Knock* oldest_of_address = nullptr;
     std::size_t of_address = 0;
     for (Knock& knock : knocks_) {

@@ -27,7 +27,7 @@ std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& netwo
     const std::size_t size = tunnel_head_size(frame.id());
     if (!is_tunnel_frame(frame) || data.size() < size) return std::nullopt;
     TunnelContent content;
-    content.head.source = size == 10 ? ip_at(&data[0]) : in_network(network, data[0]);
+    content.head.source = size == 10 ? ip_at(data.data()) : in_network(network, data[0]);
     content.head.destination = size == 10 ? ip_at(&data[4]) : in_network(network, data[1]);
     content.head.port = static_cast<std::uint16_t>(data[size - 2] | data[size - 1] << 8);
     content.inner = data.subspan(size);

@@ -88,7 +88,7 @@ void declare(CLI::App& app, const Options& options) {
 
 /// The message for an error of the parser of options.
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
-    const std::string what = error.what();
+    std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
         return what.substr(0, what.find(':')) + ": its value is missing";
     if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return what;

@@ -70,7 +70,7 @@ struct Filter {
 /// The host of the one link: shows what it receives, sends nothing.
 class Monitor final : public LinkHost {
 public:
-    Monitor(LinkSettings settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
+    Monitor(const LinkSettings& settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
         : filter_{filter},
           left_{count},
           streams_{streams},

@@ -1,3 +1,4 @@
+#include <gateway/in_flight.hpp>
 #include <gateway/outbox.hpp>
 
 #include <support/bytes.hpp>
@@ -186,6 +187,28 @@ TEST(Outbox, urgent_does_not_overtake_a_frame_that_has_begun) {
     EXPECT_TRUE(outbox.next(start).urgent);
     outbox.sent(12);
     EXPECT_EQ(outbox.next(start).size, 0u);
+}
+
+TEST(Outbox, the_rest_of_an_urgent_frame_is_urgent) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), command);
+    push(outbox, numbered(2), image);
+    outbox.sent(5);
+    EXPECT_TRUE(outbox.next(start).urgent);
+    outbox.sent(7);
+    EXPECT_FALSE(outbox.next(start).urgent);
+}
+
+TEST(Outbox, a_question_that_is_dropped_needs_no_answer) {
+    InFlight questions;
+    Outbox outbox = open_outbox(1000, 100);
+    outbox.tell(&questions);
+    for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, support::frame(0xFE, 0xDC, 0xE0, {2, n, 0}), command);
+    EXPECT_EQ(questions.size(), 3u);
+    outbox.drop_frame(&SendCounters::send_failed);
+    EXPECT_EQ(questions.size(), 2u);
+    outbox.sent_frame();
+    EXPECT_EQ(questions.size(), 2u) << "it left, and is to be answered";
 }
 
 // Three times as much is offered as leaves; nothing can be replaced.
@@ -408,6 +431,19 @@ TEST(Outbox, of_one_sender_only_sticks_overtake_and_never_two_in_a_row) {
     say(0x41, 4);
     say(0xE1, 5);
     EXPECT_EQ(gathered(outbox), joined({one(0x40, 3), one(0xE1, 1), one(0x41, 4), one(0xC0, 2), one(0xE1, 5)}));
+}
+
+TEST(Outbox, sticks_overtake_again_when_another_frame_has_left) {
+    Outbox outbox = open_outbox(1000, 100);
+    const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
+    const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
+    say(0xE1, 1);
+    say(0xE1, 2);
+    say(0x40, 3);
+    outbox.sent_frame();    // the sticks
+    outbox.sent_frame();
+    say(0x40, 4);
+    EXPECT_EQ(gathered(outbox), joined({one(0x40, 4), one(0xE1, 2)}));
 }
 
 TEST(Outbox, what_came_by_another_channel_is_not_replaced) {
