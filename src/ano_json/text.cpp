@@ -173,8 +173,13 @@ double widened(float value) {
 
 std::string in_quotes(std::string_view text, char mark) {
     const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
+    constexpr std::size_t shown = 200;
     std::string out(1, mark);
     for (std::size_t i = 0; i < valid.size(); ++i) {
+        if (i >= shown && (static_cast<std::uint8_t>(valid[i]) & 0xC0) != 0x80) {    // not inside a character
+            out += "...";
+            break;
+        }
         const auto byte = static_cast<std::uint8_t>(valid[i]);
         const auto next = static_cast<std::uint8_t>(i + 1 < valid.size() ? valid[i + 1] : 0);
         std::array<char, 8> code{};

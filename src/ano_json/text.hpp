@@ -33,7 +33,7 @@ std::string number_text(double value);
 /// The double that prints as `value` does: 0.1 for 0.1f. It is `value` again as a float.
 double widened(float value);
 
-/// In quotation marks, for people to read: control characters are escaped.
+/// In quotation marks, for people to read: control characters are escaped, and of a long text the first 200 bytes are shown.
 std::string in_quotes(std::string_view text, char mark = '\'');
 
 }    // namespace ano

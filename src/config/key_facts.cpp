@@ -24,8 +24,6 @@ std::string unknown_key(std::string_view name, const std::vector<std::string_vie
     return "unknown key " + in_quotes(name) + ano::did_you_mean(name, keys);
 }
 
-std::string in_quotes(std::string_view text) { return "'" + printable(std::string{text}) + "'"; }
-
 std::vector<std::string_view> split(std::string_view text, char separator) {
     std::vector<std::string_view> parts;
     for (std::size_t end = 0; end != std::string_view::npos;) {

@@ -1,5 +1,6 @@
 // What is known of a configuration key whatever it sets, and the words for its errors.
 #pragma once
+#include <ano_json/text.hpp>
 #include <config/form.hpp>
 
 #include <cstdint>
@@ -39,8 +40,8 @@ std::string placeholder(const KeyFacts& key);
 std::string unknown_key(std::string_view name, const std::vector<std::string_view>& keys, std::string_view kind,
                         const std::vector<std::string_view>& owners);
 
-/// `text` in single quotes, fit to be shown in a line.
-std::string in_quotes(std::string_view text);
+using ano::in_quotes;
+
 /// The pieces of `text` between separators; one empty piece for an empty text.
 std::vector<std::string_view> split(std::string_view text, char separator);
 

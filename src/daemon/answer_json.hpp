@@ -2,21 +2,16 @@
 #pragma once
 #include <ano/time.hpp>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include <chrono>
 #include <string>
 
 namespace anogate {
 
 /// Seconds, to the millisecond.
-inline double in_seconds(ano::Duration d) {
-    return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(d).count()) / 1000;
-}
+double in_seconds(ano::Duration d);
 
 /// A line. Names and errors may hold any byte (a path can): shown as U+FFFD where they are not UTF-8.
-inline std::string line_of(const nlohmann::ordered_json& json) {
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+std::string line_of(const nlohmann::ordered_json& json);
 
 }    // namespace anogate

@@ -35,7 +35,8 @@ TEST(RequestReader, reads_a_request_however_it_is_cut) {
 
 TEST(RequestReader, reads_a_body_in_chunks) {
     const std::string head = "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n";
-    for (const std::string end : {"0\r\n\r\n", "0;why=not\r\n\r\n", "00\r\nDigest: 1\r\nEtag: 2\r\n\r\n", "0\r\nno field\r\n\r\n"})
+    for (const std::string end :
+         {"0\r\n\r\n", "0;why=not\r\n\r\n", "00\r\nDigest: 1\r\nEtag: 2\r\n\r\n", "0\r\nno field\r\n\r\n"})
         for (const std::size_t step : {1u, 2u, 3u, 1000u}) {
             RequestReader reader{{}};
             EXPECT_EQ(put(reader, head + "3\r\nabc\r\n1\r\nd\r\n" + end + "GET /", step), "GET /") << end;

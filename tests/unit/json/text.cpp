@@ -92,6 +92,8 @@ TEST(Number, floats_widen_to_what_they_print_as) {
 
 TEST(Quotes, keep_a_terminal_from_obeying) {
     EXPECT_EQ(in_quotes("it's"), R"('it\'s')");
+    EXPECT_EQ(in_quotes(std::string(200, 'a')), "'" + std::string(200, 'a') + "'");
+    EXPECT_EQ(in_quotes(std::string(199, 'a') + "\xC3\xA9" + "bc"), "'" + std::string(199, 'a') + "\xC3\xA9" + "...'");
     EXPECT_EQ(in_quotes("\x1B[2J\n\x7F\xC2\x9B\xFF", '"'), "\"\\u001b[2J\\u000a\\u007f\\u009b\xEF\xBF\xBD\"");
 }
 
