@@ -7,14 +7,18 @@ namespace anogate {
 
 bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
+    arrived_at_ = std::min(from.arrived_at, now_);
+    from.hear(now_);
     if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) observer->received(from, frame, std::min(from.arrived_at, now_));
+        for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
     return admit(from, frame);
 }
 
 // A switch is not to be passed inside a tunnel frame.
 bool Forwarder::passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now) {
     now_ = now;
+    arrived_at_ = std::min(from.arrived_at, now_);
+    from.hear(now_);
     if (!admit(from, inner) || !admit_unopened(from, inner) || !passes_loop_guard(from, inner, tunnel_link_)) return false;
     learn(from, inner);
     return may_leave(tunnel_link_, inner);
