@@ -54,7 +54,8 @@ RequestReader::~RequestReader() = default;
 
 std::size_t RequestReader::put(std::string_view bytes) {
     // Another assertion of Beast 1.74: it holds four bytes of an only chunk to be impossible.
-    if (parser_->is_header_done() && parser_->chunked() && bytes.size() < shortest_chunks.size()) return 0;
+    if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < shortest_chunks.size())
+        return 0;
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
     if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
