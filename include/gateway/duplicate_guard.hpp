@@ -27,7 +27,7 @@ public:
     /// others count. That holds for frames a newer one may replace alone; a command never comes through twice.
     bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now,
                    ano::TimePoint arrived = ano::TimePoint::max()) noexcept {
-        key = (key & ~std::uint64_t{0xFF}) | group;    // in place of HEAD, which all share
+        key = (key & ~std::uint64_t{0xFF}) | group;    // 56 bits of the key tell frames apart well enough
         heard_at_[index(from)] = now;
         if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;

@@ -53,7 +53,7 @@ void note_open_ports(Draft& draft) {
              "note: " + names +
                  ": who is in a network of this computer may send commands here, and sender "
                  "addresses can be forged; in a network with strangers, bind one address, name who may in 'allow', "
-                 "and take WireGuard (README: On a shared Wi-Fi)"});
+                 "and take WireGuard (config/README.md: On a shared Wi-Fi)"});
 }
 
 }    // namespace anogate

@@ -4,6 +4,8 @@
 #include <config/key_facts.hpp>
 
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
@@ -80,6 +82,11 @@ private:
 }    // namespace
 
 std::optional<json> parse_json(std::string_view text, const std::string& file, ConfigErrors& errors) {
+    if (const std::size_t nul = text.find('\0'); nul != text.npos) {    // the parser would take it for the end
+        const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n') + 1;
+        errors.push_back({file, "line " + std::to_string(line) + ": a byte 0, which no text has"});
+        return std::nullopt;
+    }
     Watch watch{file, errors};
     const auto follow = [&watch](int, json::parse_event_t event, json& value) { return watch(event, value); };
     try {

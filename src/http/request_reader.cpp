@@ -41,6 +41,12 @@ struct RequestReader::Parser : beast::request_parser<beast::string_body> {
             ec = beast::error::end_of_stream;
         };
     bool at_the_last = false;
+
+    /// Where the body ends is not said: it must not be taken for the next request (RFC 9112, 6.3).
+    bool length_is_unknown() {
+        const auto& message = get();
+        return message.count(beast::field::transfer_encoding) > 0 && (!chunked() || message.version() == 10);
+    }
 };
 
 RequestReader::RequestReader(const RequestLimits& limits) : limits_{limits}, parser_{std::make_unique<Parser>()} {
@@ -60,6 +66,11 @@ std::size_t RequestReader::put(std::string_view bytes) {
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
     if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
     if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
+    else if (parser_->is_header_done() && parser_->length_is_unknown())
+        fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
+    else if (!parser_->is_done() && bytes.size() - used > limits_.header)
+        fault_ = {
+            431, "the line of a chunk and what stands behind the last have at most " + std::to_string(limits_.header) + " bytes"};
     return used;
 }
 

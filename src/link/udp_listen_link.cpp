@@ -348,7 +348,8 @@ bool UdpListenLink::take_reports() {
     const TimePoint now = context_.host.now();
     return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
                const Peer* peer = find(there);
-               if (peer && book_.refused(peer->channel.id, now)) look_.set(now);
+               // Where an alarm does the sending, a later look each time would never be due.
+               if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
            }) > 0;
 }
 
@@ -370,7 +371,7 @@ void UdpListenLink::expire(Peer& peer) {
         context_.host.flush();
     }
     if (const auto due = peer.channel.parser.deadline()) peer.expiry.set(*due);
-    if (peer.is_gateway) look_.set(now);    // not here: the alarm that called is its own
+    if (peer.is_gateway) look_.set_no_later(now);    // not here: the alarm that called is its own
 }
 
 void UdpListenLink::flush(Channel& channel) {

@@ -510,6 +510,20 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
         EXPECT_EQ(daemon.link(link).at("channels").at(0).at("peer"), host->local().text()) << link;
 }
 
+// Then every refusal is told while alarms ring.
+TEST(UdpListenLink, hosts_whose_ports_are_closed_are_gone_also_when_an_alarm_does_the_sending) {
+    RunningGateway daemon{udp_listen("ground"), support::sim("fc")};
+    UdpPeer listening;
+    for (int i = 0; i < 3; ++i) {
+        UdpPeer closed;
+        closed.send(daemon.port("ground"), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([&] { return peers(daemon) == static_cast<std::size_t>(i) + 1; }));
+    }
+    listening.send(daemon.port("ground"), vendor::who_are_you);
+    EXPECT_TRUE(daemon.until([&] { return peers(daemon) == 1; }));
+    EXPECT_EQ(daemon.link("ground").at("channels").at(0).at("peer"), listening.local().text());
+}
+
 TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().max_peers = 4;

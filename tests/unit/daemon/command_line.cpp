@@ -142,7 +142,7 @@ TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
               "may send "
               "commands here, and sender addresses can be forged; in a network with strangers, bind one address, name who may in "
               "'allow', "
-              "and take WireGuard (README: On a shared Wi-Fi)\n");
+              "and take WireGuard (config/README.md: On a shared Wi-Fi)\n");
     for (const char* link : {"udp-listen:127.0.0.1:5", "udp-listen:192.168.1.5:5", "udp-listen:0.0.0.0:5,allow=10.77.0.0/24",
                              "udp-listen:0.0.0.0:5,interface=wg0", "udp:192.168.1.5:5"})
         EXPECT_EQ(said({link}), "") << link;

@@ -441,6 +441,10 @@ TEST(LinkText, at_most_64_links) {
 
 TEST(LinkText, hostile_bytes_make_one_line) {
     EXPECT_EQ(lines({{"LINK 'a\nb'", "c\x1B[2J"}}), "anogated: LINK 'a\\x0ab': c\\x1b[2J\n");
+    EXPECT_EQ(lines({{"",
+                      "\xC2\x9B"
+                      "31m \xC2\xA0 \xC3\x9B"}}),
+              "anogated: \\xc2\\x9b31m \xC2\xA0 \xC3\x9B\n");
     const std::string faults = faults_of({std::string(1 << 20, ',')});
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1);
 }

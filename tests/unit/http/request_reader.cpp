@@ -49,6 +49,30 @@ TEST(RequestReader, reads_a_body_in_chunks) {
         }
 }
 
+TEST(RequestReader, takes_no_body_for_a_request) {
+    for (const std::string coding : {"gzip", "identity", "xchunked", "\"chunked\"", "chunked, gzip", "chunked, chunked"})
+        for (const std::size_t step : {1u, 1000u}) {
+            RequestReader reader{{}};
+            put(reader, "POST / HTTP/1.1\r\nTransfer-Encoding: " + coding + "\r\n\r\nGET / HTTP/1.1\r\n\r\n", step);
+            ASSERT_TRUE(reader.fault()) << coding;
+            EXPECT_EQ(reader.fault()->status, 400u);
+        }
+    RequestReader old{{}};
+    put(old, "POST / HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n");
+    EXPECT_TRUE(old.fault());
+}
+
+TEST(RequestReader, keeps_no_more_of_a_chunk_than_of_a_header) {
+    for (const std::string begin : {"0\r\nx: ", "1;a=", "0;a=", "000"}) {
+        RequestReader reader{{.header = 200, .body = 10}};
+        put(reader, "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + begin + std::string(250, '0'), 50);
+        ASSERT_TRUE(reader.fault()) << begin;
+    }
+    RequestReader reader{{.header = 200, .body = 10}};
+    EXPECT_EQ(put(reader, "GET / HTTP/1.1\r\n\r\n" + std::string(1000, 'x')).size(), 1000u) << "the next requests are another's";
+    EXPECT_TRUE(reader.is_done());
+}
+
 TEST(RequestReader, knows_whether_the_connection_stays) {
     for (const auto& [text, stays] : {std::pair{"GET / HTTP/1.0\r\n\r\n", false},
                                       {"GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", true},
