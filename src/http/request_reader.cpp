@@ -27,6 +27,10 @@ RequestReader::Fault fault_of(const error_code& ec, const RequestLimits& limits)
     return {400, "this is not an HTTP request: " + ec.message()};
 }
 
+RequestReader::Fault fault_of_chunk(const RequestLimits& limits) {
+    return {431, "the line of a chunk and what stands behind the last have at most " + std::to_string(limits.header) + " bytes"};
+}
+
 }    // namespace
 
 // Fields after a chunked body are passed over: Beast 1.74 fails an assertion at some that are not fields. So the parser is stopped
@@ -64,13 +68,11 @@ std::size_t RequestReader::put(std::string_view bytes) {
         return 0;
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
-    if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
-    if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
-    else if (parser_->is_header_done() && parser_->length_is_unknown())
+    if (parser_->is_header_done() && parser_->length_is_unknown())
         fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
-    else if (!parser_->is_done() && bytes.size() - used > limits_.header)
-        fault_ = {
-            431, "the line of a chunk and what stands behind the last have at most " + std::to_string(limits_.header) + " bytes"};
+    else if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
+    else if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
+    else if (!parser_->is_done() && bytes.size() - used > limits_.header) fault_ = fault_of_chunk(limits_);
     return used;
 }
 

@@ -21,7 +21,7 @@ TEST(FrameKey, tells_frames_apart) {
 }
 
 TEST(FrameKey, tells_frames_of_equal_checks_apart) {
-    const auto one = support::frame(0xFE, 0xFF, 0xE0, {1, 0, 1, 0, 0});
+    const auto one = support::frame(0xFE, 0xFF, 0xE0, {1, 0, 1, 0, 1});
     const auto other = support::frame(0xFE, 0xFF, 0xE0, {1, 0, 0, 2, 0});
     ASSERT_EQ(ano::FrameView{one}.checks(), ano::FrameView{other}.checks());
     EXPECT_NE(key(one), key(other));
