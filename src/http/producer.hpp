@@ -17,7 +17,7 @@ public:
     virtual ~Producer() = default;
 
     /// Before the first next(). `wake` does little itself, and may be called at any time, also when the producer is gone.
-    virtual void start(std::function<void()> /*wake*/) {}
+    virtual void start(std::function<void()> /*wake*/) {}    // NOLINT(performance-unnecessary-value-param): who keeps it moves it
     /// Appends the next part to `into`, which is empty. A part should be some 16 KB: one goes between two turns of the loop.
     virtual Next next(std::string& into) = 0;
 };
