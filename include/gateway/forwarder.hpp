@@ -140,6 +140,11 @@ private:
     void present(LinkEntry& link);
     void forget_presentation(LinkEntry& link);
 
+    void note_arrival(Channel& from) {
+        arrived_at_ = std::min(from.arrived_at, now_);
+        from.hear(now_);
+    }
+
     // forwarder.cpp: the steps
     void begin(Channel& from, ano::FrameView frame, TimePoint now);
     Said said_at(const Channel& from, ano::FrameView frame, std::uint64_t key) const;

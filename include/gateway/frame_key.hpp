@@ -8,9 +8,9 @@
 
 namespace anogate {
 
-/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two frames that differ have different ones but by a
-/// chance of 1 in 10^19. Both checks would not do: of the frames of one header, two in 65,536 share them, and so do any two of
-/// which three bytes in a row differ by +1, -2 and +1. Not made against somebody who looks for two frames with one key.
+/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames share one by a chance of 1 in
+/// 10^19. The checks are no such key: of the pairs of frames with one header 1 in 65,536 shares them, and so does every pair in
+/// which three bytes in a row differ by +1, -2 and +1. The hash does not resist somebody who looks for two frames of one key.
 inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     const std::uint8_t* bytes = frame.bytes().data();
     const std::size_t size = frame.bytes().size();
@@ -26,7 +26,7 @@ inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     };
     std::uint64_t hash = mix(0, size);
     std::size_t at = 0;
-    if (size >= 64) {    // four at a time, or a large frame would wait for each multiplication
+    if (size >= 64) {    // four chains, so that a large frame does not wait for each multiplication
         std::array<std::uint64_t, 4> lanes{hash, hash + 1, hash + 2, hash + 3};
         for (; at + 32 <= size; at += 32)
             for (std::size_t lane = 0; lane < 4; ++lane) lanes[lane] = mix(lanes[lane], word(at + 8 * lane));

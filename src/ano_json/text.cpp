@@ -171,27 +171,28 @@ double widened(float value) {
     return static_cast<float>(wide) == value ? wide : static_cast<double>(value);
 }
 
+std::size_t control_size(std::string_view text, std::size_t at) noexcept {
+    const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0; };
+    if (byte(at) < 0x20 || byte(at) == 0x7F) return 1;
+    return byte(at) == 0xC2 && byte(at + 1) >= 0x80 && byte(at + 1) < 0xA0 ? 2 : 0;
+}
+
 std::string in_quotes(std::string_view text, char mark) {
-    const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
     constexpr std::size_t shown = 200;
+    const std::string valid = to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Encoding::utf8);
     std::string out(1, mark);
     for (std::size_t i = 0; i < valid.size(); ++i) {
         if (i >= shown && (static_cast<std::uint8_t>(valid[i]) & 0xC0) != 0x80) {    // not inside a character
             out += "...";
             break;
         }
-        const auto byte = static_cast<std::uint8_t>(valid[i]);
-        const auto next = static_cast<std::uint8_t>(i + 1 < valid.size() ? valid[i + 1] : 0);
-        std::array<char, 8> code{};
-        if (valid[i] == mark || valid[i] == '\\') {
+        if (const std::size_t size = control_size(valid, i); size > 0) {
+            i += size - 1;
+            std::array<char, 8> code{};
+            std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<std::uint8_t>(valid[i]));
+            out += code.data();
+        } else if (valid[i] == mark || valid[i] == '\\') {
             out += {'\\', valid[i]};
-        } else if (byte < 0x20 || byte == 0x7F) {
-            std::snprintf(code.data(), code.size(), "\\u%04x", byte);
-            out += code.data();
-        } else if (byte == 0xC2 && next < 0xA0) {    // U+0080 to U+009F: control characters for terminals too
-            std::snprintf(code.data(), code.size(), "\\u%04x", next);
-            out += code.data();
-            ++i;
         } else {
             out += valid[i];
         }

@@ -3,27 +3,16 @@
 
 namespace anogate {
 
-namespace {
-
-// One of the two bytes of U+0080 to U+009F in UTF-8: control characters for terminals too.
-bool is_c1(const std::string& text, std::size_t i) {
-    const auto at = [&text](std::size_t place) { return place < text.size() ? static_cast<unsigned char>(text[place]) : 0; };
-    return (at(i) == 0xC2 && at(i + 1) >= 0x80 && at(i + 1) < 0xA0) ||
-           (i > 0 && at(i - 1) == 0xC2 && at(i) >= 0x80 && at(i) < 0xA0);
-}
-
-}    // namespace
-
 std::string printable(const std::string& text, std::size_t most) {
     constexpr char digits[] = "0123456789abcdef";
     const bool ascii_only = !ano::is_utf8(text);
     std::string result;
+    std::size_t control_ends = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        const auto byte = static_cast<unsigned char>(c);
+        const auto byte = static_cast<unsigned char>(text[i]);
         if (result.size() >= most && (ascii_only || byte >> 6 != 2)) return result + "...";    // never inside a character
-        const bool control = byte < 0x20 || byte == 0x7F || is_c1(text, i);
-        if (!control && (byte < 0x80 || !ascii_only)) result += c;
+        if (const std::size_t size = ano::control_size(text, i); size > 0) control_ends = i + size;
+        if (i >= control_ends && (byte < 0x80 || !ascii_only)) result += text[i];
         else result += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
     }
     return result;

@@ -13,12 +13,9 @@ namespace {
 
 using Milliseconds = std::chrono::duration<std::uint64_t, std::milli>;
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
-
-// U+0080 to U+009F, in UTF-8: control characters for terminals too.
-bool has_c1(std::string_view text) {
-    for (std::size_t at = text.find('\xC2'); at != text.npos; at = text.find('\xC2', at + 1))
-        if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) < 0xA0) return true;
+bool has_control(std::string_view text) {
+    for (std::size_t at = 0; at < text.size(); ++at)
+        if (ano::control_size(text, at) > 0) return true;
     return false;
 }
 bool is_beyond_hex(char c) { return (c >= 'g' && c <= 'z') || (c >= 'G' && c <= 'Z'); }
@@ -78,7 +75,7 @@ std::string in_range(const KeyFacts& key, const std::string& word, std::optional
 }
 
 std::string fault_of_text(const KeyFacts& key, const std::string& text) {
-    if (!ano::is_utf8(text) || std::any_of(text.begin(), text.end(), is_control) || has_c1(text))
+    if (!ano::is_utf8(text) || has_control(text))
         return in_quotes(key.name) + " must be printable text in UTF-8, not " + in_quotes(text);
     return {};
 }

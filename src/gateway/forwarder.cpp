@@ -47,8 +47,7 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     now_ = now;
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
-    arrived_at_ = std::min(from.arrived_at, now_);
-    from.hear(now_);
+    note_arrival(from);
     if (!observers_.empty() && !releasing_) [[unlikely]]
         for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);

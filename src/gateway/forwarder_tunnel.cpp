@@ -7,8 +7,7 @@ namespace anogate {
 
 bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
-    arrived_at_ = std::min(from.arrived_at, now_);
-    from.hear(now_);
+    note_arrival(from);
     if (!observers_.empty()) [[unlikely]]
         for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
     return admit(from, frame);
@@ -17,8 +16,7 @@ bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
 // A switch is not to be passed inside a tunnel frame.
 bool Forwarder::passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now) {
     now_ = now;
-    arrived_at_ = std::min(from.arrived_at, now_);
-    from.hear(now_);
+    note_arrival(from);
     if (!admit(from, inner) || !admit_unopened(from, inner) || !passes_loop_guard(from, inner, tunnel_link_)) return false;
     learn(from, inner);
     return may_leave(tunnel_link_, inner);
