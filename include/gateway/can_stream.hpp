@@ -7,6 +7,7 @@
 //                     at streams.deadline(): streams.expire(now, on_frame)
 #pragma once
 #include <ano/parser.hpp>
+#include <gateway/can_settings.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/settings.hpp>
 

@@ -1,4 +1,5 @@
 #include <ano/traffic.hpp>
+#include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 
 #include <algorithm>

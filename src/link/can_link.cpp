@@ -1,6 +1,7 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <config/unlikely.hpp>
+#include <gateway/can_settings.hpp>
 #include <link/can_link.hpp>
 #include <link/datagram_batch.hpp>
 #include <link/ip_socket.hpp>

@@ -1,5 +1,6 @@
 // A CAN interface: absent, down, bus-off, removed and back. How V8 frames ride on it is the business of the two below.
 #pragma once
+#include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 #include <link/can_bus.hpp>
 #include <link/can_socket.hpp>

@@ -1,6 +1,6 @@
 // SocketCAN: what state an interface is in, and the sockets on it. Errors are for the user to read.
 #pragma once
-#include <gateway/settings.hpp>
+#include <gateway/can_settings.hpp>
 #include <link/expected.hpp>
 #include <link/unique_fd.hpp>
 

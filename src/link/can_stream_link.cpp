@@ -1,3 +1,4 @@
+#include <gateway/can_settings.hpp>
 #include <link/can_link.hpp>
 #include <link/datagram_batch.hpp>
 

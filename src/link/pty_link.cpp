@@ -4,6 +4,7 @@
 #include <link/make_link.hpp>
 #include <link/own_folder.hpp>
 #include <link/pty_link.hpp>
+#include <link/pty_settings.hpp>
 #include <link/terminal_path.hpp>
 #include <link/termios.hpp>
 

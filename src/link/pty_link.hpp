@@ -1,6 +1,7 @@
 // Makes a pseudo-terminal and links a path to it, for programs that expect a serial port.
 #pragma once
 #include <link/path_claim.hpp>
+#include <link/pty_settings.hpp>
 #include <link/stream_link.hpp>
 
 namespace anogate {

@@ -5,6 +5,7 @@
 #include <link/errors.hpp>
 #include <link/make_link.hpp>
 #include <link/serial_link.hpp>
+#include <link/serial_settings.hpp>
 #include <link/termios.hpp>
 
 #include <algorithm>

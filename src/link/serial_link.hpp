@@ -1,6 +1,7 @@
 // A serial port. Absent, unplugged, in use: waited for.
 #pragma once
 #include <link/half_duplex.hpp>
+#include <link/serial_settings.hpp>
 #include <link/stream_link.hpp>
 
 #include <memory>

@@ -3,6 +3,7 @@
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/sim_link.hpp>
+#include <link/sim_settings.hpp>
 
 #include <array>
 #include <utility>

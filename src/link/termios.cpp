@@ -1,5 +1,6 @@
 // termios2 and BOTHER come with the kernel's headers, which can't be included beside <termios.h>.
 #include <link/errors.hpp>
+#include <link/serial_settings.hpp>
 #include <link/termios.hpp>
 
 #include <asm/termbits.h>

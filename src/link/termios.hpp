@@ -2,6 +2,7 @@
 #pragma once
 #include <gateway/settings.hpp>
 #include <link/expected.hpp>
+#include <link/serial_settings.hpp>
 
 #include <atomic>
 #include <string>

@@ -1,6 +1,7 @@
 #include <config/link_kind.hpp>
 #include <gateway/ring_watch.hpp>
 #include <link/tunnel_link.hpp>
+#include <link/udp_settings.hpp>
 
 #include <algorithm>
 #include <cerrno>

@@ -7,6 +7,7 @@
 #include <link/make_link.hpp>
 #include <link/udp_keys.hpp>
 #include <link/udp_link.hpp>
+#include <link/udp_settings.hpp>
 
 #include <net/if.h>
 #include <netinet/in.h>

@@ -9,6 +9,7 @@
 #include <link/make_link.hpp>
 #include <link/udp_keys.hpp>
 #include <link/udp_listen_link.hpp>
+#include <link/udp_settings.hpp>
 
 #include <algorithm>
 #include <new>

@@ -1,4 +1,5 @@
 // Random frames of random senders, cut, mixed, and joined again: all arrive, whole, in each sender's order.
+#include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 
 #include <support/bytes.hpp>

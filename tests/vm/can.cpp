@@ -2,6 +2,7 @@
 // is: on such a host, and in the machine of tests/vm/machine.
 #include "can_rate.hpp"
 
+#include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>

@@ -1,5 +1,10 @@
 #include <gtest/gtest.h>
 #include <ano_json/text.hpp>
+#include <gateway/can_settings.hpp>
+#include <link/pty_settings.hpp>
+#include <link/serial_settings.hpp>
+#include <link/sim_settings.hpp>
+#include <link/udp_settings.hpp>
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 

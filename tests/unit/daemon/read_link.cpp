@@ -1,4 +1,9 @@
 #include <gtest/gtest.h>
+#include <gateway/can_settings.hpp>
+#include <link/pty_settings.hpp>
+#include <link/serial_settings.hpp>
+#include <link/sim_settings.hpp>
+#include <link/udp_settings.hpp>
 
 #include <unit/daemon/faults.hpp>
 

@@ -1,3 +1,4 @@
+#include <gateway/can_settings.hpp>
 #include <gateway/can_stream.hpp>
 
 #include <support/bytes.hpp>

@@ -1,0 +1,31 @@
+// The settings of a serial port.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace anogate {
+
+enum class Parity : std::uint8_t { none, even, odd };
+/// Whether a serial line is given no more than it carries.
+enum class Pace : std::uint8_t {
+    automatic,    // unless the driver is one to which the rate means nothing (cdc_acm)
+    on,
+    off,
+};
+enum class FlowControl : std::uint8_t { none, hardware };
+
+struct SerialSettings {
+    std::string device;
+    std::uint32_t baud = 500000;    // any integer rate the driver can make
+    Parity parity = Parity::none;
+    std::uint8_t stop_bits = 1;    // 1 or 2
+    FlowControl flow = FlowControl::none;
+    bool low_latency = true;
+    Pace pace = Pace::automatic;
+    std::optional<bool> dtr;    // nothing: left as the driver sets it
+    std::optional<bool> rts;
+    bool operator==(const SerialSettings&) const = default;
+};
+
+}    // namespace anogate
