@@ -55,10 +55,22 @@ std::string_view slip(std::string_view text, std::size_t byte, std::string_view 
     return {};
 }
 
+/// The parser says of a number beyond what a double holds which it is, but not where.
+std::string too_large(std::string_view text, std::string_view message) {
+    const std::size_t quote = message.find('\'');
+    const std::string_view number = quote == message.npos ? "" : message.substr(quote + 1, message.rfind('\'') - quote - 1);
+    const auto until = text.begin() + static_cast<std::ptrdiff_t>(std::min(text.find(number), text.size()));
+    const auto line = std::count(text.begin(), until, '\n') + 1;
+    return "line " + std::to_string(line) + ": the number " + std::string{number} + " is too large";
+}
+
 }    // namespace
 
 std::string syntax_fault(std::string_view text, const std::exception& error) {
+    constexpr int number_overflow = 406;
     std::string message = error.what();
+    if (const auto* range = dynamic_cast<const nlohmann::json::out_of_range*>(&error); range && range->id == number_overflow)
+        return too_large(text, message);
     if (const std::size_t line = message.find("line "); line != message.npos) message.erase(0, line);
     const auto* parse_error = dynamic_cast<const nlohmann::json::parse_error*>(&error);
     if (parse_error == nullptr) return message;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 namespace anogate {
 namespace {
@@ -111,11 +112,18 @@ public:
             else if (name == "control")
                 section(value, pointer, control_keys(), draft_.settings.control), draft_.control = {pointer, true};
             else if (name == "log") section(value, pointer, log_keys(), draft_.settings.log), draft_.log = {pointer, true};
-            else draft_.errors.push_back({pointer, "unknown key " + in_quotes(name) + ano::did_you_mean(name, names)});
+            else draft_.errors.push_back({pointer, unknown(name, names)});
         }
     }
 
 private:
+    std::string unknown(const std::string& name, std::span<const std::string_view> names) const {
+        const bool of_link = find_key_of_any(draft_.kinds, name) != nullptr || list_of(common_link_keys()).has_object(name);
+        if (of_link && find_key(gateway_keys(), name) == nullptr)
+            return in_quotes(name) + " is a key of a link: it stands in an object of \"links\"";
+        return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
+    }
+
     template <class Section>
     void section(const json& value, const std::string& pointer, Keys<Section> keys, Section& into) {
         const KeyList<Section> list = list_of(keys);

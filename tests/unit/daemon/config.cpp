@@ -339,6 +339,13 @@ TEST(Config, faults_of_rules_name_their_place) {
     EXPECT_NE(fault(R"("send.deny": ["0xB0"])").find("unknown key 'send.deny'"), std::string::npos);
 }
 
+TEST(Config, says_where_a_key_of_a_link_stands) {
+    for (const std::string key : {"send", "limit", "baud", "age", "group"})
+        EXPECT_EQ(faults_in(R"({"links": [], ")" + key + R"(": 1})"),
+                  "/" + key + ": '" + key + "' is a key of a link: it stands in an object of \"links\"\n");
+    EXPECT_EQ(faults_in(R"({"links": [], "id": 1})"), "/id: unknown key 'id'\n");
+}
+
 TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
     const auto fault = [](const std::string& keys) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");

@@ -24,6 +24,11 @@ TEST(SyntaxFault, begins_with_the_line) {
     EXPECT_EQ(fault_of("{\n  \"a\" 1}").rfind("line 2, column 7: syntax error", 0), 0u) << fault_of("{\n  \"a\" 1}");
 }
 
+TEST(SyntaxFault, says_which_number_is_too_large) {
+    EXPECT_EQ(fault_of("{\n  \"baud\": 1e999}"), "line 2: the number 1e999 is too large");
+    EXPECT_EQ(fault_of("-1e999"), "line 1: the number -1e999 is too large");
+}
+
 TEST(SyntaxFault, knows_a_comma_that_is_missing) {
     for (const char* text :
          {R"({"a": 1 "b": 2})", R"({"a": {} "b": 2})", R"([{"a": 1} {"a": 2}])", "[1 2]", "[[] []]", "[1 true]"})
