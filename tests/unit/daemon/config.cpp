@@ -103,6 +103,7 @@ TEST(Config, networks_are_a_list_of_texts_or_any) {
     EXPECT_TRUE(ok(R"(["10.0.0.0/8"])"));
     for (const char* allow : {"[]", R"("10.0.0.0/8")", R"(["any"])", R"(["10.0.0.0/8+1.2.3.4"])", "[5]", R"([""])", "true"})
         EXPECT_FALSE(ok(allow)) << allow;
+    EXPECT_NE(faults_in(R"({"links": [{"kind": "udp-listen", "address": "[::]:1", "allow": ["any", "10.0.0.0/8"]}]})"), "");
 }
 
 TEST(Config, what_is_needed_and_missing_is_told) {
@@ -165,6 +166,8 @@ TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
     EXPECT_EQ(
         faults_in(R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
         "/links/0: LINK 'sim:plane,name=x': 'device' must be fc, not 'plane'\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:plane,name=x", "pty:/tmp/y"], "routes": [{"address": 5, "link": "x"}]})"),
+              "/links/0: LINK 'sim:plane,name=x': 'device' must be fc, not 'plane'\n");
 }
 
 TEST(Config, one_fault_brings_no_others) {
@@ -417,6 +420,11 @@ TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {
               "anogated: /links/0/receive/allow_sources: warning: a device with the address 5 can't be reached: it is "
               "the port id of 'x' (/links/1: LINK 'pty:/tmp/x,id=5'), frames to it go there; give one of them another\n");
     EXPECT_NE(warnings("\"1-20\""), "");
+    EXPECT_EQ(
+        lines(
+            parse_config(R"({"links": [{"kind": "sim", "device": "fc", "id": 5, "receive": {"allow_sources": [5]}}]})").warnings),
+        "")
+        << "frames to it go to this very link";
 }
 
 TEST(Config, warns_of_frames_that_block_a_slow_line) {
@@ -429,6 +437,7 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=4096").find("max_data_out 1144 keeps"), std::string::npos);
     EXPECT_NE(warnings("serial:/dev/ttyS0,baud=115200").find("max_data_out 1144 keeps it under 100 ms"), std::string::npos);
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=5000").find("max_data_out 492"), std::string::npos);
+    EXPECT_EQ(warnings("udp:127.0.0.1:5,rate=5000,max_data_out=492"), "") << "100 ms";
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=80").find("max_data_out 0 keeps it under 100 ms"), std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,profile=vendor"), "") << "what leaves is meant, not what comes in";
     EXPECT_EQ(warnings("serial:/dev/ttyS0,baud=115200,max_data_out=1140"), "");
@@ -450,6 +459,7 @@ TEST(Config, speaks_first_only_where_that_can_be_done) {
     EXPECT_EQ(draft.errors.size(), 0u);
     ASSERT_EQ(draft.warnings.size(), 1u);
     EXPECT_NE(draft.warnings[0].what.find("broadcast=no keeps off this link"), std::string::npos);
+    EXPECT_EQ(lines(parse_config(R"({"links": ["serial:/dev/x,broadcast=no,hello=off"]})").warnings), "");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": true}]})"), "");
     EXPECT_NE(faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", "hello": 2}]})")
                   .find("'hello' must be off, on, or a duration"),
@@ -468,6 +478,7 @@ TEST(Config, warns_of_peers_that_may_take_more_memory_than_a_small_computer_spar
 TEST(Config, warns_of_what_is_as_good_as_not_said) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
     EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links: there is nothing to join\n");
+    EXPECT_EQ(warnings(R"({"gateway": {"nme": "boat"}})"), "") << "what else was to be there is not known";
     EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": 199}, "tunnel": {"links": ["fc"]}})"), "");
     EXPECT_EQ(warnings(R"({"links": ["sim:fc"], "gateway": {"id": "0xFE"}})"),
               "anogated: warning: the gateway's own id 0xFE is the address of hosts: what is sent to them ends in the gateway; "
@@ -767,6 +778,9 @@ TEST(ConfigGpio, when_is_a_silence) {
 TEST(ConfigGpio, a_line_is_used_once) {
     EXPECT_EQ(faults_in(with_gpio(R"({"line": "x", "use": "power"}, {"line": "x", "use": "reset"})")),
               "/gpio/1/line: 'line' 'x' is used by /gpio/0 already\n");
+    EXPECT_EQ(faults_in(with_gpio(
+                  R"({"chip": "gpiochip0", "line": "x", "use": "power"}, {"chip": "gpiochip1", "line": "x", "use": "reset"})")),
+              "");
     EXPECT_EQ(
         faults_in(with_gpio(R"({"line": "x", "use": "rs485", "link": "bus"}, {"line": "y", "use": "rs485", "link": "bus"})")),
         "/gpio/1/link: 'link' 'bus' has a line for rs485 by /gpio/0 already\n");

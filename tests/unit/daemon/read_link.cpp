@@ -241,6 +241,8 @@ TEST(LinkText, links_without_a_name_get_one_of_their_own) {
     for (const LinkSettings& link : draft.settings.links) names.push_back(link.name);
     EXPECT_EQ(names, (std::vector<std::string>{"ttyUSB0", "ttyUSB0-2", "app", "udp-listen-12333", "udp-6670", "fc", "fc-3",
                                                "fc-2", "control-2", "pty"}));
+    EXPECT_EQ(link_of("pty:/tmp/" + std::string(60, 'x')).name, std::string(60, 'x'));
+    EXPECT_EQ(link_of("pty:/tmp/" + std::string(61, 'x')).name, "pty") << "with a number behind it, it would be too long";
 }
 
 TEST(LinkText, the_queue_holds_two_of_the_largest_frames_unless_told) {
@@ -276,6 +278,12 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("sim:plane"), "'device' must be fc, not 'plane'");
 }
 
+TEST(LinkText, a_text_is_no_longer_than_it_may_be) {
+    EXPECT_EQ(link_of("sim:fc,name=" + std::string(64, 'x')).name.size(), 64u);
+    EXPECT_TRUE(fault_of("sim:fc,name=" + std::string(65, 'x')).starts_with("'name' must be text of 1 to 64 bytes"));
+    EXPECT_TRUE(fault_of("sim:fc,name=").starts_with("'name' must be text of 1 to 64 bytes"));
+}
+
 TEST(LinkText, an_address_or_id_without_0x_is_known) {
     const auto ends = [](const std::string& link, const std::string& end) {
         EXPECT_TRUE(fault_of(link).ends_with(end)) << fault_of(link);
@@ -293,6 +301,7 @@ TEST(LinkText, an_address_or_id_without_0x_is_known) {
 TEST(LinkText, a_number_with_a_unit_is_known) {
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=500k").ends_with("not '500k' (did you mean '500000'?)"));
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bps").ends_with("not '115200bps' (did you mean '115200'?)"));
+    EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bauds").ends_with("not '115200bauds'")) << "what is meant is a guess";
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=115,200").find("not '115") == std::string::npos)
         << "two keys: that is another fault";
     EXPECT_TRUE(fault_of("sim:fc,queue=64KiB").ends_with("not '64KiB' (did you mean '65536'?)"));
@@ -442,6 +451,12 @@ TEST(LinkText, at_most_64_links) {
     read_link("sim:fc", "", draft);
     validate(draft);
     EXPECT_EQ(lines(draft.errors), "anogated: LINK 'sim:fc': 65 links, at most 64 are possible\n");
+
+    Draft with_tunnel{link_kinds()};
+    read_config(R"({"tunnel": {"links": ["fc"]}})", "", with_tunnel);
+    for (int i = 0; i < 64; ++i) read_link("sim:fc", "", with_tunnel);
+    validate(with_tunnel);
+    EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links, at most 63 are possible\n");
 }
 
 TEST(LinkText, hostile_bytes_make_one_line) {
