@@ -459,6 +459,14 @@ TEST(LinkText, at_most_64_links) {
     EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links, at most 63 are possible\n");
 }
 
+TEST(RouteText, with_one_fault_brings_no_other) {
+    Draft draft{link_kinds()};
+    read_link("sim:fc", "", draft);
+    read_route("999=nobody", "--route", draft);
+    validate(draft);
+    EXPECT_EQ(draft.errors.size(), 1u) << lines(draft.errors);
+}
+
 TEST(LinkText, hostile_bytes_make_one_line) {
     EXPECT_EQ(lines({{"LINK 'a\nb'", "c\x1B[2J"}}), "anogated: LINK 'a\\x0ab': c\\x1b[2J\n");
     EXPECT_EQ(lines({{"",
