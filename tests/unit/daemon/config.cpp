@@ -206,6 +206,9 @@ TEST(Config, nesting_without_end_is_refused) {
     const std::string brackets(1'000'000, '[');
     EXPECT_NE(faults_in(brackets).find("nested deeper than 32 levels\n"), std::string::npos);
     EXPECT_EQ(lines(parse_config(brackets).errors).find('\n'), lines(parse_config(brackets).errors).size() - 1);
+    const auto nested = [](std::size_t levels) { return faults_in(std::string(levels, '[') + std::string(levels, ']')); };
+    EXPECT_EQ(nested(32).find("nested deeper"), std::string::npos);
+    EXPECT_NE(nested(33).find("nested deeper"), std::string::npos);
     std::string objects;
     for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
     EXPECT_NE(faults_in(objects).find("nested deeper than 32 levels\n"), std::string::npos);

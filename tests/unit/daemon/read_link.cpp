@@ -115,6 +115,7 @@ TEST(LinkText, traffic) {
 TEST(LinkText, faults_of_traffic) {
     EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not of 'telemetry', which is several"), std::string::npos);
+    EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not of '0x01-0x0F', which is several"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.elur=5").find("not of 'elur' (did you mean 'euler'?)"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.0x01=50,limit.0x01=20").find("0x01 has a limit already"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,receive.denny=0x01").find("(did you mean 'receive.deny'?)"), std::string::npos);
