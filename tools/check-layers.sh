@@ -1,6 +1,6 @@
 #!/bin/bash
 # Each layer includes only what stands before it: ano < gateway < config < link < http < daemon. Two headers of ours include Asio, one source
-# libgpiod, sources of src/http alone Beast, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
+# libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
 # kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -28,7 +28,8 @@ only_in() {
     if grep -rlE "^ *# *include *<($2)" include src tools tests --include='*.?pp' | grep -vxE "$1"; then bad=1; fi
 }
 forbid "link/asio\.hpp" src/link/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
-only_in 'src/(link|http)/asio\.hpp' 'boost/asio'
+only_in 'src/(link|http)/asio(_ssl)?\.hpp' 'boost/asio'
+only_in 'src/http/(tls|certificate)\.cpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
 only_in 'src/link/gpio_line\.cpp' 'gpiod'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'

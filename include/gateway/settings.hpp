@@ -192,8 +192,19 @@ struct GpioSettings {
     bool operator==(const GpioSettings&) const = default;
 };
 
+/// PEM files; both, or neither.
+struct TlsFiles {
+    std::string certificate, key;
+    bool operator==(const TlsFiles&) const = default;
+};
+
 struct ControlSettings {
-    std::string socket;    // empty: the default for this user; "none": no control interface
+    std::string socket;                  // empty: the default for this user; "none": no control socket
+    std::optional<EndpointSpec> http;    // the same interface over TCP; nothing: not
+    std::string token_file;              // empty: the default for this user
+    std::vector<std::string> hosts;      // names of ours beside the host's own
+    std::vector<std::string> origins;    // pages of others that may ask
+    TlsFiles tls;
     bool operator==(const ControlSettings&) const = default;
 };
 

@@ -284,6 +284,15 @@ constexpr FormRow rows[] = {
      },
      .expected = [](Facts) { return std::string{"a list of names of links such as [\"fc\"]"}; },
      .placeholder = [](Facts) { return std::string{"[LINK...]"}; }},
+    {.form = Form::texts,
+     .words = names_words,
+     .read = read_value::names,
+     .print = print_names,
+     .schema = [](Facts) -> Json {
+         return {{"type", "array"}, {"items", {{"type", "string"}}}};
+     },
+     .expected = [](Facts) { return std::string{"a list of texts such as [\"vehicle.lan\"]"}; },
+     .placeholder = [](Facts) { return std::string{"[TEXT...]"}; }},
     {.form = Form::line,
      .words = count_or_text_words,
      .read = read_value::text,

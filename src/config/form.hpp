@@ -31,6 +31,7 @@ enum class Form : std::uint8_t {
     network,    // one of them
     ip,         // an IPv4 address, or one of the choices
     names,      // of links
+    texts,      // a list of them
     line,       // of a GPIO chip: its number or its name
     silence,    // "silent" and a duration
     frames,     // ids, messages, classes

@@ -9,7 +9,7 @@ using G = GatewaySettings;
 using R = RouteSettings;
 using A = AliasSettings;
 
-constexpr std::uint64_t max_socket_path = 107;
+constexpr std::uint64_t max_socket_path = 107, max_host = 253;
 
 Value get_unknown(const KeyFacts&, const GatewaySettings& gateway) {
     if (gateway.unknown == Unknown::link) return gateway.unknown_link;
@@ -67,11 +67,33 @@ constexpr Key<R> route_rows[] = {
     text<&R::link>("link", 1, max_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
-constexpr Key<ControlSettings> control_rows[] = {
+using C = ControlSettings;
+
+constexpr Key<C> control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, max_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
         as("PATH|none") | by("--control"),
+    endpoint<&C::http>("http",
+                       "the same interface over TCP, at this address (default: off); who asks from the network needs a token") |
+        local | by("--http"),
+    text<&C::token_file>("token_file", 0, max_path,
+                         "lines 'view TOKEN' and 'control TOKEN', made when missing (default: /var/lib/anogate/token, for users "
+                         "~/.local/state/anogate/token)") |
+        as("PATH"),
+    row<&C::hosts>({.name = "hosts",
+                    .form = Form::texts,
+                    .help = "names under which it is asked over TCP, beside the host's own name and address",
+                    .least = 1,
+                    .most = max_host}),
+    row<&C::origins>({.name = "origins",
+                      .form = Form::texts,
+                      .help = "pages of other hosts that may ask it, such as https://ground.example",
+                      .least = 1,
+                      .most = max_path}),
+    text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |
+        as("PATH"),
+    text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),
 };
 
 constexpr Key<LogSettings> log_rows[] = {

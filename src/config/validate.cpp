@@ -88,6 +88,7 @@ public:
         for (std::size_t i = 0; i < draft_.settings.routes.size(); ++i) route(draft_.settings.routes[i], draft_.routes[i]);
         for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
+        control(draft_.settings.control);
         for (std::size_t i = 0; i < draft_.settings.gpio.size(); ++i)
             if (!draft_.gpio[i].broken) gpio(i);
     }
@@ -255,6 +256,20 @@ private:
             if (const auto bound = bound_port_of(links_[i]);
                 bound && collide(*bound, {EndpointSpec{{tunnel.bind, tunnel.port}}, {}, {}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
+    }
+
+    void control(const ControlSettings& control) {
+        const Origin& origin = draft_.control;
+        if (control.tls.certificate.empty() != control.tls.key.empty())
+            error(origin, control.tls.key.empty() ? "tls/key" : "tls/certificate", "'tls' needs both, 'certificate' and 'key'");
+        for (std::size_t i = 0; i < control.origins.size(); ++i)
+            if (const std::string& page = control.origins[i]; !page.starts_with("http://") && !page.starts_with("https://"))
+                error(origin, "origins/" + std::to_string(i),
+                      in_quotes(page) + " must begin with http:// or https://, as a browser says it");
+        if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())
+            draft_.warnings.push_back({origin.key("http"),
+                                       "note: without 'tls' who is in a network of this computer can read "
+                                       "tokens on their way; \"127.0.0.1:PORT\" and ssh -L need none"});
     }
 
     void gpio(std::size_t i) {

@@ -1,5 +1,6 @@
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
+#include <daemon/control_door.hpp>
 #include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/log.hpp>
@@ -9,8 +10,6 @@
 #include <daemon/routes.hpp>
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
-#include <http/server.hpp>
-#include <http/socket_path.hpp>
 #include <link/ip_socket.hpp>
 
 #include <spdlog/spdlog.h>
@@ -27,8 +26,6 @@ namespace {
 
 constexpr Duration flush_patience = std::chrono::milliseconds{500};
 constexpr Duration between_hints = std::chrono::seconds{3};
-constexpr Duration control_retry = std::chrono::milliseconds{500};
-constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 
 // Signals that would end the program before it can handle them wait until it does.
 void hold_signals(int how, std::initializer_list<int> signals) {
@@ -63,7 +60,7 @@ public:
 
     int run() {
         spdlog::info(first_line(gateway_.settings(), source_, own_networks()));
-        if (!start_control()) return exit_config;
+        if (!control_.open()) return exit_config;
         wait_for_signal();
         if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
@@ -82,32 +79,6 @@ public:
     }
 
 private:
-    /// False: there can be none at the path that was asked for.
-    bool start_control() {
-        const auto socket = http::control_socket(gateway_.settings().control.socket, http::this_runner());
-        if (!socket) return true;
-        socket_ = *socket;
-        const http::Server::Outcome outcome = control_.start(socket_);
-        if (!outcome.notice.empty()) spdlog::info(outcome.notice);
-        if (outcome.error.empty()) return true;
-        if (!outcome.in_use && !gateway_.settings().control.socket.empty()) {
-            spdlog::error("--control: {}", outcome.error);
-            return false;
-        }
-        spdlog::warn("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
-        if (outcome.in_use) control_again_.start(control_retry);
-        return true;
-    }
-
-    // Whoever has the socket may end, and then this one is to be found there.
-    void try_control_again() {
-        const http::Server::Outcome outcome = control_.start(socket_);
-        if (!outcome.error.empty()) return;
-        if (!outcome.notice.empty()) spdlog::info(outcome.notice);
-        control_again_.stop();
-        spdlog::info("{}: up", socket_);
-    }
-
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
@@ -135,8 +106,7 @@ private:
         notify_systemd("STOPPING=1");
         watchdog_.stop();
         hints_.stop();
-        control_again_.stop();
-        control_.stop();
+        control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
             signals_.cancel();
@@ -147,12 +117,10 @@ private:
     Gateway gateway_;
     std::string source_;    // where the configuration is from
     std::string why_;       // it ends
-    http::Server control_{io_, {}, [] { return memory_is_left(request_memory); }};
+    ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
-    std::string socket_;    // of the control interface
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { tell_hints(); }};
-    Ticker control_again_{io_, [this] { try_control_again(); }};
     HintLog hint_log_;
     bool stopped_ = false;    // nothing runs any more: a signal that came just before the end must not be waited for again
     int status_ = 0;

@@ -1,4 +1,5 @@
 #include <http/server.hpp>
+#include <http/tcp_door.hpp>
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -14,38 +15,34 @@ Response no_place() { return try_again("all places are taken by those who ask ju
 }    // namespace
 
 Server::Server(asio::io_context& io, const ServerLimits& limits, HasMemory has_memory)
-    : io_{io}, limits_{limits}, has_memory_{std::move(has_memory)}, acceptor_{io}, pause_{io} {}
+    : io_{io}, limits_{limits}, has_memory_{std::move(has_memory)} {}
 
 Server::Outcome Server::start(const std::string& path) {
     LocalSocket::Outcome outcome = local_.listen(path);
     if (!outcome.error.empty()) return {std::move(outcome.error), outcome.in_use, {}};
-    error_code ec;
-    acceptor_.assign(asio::generic::stream_protocol{AF_UNIX, 0}, outcome.fd.get(), ec);
-    if (ec) {
-        local_.remove();
-        return {path + ": " + ec.message(), false, {}};
-    }
-    outcome.fd.release();
-    accept();
+    local_listener_ = std::make_unique<Listener>(io_, std::move(outcome.fd), AF_UNIX,
+                                                 [this](Socket socket) { admit(stream_of(std::move(socket))); });
     return {{}, false, std::move(outcome.notice)};
 }
 
-void Server::accept() {
-    acceptor_.async_accept([this](error_code ec, Socket socket) {
-        if (!acceptor_.is_open()) return;
-        if (ec) {    // out of descriptors, mostly: some may come free
-            pause_.expires_after(std::chrono::seconds{1});
-            pause_.async_wait([this](error_code stopped) {
-                if (!stopped && acceptor_.is_open()) accept();
-            });
-            return;
-        }
-        try {
-            admit(stream_of(std::move(socket)));
-        } catch (const std::bad_alloc&) {    // who came is cut off
-        }
-        accept();
-    });
+Expected<std::uint16_t> Server::start(const Network& network) {
+    auto made = listen_tcp(network.address, network.port);
+    if (!made) return Unexpected{std::move(made.error())};
+    const auto admit_one = [this, network](Socket socket) {
+        Door door{.is_network = true, .is_encrypted = network.tls != nullptr, .needs_token = network.needs_token};
+        prepare_tcp(socket.native_handle(), door);
+        admit(network.tls ? network.tls->stream(std::move(socket), std::move(door))
+                          : stream_of(std::move(socket), std::move(door)));
+    };
+    network_listener_ = std::make_unique<Listener>(io_, std::move(made->fd), made->family, admit_one);
+    return made->port;
+}
+
+Response Server::answer(Request request) {
+    auto access = admission_.judge(request, ano::Clock::now());
+    if (!access) return std::move(access.error());
+    request.access = *access;
+    return routes_.answer(std::move(request));
 }
 
 void Server::admit(std::unique_ptr<Stream> stream) {
@@ -103,10 +100,9 @@ void Server::give_turn() {
 }
 
 void Server::stop() {
-    if (acceptor_.is_open()) local_.remove();    // first: who finds it must find somebody
-    error_code ignored;
-    acceptor_.close(ignored);
-    pause_.cancel();
+    if (local_listener_) local_.remove();    // first: who finds it must find somebody
+    local_listener_.reset();
+    network_listener_.reset();
     turns_.clear();
     for (const auto& session : std::exchange(sessions_, {}))
         if (const auto alive = session.lock()) alive->close();

@@ -1,10 +1,13 @@
 // Sessions for whoever comes: who gets a place, whose turn it is, who has to go.
 #pragma once
+#include <http/admission.hpp>
 #include <http/asio.hpp>
 #include <http/farewell.hpp>
+#include <http/listener.hpp>
 #include <http/local_socket.hpp>
 #include <http/routes.hpp>
 #include <http/session.hpp>
+#include <http/tls.hpp>
 #include <http/turns.hpp>
 
 #include <deque>
@@ -44,6 +47,17 @@ public:
     };
     /// Listens at the path of a Unix socket (LocalSocket). After an error it may be tried again.
     Outcome start(const std::string& path);
+
+    struct Network {
+        std::string address;           // "127.0.0.1", "::"
+        std::uint16_t port = 0;        // 0: the kernel chooses
+        bool needs_token = true;       // else every client may everything
+        std::shared_ptr<Tls> tls{};    // nullptr: not encrypted
+    };
+    /// Listens there; the port, or why not. After an error it may be tried again.
+    Expected<std::uint16_t> start(const Network& network);
+    /// Whose tokens and which names count at network doors.
+    Admission& admission() noexcept { return admission_; }
     /// A client by a connection of any sort.
     void admit(std::unique_ptr<Stream> stream);
     /// Closes everything at once and removes the socket; producers and users of WebSockets are gone then. The loop may still hold what
@@ -51,14 +65,11 @@ public:
     void stop();
 
 private:
-    using Acceptor = asio::basic_socket_acceptor<asio::generic::stream_protocol>;
-
-    void accept();
     bool make_place(std::uint32_t user);
     void give_turn();
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
-    Response answer(Request request) override { return routes_.answer(std::move(request)); }
+    Response answer(Request request) override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     bool has_memory() override { return !has_memory_ || has_memory_(); }
 
@@ -66,9 +77,9 @@ private:
     ServerLimits limits_;
     HasMemory has_memory_;
     Routes routes_;
+    Admission admission_;
     LocalSocket local_;
-    Acceptor acceptor_;
-    asio::steady_timer pause_;
+    std::unique_ptr<Listener> local_listener_, network_listener_;
     std::vector<std::weak_ptr<Session>> sessions_;
     Turns<std::shared_ptr<Session>> turns_;    // each with a whole request
     std::deque<std::weak_ptr<Farewell>> farewells_;

@@ -114,6 +114,7 @@ void Session::take_turn() {
 
 void Session::answer(Request request) {
     request.user = user_;
+    request.door = stream_->door();
     sending_ = {request.version, request.keep_alive};
     const bool head_only = request.method == "HEAD";
     Response response = owner_.answer(request);

@@ -10,7 +10,7 @@ namespace {
 
 class SocketStream final : public Stream {
 public:
-    explicit SocketStream(Socket socket) : socket_{std::move(socket)} {}
+    SocketStream(Socket socket, Door door) : socket_{std::move(socket)}, door_{std::move(door)} {}
 
     void read_some(asio::mutable_buffer into, Done done) override { socket_.async_read_some(into, std::move(done)); }
     void write_some(const Parts& from, Done done) override { socket_.async_write_some(from, std::move(done)); }
@@ -27,18 +27,24 @@ public:
         socket_.close(ignored);
     }
     std::uint32_t user() const override {
+        if (door_.is_network) return unknown_user;
         ucred who{};
         socklen_t size = sizeof who;
         const int fd = const_cast<Socket&>(socket_).native_handle();
         return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : unknown_user;
     }
 
+    const Door& door() const override { return door_; }
+
 private:
     Socket socket_;
+    Door door_;
 };
 
 }    // namespace
 
-std::unique_ptr<Stream> stream_of(Socket socket) { return std::make_unique<SocketStream>(std::move(socket)); }
+std::unique_ptr<Stream> stream_of(Socket socket, Door door) {
+    return std::make_unique<SocketStream>(std::move(socket), std::move(door));
+}
 
 }    // namespace anogate::http

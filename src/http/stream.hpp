@@ -1,6 +1,7 @@
 // Bytes both ways, over whatever: what a session speaks through.
 #pragma once
 #include <http/asio.hpp>
+#include <http/door.hpp>
 
 #include <array>
 #include <cstdint>
@@ -25,10 +26,11 @@ public:
     virtual void close() = 0;
     /// Who is at the other end of a Unix socket; unknown_user elsewhere.
     virtual std::uint32_t user() const = 0;
+    virtual const Door& door() const = 0;
 };
 
 /// Of a connected socket, Unix or TCP.
 using Socket = asio::generic::stream_protocol::socket;
-std::unique_ptr<Stream> stream_of(Socket socket);
+std::unique_ptr<Stream> stream_of(Socket socket, Door door = {});
 
 }    // namespace anogate::http

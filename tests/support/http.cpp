@@ -1,5 +1,7 @@
 #include "http.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/un.h>
@@ -7,17 +9,43 @@
 
 namespace support {
 
-int connect_unix(const std::string& path) {
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
+namespace {
+
+template <class Address>
+int connect_to(const Address& address, int family) {
+    const int fd = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0);
     timeval limit{5, 0};
     ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
     if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
     ::close(fd);
     return -1;
+}
+
+std::string ask(int fd, const std::string& request) {
+    if (fd < 0) return {};
+    std::string answer;
+    if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
+        answer = read_to_end(fd);
+    ::close(fd);
+    return answer;
+}
+
+}    // namespace
+
+int connect_unix(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    return connect_to(address, AF_UNIX);
+}
+
+int connect_tcp(std::uint16_t port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return connect_to(address, AF_INET);
 }
 
 std::string read_to_end(int fd) {
@@ -27,15 +55,8 @@ std::string read_to_end(int fd) {
     return text;
 }
 
-std::string http(const std::string& socket, const std::string& request) {
-    const int fd = connect_unix(socket);
-    if (fd < 0) return {};
-    std::string answer;
-    if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
-        answer = read_to_end(fd);
-    ::close(fd);
-    return answer;
-}
+std::string http(const std::string& socket, const std::string& request) { return ask(connect_unix(socket), request); }
+std::string http(std::uint16_t port, const std::string& request) { return ask(connect_tcp(port), request); }
 
 std::string body_of(const std::string& answer) {
     const auto end = answer.find("\r\n\r\n");

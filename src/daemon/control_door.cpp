@@ -1,0 +1,142 @@
+#include <daemon/control_door.hpp>
+#include <daemon/rooms.hpp>
+#include <http/socket_path.hpp>
+#include <http/tcp_door.hpp>
+#include <http/token_file.hpp>
+
+#include <spdlog/spdlog.h>
+
+#include <climits>
+#include <cstdlib>
+#include <utility>
+
+#include <unistd.h>
+
+namespace anogate {
+namespace {
+
+constexpr Duration retry = std::chrono::milliseconds{500};
+constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
+
+std::string environment(const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
+}
+
+/// The first user id that people have (login.defs, UID_MIN): below are those of services.
+constexpr uid_t first_person = 1000;
+bool is_service(uid_t user) { return user < first_person; }
+
+std::string token_file_of(const std::string& configured) {
+    if (!configured.empty()) return configured;
+    if (is_service(::geteuid())) {
+        const std::string folder = environment("STATE_DIRECTORY");
+        return (folder.empty() ? "/var/lib/anogate" : folder) + "/token";
+    }
+    const std::string state = environment("XDG_STATE_HOME");
+    return (state.empty() ? environment("HOME") + "/.local/state" : state) + "/anogate/token";
+}
+
+std::string host_name() {
+    char name[HOST_NAME_MAX + 1] = {};
+    return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+}    // namespace
+
+bool network_needs_token(const std::string& address, uid_t user) { return is_service(user) || !http::is_loopback(address); }
+
+ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
+    : settings_{std::move(settings)}, server_{io, {}, [] { return memory_is_left(request_memory); }}, again_{io, [this] {
+                                                                                                                 try_again();
+                                                                                                             }} {}
+
+bool ControlDoor::open() {
+    if (!open_local()) return false;
+    if (settings_.http) open_network();
+    if (awaits_local_ || awaits_network_) again_.start(retry);
+    return true;
+}
+
+void ControlDoor::close() {
+    again_.stop();
+    server_.stop();
+}
+
+bool ControlDoor::open_local() {
+    const auto socket = http::control_socket(settings_.socket, http::this_runner());
+    if (!socket) return true;
+    socket_ = *socket;
+    const http::Server::Outcome outcome = server_.start(socket_);
+    if (!outcome.notice.empty()) spdlog::info(outcome.notice);
+    if (outcome.error.empty()) return true;
+    if (!outcome.in_use && !settings_.socket.empty()) {
+        spdlog::error("--control: {}", outcome.error);
+        return false;
+    }
+    spdlog::warn("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
+    awaits_local_ = outcome.in_use;
+    return true;
+}
+
+void ControlDoor::open_network() {
+    if (!prepare_network()) return;
+    awaits_network_ = true;
+    try_network();
+}
+
+// Without tokens or certificate it stays shut: an open door is worse than none.
+bool ControlDoor::prepare_network() {
+    network_ = {settings_.http->address.text(), settings_.http->port};
+    if (!settings_.http->interface.empty()) network_.address += "%" + settings_.http->interface;
+    network_.needs_token = network_needs_token(network_.address, ::geteuid());
+    const auto shut = [](const std::string& why) {
+        spdlog::error("control.http stays shut: {}", why);
+        return false;
+    };
+    http::AdmissionRules rules{{}, host_name(), settings_.hosts, settings_.origins};
+    if (network_.needs_token || !settings_.token_file.empty()) {
+        const std::string file = token_file_of(settings_.token_file);
+        auto tokens = http::read_or_make_tokens(file);
+        if (!tokens) return shut("control.token_file: " + tokens.error());
+        rules.tokens = std::move(*tokens);
+        spdlog::info("control.http: the tokens are in {}", file);
+    }
+    server_.admission().set(std::move(rules));
+    if (settings_.tls.key.empty()) return true;
+    auto tls = http::Tls::load(settings_.tls.certificate, settings_.tls.key);
+    if (!tls) return shut("control.tls: " + tls.error());
+    network_.tls = std::move(*tls);
+    return true;
+}
+
+void ControlDoor::try_again() {
+    if (awaits_local_) try_local();
+    if (awaits_network_) try_network();
+    if (!awaits_local_ && !awaits_network_) again_.stop();
+}
+
+// Whoever has the socket may end, and then this one is to be found there.
+void ControlDoor::try_local() {
+    const http::Server::Outcome outcome = server_.start(socket_);
+    if (!outcome.error.empty()) return;
+    awaits_local_ = false;
+    if (!outcome.notice.empty()) spdlog::info(outcome.notice);
+    spdlog::info("{}: up", socket_);
+}
+
+void ControlDoor::try_network() {
+    const auto port = server_.start(network_);
+    if (!port) {
+        if (port.error() != network_trouble_) spdlog::warn("control.http: {}; waiting for it", port.error());
+        network_trouble_ = port.error();
+        return;
+    }
+    awaits_network_ = false;
+    Endpoint where = *settings_.http;
+    where.port = *port;
+    network_address_ = (network_.tls ? "https://" : "http://") + where.text();
+    spdlog::info("{}: up", network_address_);
+}
+
+}    // namespace anogate

@@ -1,0 +1,155 @@
+#include <http/admission.hpp>
+
+#include <algorithm>
+#include <cctype>
+
+namespace anogate::http {
+namespace {
+
+constexpr std::string_view where_tokens_are = "; the gateway's token file (control.token_file) has it";
+
+std::string lower(std::string_view text) {
+    std::string all{text};
+    for (char& c : all) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return all;
+}
+
+/// Takes as long whatever is different.
+bool is_same_token(std::string_view known, std::string_view given) {
+    unsigned different = known.size() == given.size() ? 0u : 1u;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        different |= static_cast<unsigned char>(known[i % known.size()]) ^ static_cast<unsigned char>(given[i]);
+    return different == 0;
+}
+
+struct Authority {
+    std::string host;         // in lower case, without brackets and the dot of a whole name
+    std::string_view port;    // empty: that of the scheme
+};
+
+Authority authority_of(std::string_view text) {
+    std::size_t colon = text.rfind(':');
+    if (const std::size_t bracket = text.rfind(']'); bracket != text.npos && colon != text.npos && colon < bracket)
+        colon = text.npos;
+    std::string host = lower(text.substr(0, colon));
+    if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+    else if (!host.empty() && host.back() == '.') host.pop_back();
+    return {std::move(host), colon == text.npos ? std::string_view{} : text.substr(colon + 1)};
+}
+
+std::string_view usual_port(bool is_encrypted) { return is_encrypted ? "443" : "80"; }
+
+bool is_passed_on(const Request& request) {
+    return std::any_of(request.headers.begin(), request.headers.end(), [](const Field& field) {
+        const std::string name = lower(field.name);
+        return name == "forwarded" || name == "via" || name.starts_with("x-forwarded-");
+    });
+}
+
+std::string cookie_name(const Door& door) { return "anogate-" + std::to_string(door.port); }
+
+/// Of a header "a=1; b=2".
+std::string_view cookie_of(const Request& request) {
+    const std::string name = cookie_name(request.door) + "=";
+    for (const Field& field : request.headers) {
+        if (lower(field.name) != "cookie") continue;
+        for (std::string_view rest = field.value; !rest.empty();) {
+            const std::string_view one = rest.substr(0, rest.find(';'));
+            rest.remove_prefix(std::min(rest.size(), one.size() + 1));
+            const std::size_t begin = std::min(one.find_first_not_of(' '), one.size());
+            if (one.substr(begin).starts_with(name)) return one.substr(begin + name.size());
+        }
+    }
+    return {};
+}
+
+/// Empty: none was given.
+std::string_view token_of(const Request& request) {
+    constexpr std::string_view scheme = "bearer ";
+    const std::string_view given = request.header("Authorization");
+    if (lower(given.substr(0, scheme.size())) != scheme) return cookie_of(request);
+    const std::string_view token = given.substr(scheme.size());
+    return token.substr(std::min(token.find_first_not_of(' '), token.size()));
+}
+
+/// What no page of others can make a browser send without asking first.
+bool is_plain_data(std::string_view type) {
+    std::string_view kind = type.substr(0, type.find(';'));
+    kind = kind.substr(0, kind.find_last_not_of(' ') + 1);
+    const std::string name = lower(kind);
+    return name == "application/json" || name == "application/octet-stream";
+}
+
+}    // namespace
+
+Response needs_token(std::string_view words) {
+    Response response = error(401, std::string{words}.append(where_tokens_are));
+    response.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
+    return response;
+}
+
+bool Admission::is_own_name(std::string_view host, const Door& door) const {
+    const std::string own = lower(rules_.host_name);
+    if (host == "localhost" || host == lower(door.local.substr(0, door.local.find('%')))) return true;
+    if (!own.empty() && (host == own || host == own + ".local")) return true;
+    return std::any_of(rules_.hosts.begin(), rules_.hosts.end(), [&](const std::string& name) { return host == lower(name); });
+}
+
+// Where it goes, or one that the configuration names. A page at another port of ours is another's page.
+bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const {
+    for (const std::string& allowed : rules_.origins)
+        if (lower(origin) == lower(allowed)) return true;
+    const bool is_https = lower(origin).starts_with("https://");
+    const std::size_t slashes = origin.find("://");
+    if (slashes == origin.npos) return false;
+    const Authority from = authority_of(origin.substr(slashes + 3)), to = authority_of(host);
+    const auto port = [](const Authority& of, bool encrypted) { return of.port.empty() ? usual_port(encrypted) : of.port; };
+    return from.host == to.host && port(from, is_https) == port(to, to.port.empty() ? is_https : is_encrypted);
+}
+
+std::optional<Response> Admission::refusal(const Request& request) const {
+    const std::string_view host = request.header("Host"), origin = request.header("Origin");
+    const auto hosts = std::count_if(request.headers.begin(), request.headers.end(),
+                                     [](const Field& field) { return lower(field.name) == "host"; });
+    if (hosts != 1 || !is_own_name(authority_of(host).host, request.door))
+        return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
+    if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
+        return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");
+    if (!request.body.empty() && !is_plain_data(request.header("Content-Type")))
+        return error(415, "a body is application/json or application/octet-stream: say which in Content-Type");
+    return std::nullopt;
+}
+
+tl::expected<Access, Response> Admission::judge(const Request& request, ano::TimePoint now) {
+    const bool passed_on = is_passed_on(request);
+    if (request.door.is_network)
+        if (auto no = refusal(request)) return tl::unexpected{std::move(*no)};
+    if (!request.door.needs_token && !passed_on) return Access::control;
+    const std::string_view token = token_of(request);
+    if (token.empty()) return Access::open;
+    return access_of(token, request.door, now);
+}
+
+tl::expected<Access, Response> Admission::access_of(std::string_view token, const Door& door, ano::TimePoint now) {
+    if (const auto barred = attempts_.barred_for(door.peer, now); barred > ano::Duration{}) {
+        const auto seconds = std::chrono::ceil<std::chrono::seconds>(barred).count();
+        Response response = error(429, "too many wrong tokens from this address; try again in " + std::to_string(seconds) + " s");
+        response.headers.push_back({"Retry-After", std::to_string(seconds)});
+        return tl::unexpected{std::move(response)};
+    }
+    std::optional<Access> access;
+    for (const Token& known : rules_.tokens)    // all of them: the time tells nothing
+        if (is_same_token(known.text, token)) access = std::max(access.value_or(Access::open), known.access);
+    if (access) return *access;
+    attempts_.failed(door.peer, now);
+    return tl::unexpected{needs_token("the token is not right")};
+}
+
+Field Admission::cookie(std::string_view token, const Door& door) {
+    constexpr std::string_view year = "31536000";
+    std::string value = cookie_name(door);
+    value.append("=").append(token).append("; HttpOnly; SameSite=Strict; Path=/; Max-Age=").append(year);
+    return {"Set-Cookie", std::move(value) + (door.is_encrypted ? "; Secure" : "")};
+}
+
+}    // namespace anogate::http

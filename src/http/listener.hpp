@@ -1,0 +1,28 @@
+// Connections by one listening socket.
+#pragma once
+#include <http/asio.hpp>
+#include <http/stream.hpp>
+#include <link/unique_fd.hpp>
+
+#include <functional>
+#include <memory>
+
+namespace anogate::http {
+
+/// Lets in who comes, until it goes.
+class Listener {
+public:
+    using Admit = std::function<void(Socket socket)>;
+
+    /// `fd` listens, and is of `family` (AF_UNIX, AF_INET, AF_INET6). `admit` may throw std::bad_alloc: who came is cut off then.
+    Listener(asio::io_context& io, UniqueFd fd, int family, Admit admit);
+    ~Listener();
+    Listener(const Listener&) = delete;
+    Listener& operator=(const Listener&) = delete;
+
+private:
+    struct State;
+    std::shared_ptr<State> state_;
+};
+
+}    // namespace anogate::http

@@ -1,0 +1,103 @@
+#include <http/request.hpp>
+#include <http/tls.hpp>
+
+#include <http/asio_ssl.hpp>
+
+#include <utility>
+#include <vector>
+
+namespace anogate::http {
+
+struct Tls::Context {
+    asio::ssl::context ssl{asio::ssl::context::tls_server};
+};
+
+namespace {
+
+/// What runs outlives the stream that was asked for it.
+struct Encrypted : std::enable_shared_from_this<Encrypted> {
+    Encrypted(Socket connected, asio::ssl::context& context) : ssl{std::move(connected), context} {}
+
+    /// Calls `then` once the handshake is over; who asks meanwhile waits as well.
+    void shake_hands(std::function<void(error_code)> then) {
+        if (is_ready) return then({});
+        waiting.push_back(std::move(then));
+        if (waiting.size() > 1) return;
+        ssl.async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](error_code ec) {
+            self->is_ready = !ec;
+            for (const auto& next : std::exchange(self->waiting, {})) next(ec);
+        });
+    }
+
+    asio::ssl::stream<Socket> ssl;
+    bool is_ready = false;
+    std::vector<std::function<void(error_code)>> waiting;
+};
+
+class TlsStream final : public Stream {
+public:
+    TlsStream(Socket socket, asio::ssl::context& context, std::shared_ptr<const void> keep, Door door)
+        : keep_{std::move(keep)}, state_{std::make_shared<Encrypted>(std::move(socket), context)}, door_{std::move(door)} {}
+
+    void read_some(asio::mutable_buffer into, Done done) override {
+        state_->shake_hands([state = state_, into, done = std::move(done)](error_code ec) mutable {
+            if (ec) return done(ec, 0);
+            state->ssl.async_read_some(
+                into, [state, done = std::move(done)](error_code failed, std::size_t size) { done(ended(failed), size); });
+        });
+    }
+    void write_some(const Parts& from, Done done) override {
+        state_->shake_hands([state = state_, from, done = std::move(done)](error_code ec) mutable {
+            if (ec) return done(ec, 0);
+            state->ssl.async_write_some(
+                from, [state, done = std::move(done)](error_code failed, std::size_t size) { done(failed, size); });
+        });
+    }
+    void cancel() override {
+        error_code ignored;
+        state_->ssl.lowest_layer().cancel(ignored);
+    }
+    // The length of every answer is told, or its last part: nobody needs the end of the encryption to be said.
+    void end_output() override {
+        error_code ignored;
+        state_->ssl.lowest_layer().shutdown(Socket::shutdown_send, ignored);
+    }
+    void close() override {
+        error_code ignored;
+        state_->ssl.lowest_layer().close(ignored);
+    }
+    std::uint32_t user() const override { return unknown_user; }
+    const Door& door() const override { return door_; }
+
+private:
+    /// Many clients close without a word.
+    static error_code ended(error_code ec) { return ec == asio::ssl::error::stream_truncated ? asio::error::eof : ec; }
+
+    std::shared_ptr<const void> keep_;
+    std::shared_ptr<Encrypted> state_;
+    Door door_;
+};
+
+}    // namespace
+
+Tls::Tls(std::shared_ptr<Context> context) : context_{std::move(context)} {}
+Tls::~Tls() = default;
+
+Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const std::string& key) {
+    using Options = asio::ssl::context;
+    auto context = std::make_shared<Context>();
+    context->ssl.set_options(Options::default_workarounds | Options::no_tlsv1 | Options::no_tlsv1_1 | Options::no_compression |
+                             SSL_OP_NO_RENEGOTIATION);
+    error_code ec;
+    context->ssl.use_certificate_chain_file(certificate, ec);
+    if (ec) return Unexpected{certificate + ": " + ec.message()};
+    context->ssl.use_private_key_file(key, Options::pem, ec);
+    if (ec) return Unexpected{key + ": " + ec.message()};
+    return std::unique_ptr<Tls>{new Tls{std::move(context)}};
+}
+
+std::unique_ptr<Stream> Tls::stream(Socket socket, Door door) const {
+    return std::make_unique<TlsStream>(std::move(socket), context_->ssl, context_, std::move(door));
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,96 @@
+#include <http/token_file.hpp>
+#include <link/errors.hpp>
+#include <link/unique_fd.hpp>
+
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+
+namespace anogate::http {
+namespace {
+
+constexpr std::size_t min_token = 16, max_token = 256, max_file = 64 * 1024;
+
+bool is_token(std::string_view text) {
+    constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~+/=";
+    return text.size() >= min_token && text.size() <= max_token && text.find_first_not_of(allowed) == text.npos;
+}
+
+std::optional<std::string> random_token() {
+    std::array<unsigned char, 32> bytes{};
+    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return std::nullopt;
+    constexpr char digits[] = "0123456789abcdef";
+    std::string text;
+    for (const unsigned char byte : bytes) text.append({digits[byte >> 4], digits[byte & 15]});
+    return text;
+}
+
+// Written whole under another name first: who finds the file finds both tokens.
+Expected<void> make(const std::string& path) {
+    namespace fs = std::filesystem;
+    const auto failed = [&] { return Unexpected{error_text(path, errno)}; };
+    std::error_code ec;
+    if (const fs::path folder = fs::path{path}.parent_path(); !folder.empty()) fs::create_directories(folder, ec);
+    const auto view = random_token(), control = random_token();
+    if (!view || !control) return failed();
+    const std::string text = "# Who gives one of these may look, or do everything: Authorization: Bearer TOKEN\nview " + *view +
+                             "\ncontrol " + *control + "\n";
+    const std::string draft = path + "." + std::to_string(::getpid());
+    const UniqueFd fd{::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR)};
+    if (!fd) return failed();
+    const bool written = ::write(fd.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+                         ::fsync(fd.get()) == 0 && ::link(draft.c_str(), path.c_str()) == 0;
+    const int error = errno;
+    ::unlink(draft.c_str());
+    if (!written && error != EEXIST) return Unexpected{error_text(path, error)};    // another made it meanwhile: that is read
+    return {};
+}
+
+}    // namespace
+
+Expected<std::vector<Token>> parse_tokens(std::string_view text) {
+    std::vector<Token> tokens;
+    for (std::size_t number = 1; !text.empty(); ++number) {
+        std::string_view line = text.substr(0, text.find('\n'));
+        text.remove_prefix(std::min(text.size(), line.size() + 1));
+        line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        if (line.empty() || line.front() == '#') continue;
+        const std::string_view allows = line.substr(0, line.find_first_of(" \t"));
+        std::string_view token = line.substr(allows.size());
+        token.remove_prefix(std::min(token.find_first_not_of(" \t"), token.size()));
+        const std::string where = "line " + std::to_string(number) + ": ";    // never the line itself: it may be a secret
+        if (allows != "view" && allows != "control") return Unexpected{where + "a line is 'view TOKEN' or 'control TOKEN'"};
+        if (!is_token(token)) return Unexpected{where + "a token has 16 to 256 letters, digits or characters of -._~+/="};
+        tokens.push_back({allows == "view" ? Access::view : Access::control, std::string{token}});
+    }
+    if (tokens.empty()) return Unexpected{"there is no token in it; without the file one of each is made"};
+    return tokens;
+}
+
+Expected<std::vector<Token>> read_or_make_tokens(const std::string& path) {
+    constexpr int how = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;    // a pipe is not waited for
+    UniqueFd fd{::open(path.c_str(), how)};
+    if (!fd && errno == ENOENT) {
+        if (auto made = make(path); !made) return Unexpected{std::move(made.error())};
+        fd = UniqueFd{::open(path.c_str(), how)};
+    }
+    struct stat facts {};
+    if (!fd || ::fstat(fd.get(), &facts) != 0) return Unexpected{error_text(path, errno)};
+    if (!S_ISREG(facts.st_mode)) return Unexpected{path + ": is not a file"};
+    if ((facts.st_mode & S_IRWXO) != 0) return Unexpected{path + ": everybody on this computer may read it; chmod o= " + path};
+    std::string text(max_file, '\0');
+    const ssize_t size = ::read(fd.get(), text.data(), text.size());
+    if (size < 0) return Unexpected{error_text(path, errno)};
+    text.resize(static_cast<std::size_t>(size));
+    auto tokens = parse_tokens(text);
+    if (!tokens) return Unexpected{path + ": " + tokens.error()};
+    return tokens;
+}
+
+}    // namespace anogate::http

@@ -1,0 +1,237 @@
+// The control interface over TCP, as strangers and browsers reach it.
+#include <http/certificate.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace {
+
+using namespace support;
+
+const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
+
+/// Behind a proxy, so that a token is needed whoever runs the test.
+std::string request(const std::string& line, const std::string& headers = {}, const std::string& body = {}) {
+    return line + " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\nConnection: close\r\nContent-Length: " +
+           std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body;
+}
+std::string bearer(const std::string& token) { return "Authorization: Bearer " + token + "\r\n"; }
+std::string code_of(const std::string& answer) { return answer.size() > 12 ? answer.substr(9, 3) : answer; }
+
+class NetworkDoor : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+        const std::string before = "http://127.0.0.1:";
+        ASSERT_TRUE(daemon.until_says(before)) << daemon.output();
+        const std::string& said = daemon.output();
+        port = static_cast<std::uint16_t>(std::stoi(said.substr(said.rfind(before) + before.size())));
+    }
+    void TearDown() override {
+        daemon.signal(SIGTERM);
+        EXPECT_EQ(daemon.wait(), 0) << daemon.output();
+    }
+
+    TempDir dir;
+    std::string tokens = [this] {
+        const std::string file = dir.write("token", "view " + looks + "\ncontrol " + acts + "\n");
+        std::filesystem::permissions(file, std::filesystem::perms{0600});
+        return file;
+    }();
+    std::string config() {
+        return dir.write(
+            "anogate.json",
+            R"({"links": ["udp-listen:127.0.0.1:0,name=ground"], "control": {"http": "127.0.0.1:0", "token_file": ")" + tokens +
+                "\"}}");
+    }
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}};
+    std::uint16_t port = 0;
+};
+
+TEST_F(NetworkDoor, lets_in_who_has_a_token) {
+    EXPECT_EQ(code_of(http(port, request("GET /status"))), "401");
+    EXPECT_EQ(code_of(http(port, request("GET /status", bearer(looks)))), "200");
+    EXPECT_EQ(code_of(http(port, request("GET /status", bearer(acts)))), "200");
+    EXPECT_EQ(code_of(http(port, request("GET /status", bearer("wrong")))), "401");
+    EXPECT_NE(http(port, request("GET /status")).find("WWW-Authenticate: Bearer"), std::string::npos);
+}
+
+TEST_F(NetworkDoor, who_may_look_may_not_act) {
+    const std::string json = "Content-Type: application/json\r\n";
+    EXPECT_EQ(code_of(http(port, request("POST /gpio", json + bearer(looks), "{}"))), "403");
+    EXPECT_EQ(code_of(http(port, request("POST /gpio", json, "{}"))), "401");
+    EXPECT_EQ(code_of(http(port, request("POST /gpio", json + bearer(acts), "{}"))), "404") << "there is no such line";
+}
+
+TEST_F(NetworkDoor, gives_a_browser_a_cookie_for_a_token) {
+    const std::string json = "Content-Type: application/json\r\n";
+    const std::string answer = http(port, request("POST /login", json, R"({"token": ")" + looks + "\"}"));
+    ASSERT_EQ(code_of(answer), "200") << answer;
+    EXPECT_EQ(body_of(answer), "{\"access\": \"view\"}\n");
+    const auto begin = answer.find("Set-Cookie: ") + 12;
+    const std::string cookie = "Cookie: " + answer.substr(begin, answer.find(';', begin) - begin) + "\r\n";
+    EXPECT_EQ(code_of(http(port, request("GET /status", cookie))), "200");
+    EXPECT_EQ(code_of(http(port, request("POST /login", json, R"({"token": "wrong"})"))), "401");
+    for (const std::string body : {"", "{}", "[]", "{\"token\": 5}", "{\"token\""})
+        EXPECT_EQ(code_of(http(port, request("POST /login", json, body))), "400") << body;
+}
+
+TEST_F(NetworkDoor, refuses_other_names_pages_and_forms) {
+    const auto asked = [&](const std::string& host, const std::string& more, const std::string& line = "GET /status") {
+        const std::string body = line.starts_with("POST") ? "{}" : "";
+        return code_of(http(port, line + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\nContent-Length: " +
+                                      std::to_string(body.size()) + "\r\n" + bearer(acts) + more + "\r\n" + body));
+    };
+    EXPECT_EQ(asked("127.0.0.1:" + std::to_string(port), ""), "200");
+    EXPECT_EQ(asked("evil.example", ""), "403");
+    EXPECT_EQ(asked("localhost", "Origin: http://evil.example\r\n"), "403");
+    EXPECT_EQ(asked("localhost", "Content-Type: text/plain\r\n", "POST /gpio"), "415");
+}
+
+TEST_F(NetworkDoor, bars_who_guesses) {
+    for (int i = 0; i < 10; ++i)
+        EXPECT_EQ(code_of(http(port, request("GET /status", bearer("guess" + std::to_string(i))))), "401");
+    EXPECT_EQ(code_of(http(port, request("GET /status", bearer(acts)))), "429");
+    EXPECT_EQ(code_of(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n")), "200") << "the socket is another door";
+}
+
+TEST_F(NetworkDoor, a_crowd_from_the_network_leaves_room_for_the_socket) {
+    std::vector<int> crowd;
+    for (int i = 0; i < 100; ++i) {
+        crowd.push_back(connect_tcp(port));
+        const std::string half = "GET /sta";
+        if (crowd.back() >= 0) ::send(crowd.back(), half.data(), half.size(), MSG_NOSIGNAL);
+    }
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(code_of(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n")), "200");
+    for (const int fd : crowd) ::close(fd);
+}
+
+TEST_F(NetworkDoor, ten_thousand_connections_in_turn_leave_nothing_behind) {
+    const auto descriptors = [&] {
+        return std::distance(std::filesystem::directory_iterator{"/proc/" + std::to_string(daemon.pid()) + "/fd"}, {});
+    };
+    const std::string whole = request("GET /nothing", bearer(looks)), half = "GET /sta";
+    ASSERT_EQ(code_of(http(port, whole)), "404");
+    const auto before = descriptors();
+    const long memory = daemon.proc_status("VmRSS");
+    for (int i = 0; i < 10000; ++i) {
+        const int fd = connect_tcp(port);
+        ASSERT_GE(fd, 0) << i;
+        if (i % 3 == 0) ::send(fd, half.data(), half.size(), MSG_NOSIGNAL);
+        ::close(fd);
+    }
+    EXPECT_EQ(code_of(http(port, whole)), "404");
+    EXPECT_TRUE(wait_until([&] { return descriptors() <= before; })) << descriptors() << " of " << before;
+    EXPECT_LT(daemon.proc_status("VmRSS"), memory + 8 * 1024);
+}
+
+TEST(NetworkDoorTokens, are_made_when_there_are_none) {
+    TempDir dir;
+    const std::string config = dir.write(
+        "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" +
+                            (dir / "state/token") + "\"}}");
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config}};
+    ASSERT_TRUE(daemon.until_says("http://127.0.0.1:")) << daemon.output();
+    EXPECT_TRUE(std::filesystem::exists(dir / "state/token"));
+    EXPECT_TRUE(daemon.until_says("the tokens are in " + (dir / "state/token"))) << daemon.output();
+}
+
+TEST(NetworkDoorTokens, with_a_fault_keep_it_shut_and_the_gateway_running) {
+    TempDir dir;
+    const std::string tokens = dir.write("token", "everything is fine\n");
+    std::filesystem::permissions(tokens, std::filesystem::perms{0600});
+    const std::string config = dir.write(
+        "anogate.json",
+        R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" + tokens + "\"}}");
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config}};
+    ASSERT_TRUE(daemon.until_says("control.http stays shut: control.token_file: " + tokens + ": line 1: ")) << daemon.output();
+    EXPECT_TRUE(daemon.until_answers()) << daemon.output();
+    EXPECT_EQ(daemon.output().find("http://127.0.0.1:"), std::string::npos) << daemon.output();
+}
+
+TEST(NetworkDoorPort, that_is_taken_is_waited_for) {
+    TempDir dir;
+    const int taken = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ASSERT_EQ(::bind(taken, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    ASSERT_EQ(::listen(taken, 1), 0);
+    socklen_t size = sizeof address;
+    ::getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size);
+    const std::string where = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+    Daemon daemon{ANOGATED,
+                  dir / "control.sock",
+                  {"udp-listen:127.0.0.1:0", "--http", where},
+                  {"STATE_DIRECTORY=" + dir.path().string(), "XDG_STATE_HOME=" + dir.path().string()}};
+    ASSERT_TRUE(daemon.until_says("Address already in use; waiting for it")) << daemon.output();
+    ASSERT_TRUE(daemon.until_answers());
+    ::close(taken);
+    EXPECT_TRUE(daemon.until_says("http://" + where + ": up")) << daemon.output();
+}
+
+/// With a certificate made for the test.
+class EncryptedDoor : public testing::Test {
+protected:
+    void SetUp() override {
+        const auto made = anogate::http::make_certificate({{"localhost"}, {"127.0.0.1"}}, dir / "cert.pem", dir / "key.pem");
+        ASSERT_TRUE(made) << made.error();
+        const std::string tokens = dir.write("token", "view " + looks + "\ncontrol " + acts + "\n");
+        std::filesystem::permissions(tokens, std::filesystem::perms{0600});
+        const std::string config = dir.write(
+            "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" +
+                                tokens + R"(", "tls": {"certificate": ")" + (dir / "cert.pem") + R"(", "key": ")" +
+                                (dir / "key.pem") + "\"}}}");
+        daemon = std::make_unique<Daemon>(ANOGATED, dir / "control.sock", std::vector<std::string>{"--config", config});
+        const std::string before = "https://127.0.0.1:";
+        ASSERT_TRUE(daemon->until_says(before)) << daemon->output();
+        port = daemon->output().substr(daemon->output().rfind(before) + before.size());
+        port = port.substr(0, port.find(':'));
+    }
+    /// The status code that curl sees, "000" when it gets none.
+    std::string curl(const std::string& arguments) {
+        Shell shell{"curl -sS -m 20 -o /dev/null -w '%{http_code}' " + arguments};
+        shell.wait();
+        return shell.output();
+    }
+
+    TempDir dir;
+    std::unique_ptr<Daemon> daemon;
+    std::string port;
+};
+
+TEST_F(EncryptedDoor, is_known_by_its_certificate) {
+    const std::string mine = "--cacert " + (dir / "cert.pem") + " -H 'Authorization: Bearer " + looks + "' ";
+    EXPECT_EQ(curl(mine + "https://localhost:" + port + "/status"), "200");
+    EXPECT_EQ(
+        curl(mine + "--tls-max 1.2 https://localhost:" + port + "/status -o /dev/null https://localhost:" + port + "/status"),
+        "200200");
+    EXPECT_EQ(curl("-H 'Authorization: Bearer " + looks + "' https://localhost:" + port + "/status 2> /dev/null"), "000")
+        << "nobody vouches for it";
+    EXPECT_EQ(curl(mine + "--tls-max 1.1 https://localhost:" + port + "/status 2> /dev/null"), "000");
+    EXPECT_EQ(curl("http://localhost:" + port + "/status 2> /dev/null"), "000") << "not encrypted";
+}
+
+TEST_F(EncryptedDoor, stands_junk_and_silence) {
+    const auto number = static_cast<std::uint16_t>(std::stoi(port));
+    std::vector<int> silent;
+    for (int i = 0; i < 60; ++i) silent.push_back(connect_tcp(number));
+    for (const std::string& junk :
+         {std::string(5000, '\0'), std::string("GET / HTTP/1.1\r\n\r\n"), std::string("\x16\x03\x01\xFF\xFF", 5)})
+        http(number, junk + std::string(100, '\xFF'));
+    for (const int fd : silent) ::close(fd);
+    EXPECT_EQ(curl("-k -H 'Authorization: Bearer " + looks + "' https://localhost:" + port + "/status"), "200");
+    EXPECT_TRUE(daemon->until_answers());
+}
+
+}    // namespace

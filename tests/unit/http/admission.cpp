@@ -1,0 +1,182 @@
+#include <http/admission.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::http {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
+
+Door network_door(bool needs_token = true) {
+    return {.is_network = true, .needs_token = needs_token, .local = "192.168.1.5", .port = 8088, .peer = "192.168.1.77"};
+}
+
+Request asked(std::vector<Field> headers, Door door = network_door()) {
+    Request request;
+    request.method = "GET";
+    request.target = "/status";
+    request.headers = std::move(headers);
+    request.door = std::move(door);
+    return request;
+}
+
+Admission admission_with(AdmissionRules more = {}) {
+    Admission admission;
+    more.tokens = {{Access::view, looks}, {Access::control, acts}};
+    more.host_name = "Vehicle";
+    admission.set(std::move(more));
+    return admission;
+}
+
+/// What it may, or the status of the refusal as a negative number.
+int judged(Admission& admission, const Request& request, ano::TimePoint now = {}) {
+    const auto allowed = admission.judge(request, now);
+    return allowed ? static_cast<int>(*allowed) : -static_cast<int>(allowed.error().status);
+}
+int judged(const Request& request) {
+    Admission admission = admission_with();
+    return judged(admission, request);
+}
+constexpr int open = static_cast<int>(Access::open), view = static_cast<int>(Access::view),
+              control = static_cast<int>(Access::control);
+const Field host{"Host", "192.168.1.5:8088"};
+
+TEST(Admission, who_comes_by_the_socket_may_everything) {
+    EXPECT_EQ(judged(asked({}, {})), control);
+    EXPECT_EQ(judged(asked({{"Host", "evil.example"}, {"Origin", "http://evil.example"}}, {})), control);
+}
+
+TEST(Admission, who_comes_by_the_network_may_what_his_token_may) {
+    EXPECT_EQ(judged(asked({host})), open);
+    EXPECT_EQ(judged(asked({host, {"Authorization", "Bearer " + looks}})), view);
+    EXPECT_EQ(judged(asked({host, {"authorization", "bearer   " + acts}})), control);
+    for (const std::string wrong : {"x", "view-token-012345678", "view-token-01234567890", "VIEW-token-0123456789"})
+        EXPECT_EQ(judged(asked({host, {"Authorization", "Bearer " + wrong}})), -401) << wrong;
+    EXPECT_EQ(judged(asked({host, {"Authorization", "Basic " + acts}})), open);
+}
+
+TEST(Admission, a_cookie_is_as_good_as_a_header) {
+    EXPECT_EQ(judged(asked({host, {"Cookie", "a=b; anogate-8088=" + acts}})), control);
+    EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-8088=" + looks + "; c=d"}})), view);
+    EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-9000=" + acts}})), open) << "another gateway of this host";
+    EXPECT_EQ(judged(asked({host, {"Cookie", ";;; =;anogate-8088"}})), open);
+    const Field made = Admission::cookie(acts, network_door());
+    EXPECT_EQ(made.name, "Set-Cookie");
+    EXPECT_EQ(made.value, "anogate-8088=" + acts + "; HttpOnly; SameSite=Strict; Path=/; Max-Age=31536000");
+    Door encrypted = network_door();
+    encrypted.is_encrypted = true;
+    EXPECT_TRUE(Admission::cookie(acts, encrypted).value.ends_with("; Secure"));
+}
+
+TEST(Admission, a_user_of_his_own_gateway_needs_no_token) { EXPECT_EQ(judged(asked({host}, network_door(false))), control); }
+
+TEST(Admission, what_a_proxy_passes_on_needs_a_token_wherever_it_comes_in) {
+    for (const std::string name : {"Forwarded", "x-forwarded-for", "X-Forwarded-Proto", "VIA"}) {
+        EXPECT_EQ(judged(asked({host, {name, "1"}}, network_door(false))), open) << name;
+        EXPECT_EQ(judged(asked({{name, "1"}}, {})), open) << name;
+        EXPECT_EQ(judged(asked({{name, "1"}, {"Authorization", "Bearer " + acts}}, {})), control) << name;
+    }
+}
+
+TEST(Admission, a_name_that_is_not_ours_is_refused) {
+    const auto by_name = [](const std::string& name) { return judged(asked({{"Host", name}}, network_door(false))); };
+    for (const std::string ours :
+         {"192.168.1.5", "192.168.1.5:8088", "localhost:9000", "LOCALHOST", "vehicle", "vehicle.local:8088", "Vehicle.Local."})
+        EXPECT_EQ(by_name(ours), control) << ours;
+    for (const std::string other : {"evil.example", "", "192.168.1.6", "vehicle.local.evil.example", "localhost.evil.example",
+                                    "[::1]", "vehicle@evil.example"})
+        EXPECT_EQ(by_name(other), -403) << other;
+    EXPECT_EQ(judged(asked({}, network_door(false))), -403) << "none at all";
+    EXPECT_EQ(judged(asked({host, host}, network_door(false))), -403) << "which of the two a proxy took is not known";
+
+    Admission named = admission_with({.hosts = {"Vehicle.lan"}});
+    EXPECT_EQ(judged(named, asked({{"Host", "vehicle.lan:8088"}}, network_door(false))), control);
+    Door v6 = network_door(false);
+    v6.local = "fe80::1%wlan0";
+    EXPECT_EQ(judged(asked({{"Host", "[fe80::1]:8088"}}, v6)), control);
+}
+
+TEST(Admission, pages_of_others_may_not_ask) {
+    const auto from = [](const std::string& origin, const std::string& to = "192.168.1.5:8088") {
+        return judged(asked({{"Host", to}, {"Origin", origin}}, network_door(false)));
+    };
+    EXPECT_EQ(from("http://192.168.1.5:8088"), control);
+    EXPECT_EQ(from("http://localhost:9000", "localhost:9000"), control) << "through ssh -L 9000:localhost:8088";
+    EXPECT_EQ(from("http://vehicle.local", "vehicle.local:80"), control);
+    EXPECT_EQ(from("https://vehicle.local", "vehicle.local"), control) << "behind what encrypts";
+    for (const std::string other : {"http://evil.example", "http://192.168.1.5:3000", "http://192.168.1.5", "null",
+                                    "192.168.1.5:8088", "http://192.168.1.5:8088.evil.example", "file://"})
+        EXPECT_EQ(from(other), -403) << other;
+    Admission friendly = admission_with({.origins = {"https://ground.example"}});
+    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_door(false))), control);
+    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_door(false))), -403);
+}
+
+TEST(Admission, what_a_form_can_send_is_refused) {
+    const auto sent = [](std::vector<Field> headers, Door door = network_door(false)) {
+        headers.push_back(host);
+        Request request = asked(std::move(headers), std::move(door));
+        request.method = "POST";
+        request.body = "{}";
+        return judged(request);
+    };
+    EXPECT_EQ(sent({{"Content-Type", "application/json"}}), control);
+    EXPECT_EQ(sent({{"Content-Type", "Application/JSON ; charset=utf-8"}}), control);
+    EXPECT_EQ(sent({{"Content-Type", "application/octet-stream"}}), control);
+    for (const std::string type : {"text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "",
+                                   "text/plain; application/json"})
+        EXPECT_EQ(sent({{"Content-Type", type}}), -415) << type;
+    EXPECT_EQ(sent({}), -415);
+    EXPECT_EQ(sent({}, {}), control) << "curl -d by the socket";
+}
+
+TEST(Admission, ten_wrong_tokens_of_an_address_bar_it_for_a_minute) {
+    Admission admission = admission_with();
+    const Request wrong = asked({host, {"Authorization", "Bearer wrong"}}),
+                  right = asked({host, {"Authorization", "Bearer " + acts}});
+    Request of_another = right;
+    of_another.door.peer = "192.168.1.78";
+    ano::TimePoint now{1h};
+    for (int i = 0; i < 10; ++i, now += 1s) EXPECT_EQ(judged(admission, wrong, now), -401);
+    EXPECT_EQ(judged(admission, wrong, now), -429);
+    EXPECT_EQ(judged(admission, right, now), -429) << "or guessing would go on";
+    EXPECT_EQ(judged(admission, of_another, now), control);
+    EXPECT_EQ(judged(admission, asked({host}), now), open) << "who gives none is not guessing";
+    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 59s), -429);
+    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 60s), control);
+    EXPECT_EQ(judged(admission, wrong, ano::TimePoint{1h} + 60s), -401) << "the first is forgotten, nine are not";
+    EXPECT_EQ(judged(admission, right, ano::TimePoint{1h} + 60500ms), -429);
+}
+
+TEST(Admission, with_wrong_tokens_says_when_to_come_again) {
+    Admission admission = admission_with();
+    const Request wrong = asked({host, {"Authorization", "Bearer wrong"}});
+    for (int i = 0; i < 10; ++i) admission.judge(wrong, {});
+    const auto barred = admission.judge(wrong, ano::TimePoint{} + 15s);
+    ASSERT_FALSE(barred);
+    EXPECT_EQ(barred.error().headers.front(), (Field{"Retry-After", "45"}));
+    EXPECT_NE(barred.error().body.find("try again in 45 s"), std::string::npos) << barred.error().body;
+}
+
+TEST(Attempts, count_an_ipv6_network_as_one) {
+    Attempts attempts;
+    for (int i = 0; i < 10; ++i) attempts.failed("2001:db8::" + std::to_string(i), {});
+    EXPECT_GT(attempts.barred_for("2001:db8::ffff", {}), ano::Duration{});
+    EXPECT_EQ(attempts.barred_for("2001:db8:0:1::1", {}), ano::Duration{});
+    EXPECT_EQ(attempts.barred_for("2001", {}), ano::Duration{});
+}
+
+TEST(Attempts, are_forgotten_of_whom_failed_longest_ago) {
+    Attempts attempts;
+    ano::TimePoint now{1h};
+    for (std::size_t i = 0; i < Attempts::max_failures; ++i) attempts.failed("first", now);
+    for (std::size_t i = 1; i < Attempts::max_peers; ++i) attempts.failed("10.0." + std::to_string(i), now += 1ms);
+    EXPECT_GT(attempts.barred_for("first", now), ano::Duration{});
+    attempts.failed("one more", now);
+    EXPECT_EQ(attempts.barred_for("first", now), ano::Duration{});
+}
+
+}    // namespace
+}    // namespace anogate::http

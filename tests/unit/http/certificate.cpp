@@ -1,0 +1,39 @@
+#include <http/certificate.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+namespace anogate::http {
+namespace {
+
+TEST(Certificate, comes_with_a_key_that_is_ours_alone) {
+    support::TempDir dir;
+    const auto made = make_certificate({{"vehicle.local", "localhost"}, {"192.168.1.5", "fe80::1"}}, dir / "cert", dir / "key");
+    ASSERT_TRUE(made) << made.error();
+    struct stat facts {};
+    ASSERT_EQ(::stat((dir / "key").c_str(), &facts), 0);
+    EXPECT_EQ(facts.st_mode & 0777, 0600u);
+}
+
+TEST(Certificate, is_never_written_over_another) {
+    support::TempDir dir;
+    dir.write("cert", "mine");
+    const auto made = make_certificate({{"vehicle"}, {}}, dir / "cert", dir / "key");
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error(), (dir / "cert") + ": File exists");
+    EXPECT_FALSE(std::filesystem::exists(dir / "key")) << "half a pair is of no use";
+    dir.write("key", "mine");
+    EXPECT_EQ(make_certificate({{"vehicle"}, {}}, dir / "other", dir / "key").error(), (dir / "key") + ": File exists");
+    EXPECT_FALSE(std::filesystem::exists(dir / "other"));
+}
+
+TEST(Certificate, for_what_is_not_an_address_is_refused) {
+    support::TempDir dir;
+    EXPECT_FALSE(make_certificate({{"vehicle"}, {"nowhere"}}, dir / "cert", dir / "key"));
+    EXPECT_FALSE(std::filesystem::exists(dir / "key"));
+}
+
+}    // namespace
+}    // namespace anogate::http

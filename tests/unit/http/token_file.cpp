@@ -1,0 +1,81 @@
+#include <http/token_file.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace anogate::http {
+namespace {
+
+const std::string long_enough = "0123456789abcdef";
+
+std::string fault_of(std::string_view text) {
+    const auto tokens = parse_tokens(text);
+    return tokens ? "" : tokens.error();
+}
+
+TEST(TokenFile, has_a_right_and_a_token_a_line) {
+    const auto tokens = parse_tokens("# mine\n\nview " + long_enough + "\r\n  control\t" + long_enough + "-._~+/=  ");
+    ASSERT_TRUE(tokens) << tokens.error();
+    EXPECT_EQ(*tokens, (std::vector<Token>{{Access::view, long_enough}, {Access::control, long_enough + "-._~+/="}}));
+}
+
+TEST(TokenFile, with_a_fault_names_the_line_and_never_what_stands_there) {
+    EXPECT_EQ(fault_of("view " + long_enough + "\nadmin " + long_enough), "line 2: a line is 'view TOKEN' or 'control TOKEN'");
+    for (const std::string bad :
+         {"view short", "view", "control 0123456789abcde\"", "control 0123456789 abcdef", "view \xC3\xA9"})
+        EXPECT_EQ(fault_of(bad), "line 1: a token has 16 to 256 letters, digits or characters of -._~+/=") << bad;
+    EXPECT_EQ(fault_of("view " + std::string(256, 'x')), "");
+    EXPECT_NE(fault_of("view " + std::string(257, 'x')), "");
+    for (const std::string none : {"", "\n# nothing\n"})
+        EXPECT_NE(fault_of(none).find("there is no token in it"), std::string::npos);
+}
+
+TEST(TokenFile, that_is_missing_is_made_for_us_alone) {
+    support::TempDir dir;
+    const std::string path = dir / "state/anogate/token";
+    const auto made = read_or_make_tokens(path);
+    ASSERT_TRUE(made) << made.error();
+    ASSERT_EQ(made->size(), 2u);
+    EXPECT_EQ((*made)[0].access, Access::view);
+    EXPECT_EQ((*made)[1].access, Access::control);
+    EXPECT_EQ((*made)[0].text.size(), 64u);
+    EXPECT_NE((*made)[0].text, (*made)[1].text);
+    struct stat facts {};
+    ASSERT_EQ(::stat(path.c_str(), &facts), 0);
+    EXPECT_EQ(facts.st_mode & 0777, 0600u);
+    EXPECT_EQ(read_or_make_tokens(path), made) << "read again, they are the same";
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator{dir / "state/anogate"}, {}), 1) << "nothing is left beside it";
+}
+
+TEST(TokenFile, that_everybody_may_read_is_refused) {
+    support::TempDir dir;
+    const std::string path = dir / "token";
+    std::ofstream{path} << "view " << long_enough << "\n";
+    ::chmod(path.c_str(), 0644);
+    const auto open = read_or_make_tokens(path);
+    ASSERT_FALSE(open);
+    EXPECT_EQ(open.error(), path + ": everybody on this computer may read it; chmod o= " + path);
+    ::chmod(path.c_str(), 0640);
+    EXPECT_TRUE(read_or_make_tokens(path));
+}
+
+TEST(TokenFile, that_is_not_a_file_or_cannot_be_made_is_told) {
+    support::TempDir dir;
+    EXPECT_EQ(read_or_make_tokens(dir.path().string()).error(), dir.path().string() + ": is not a file");
+    ASSERT_EQ(::mkfifo((dir / "pipe").c_str(), 0600), 0);
+    EXPECT_EQ(read_or_make_tokens(dir / "pipe").error(), (dir / "pipe") + ": is not a file");
+    std::ofstream{dir / "file"};
+    const auto below = read_or_make_tokens(dir / "file/token");
+    ASSERT_FALSE(below);
+    EXPECT_NE(below.error().find("Not a directory"), std::string::npos) << below.error();
+}
+
+}    // namespace
+}    // namespace anogate::http
