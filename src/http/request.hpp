@@ -14,6 +14,9 @@ struct Field {
     bool operator==(const Field&) const = default;
 };
 
+/// Of the first field of this name, whatever the case of that; empty: it is not there.
+std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept;
+
 /// Of a client whom the system does not name.
 inline constexpr std::uint32_t unknown_user = 0xFFFFFFFF;
 
