@@ -261,6 +261,7 @@ struct GpioSettings {
 
 struct ControlSettings {
     std::string socket;    // empty: the default for this user; "none": no control interface
+    RuleSettings rules;    // of the link `control`
     bool operator==(const ControlSettings&) const = default;
 };
 
