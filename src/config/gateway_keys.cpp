@@ -1,5 +1,5 @@
 // The keys of the sections that are short.
-#include <config/key_rows.hpp>
+#include <config/rule_keys.hpp>
 
 namespace anogate {
 namespace {
@@ -67,12 +67,14 @@ constexpr Key<R> route_rows[] = {
     text<&R::link>("link", 1, max_name, "the name of the link that leads there") | as("LINK") | needed,
 };
 
-constexpr Key<ControlSettings> control_rows[] = {
+constexpr Key<ControlSettings> own_control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, max_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
         as("PATH|none") | by("--control"),
 };
+
+constexpr auto control_rows = own_control_rows + rules_of<ControlSettings, &ControlSettings::rules>();
 
 constexpr Key<LogSettings> log_rows[] = {
     choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),

@@ -1,5 +1,7 @@
 // One request, read whole.
 #pragma once
+#include <ano/time.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,6 +30,7 @@ struct Request {
     unsigned version = 11;    // 10 for HTTP/1.0
     bool keep_alive = true;
     std::uint32_t user = unknown_user;    // who asks by a Unix socket
+    ano::TimePoint came_at{};             // when the whole of it was read
 
     /// Of the path, in the order of the pattern, decoded: any bytes, '/' among them. Filled by Routes, like `query`.
     std::vector<Field> parameters;

@@ -29,13 +29,18 @@ public:
     executor_type get_executor() const noexcept { return io_->get_executor(); }
     Stream& stream() { return *stream_; }
     ano::TimePoint taken_at() const { return taken_at_; }
+    std::uint64_t reads() const noexcept { return reads_; }
 
     template <class Buffers, class Handler>
     void async_read_some(const Buffers& into, Handler&& handler) {
         asio::mutable_buffer room;
         for (auto it = asio::buffer_sequence_begin(into); it != asio::buffer_sequence_end(into) && room.size() == 0; ++it)
             room = *it;
-        if (early_.empty()) return stream_->read_some(room, done(std::forward<Handler>(handler)));
+        if (early_.empty())
+            return stream_->read_some(room, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
+                ++reads_;    // the handler has what owns us
+                done(ec, size);
+            });
         const std::size_t size = asio::buffer_copy(room, asio::buffer(early_));
         early_.erase(0, size);
         asio::post(*io_, [done = done(std::forward<Handler>(handler)), size] { done({}, size); });
@@ -48,7 +53,7 @@ public:
         for (auto it = asio::buffer_sequence_begin(from); it != asio::buffer_sequence_end(from) && count < parts.size(); ++it)
             if (const asio::const_buffer part = *it; part.size() > 0) parts[count++] = part;
         stream_->write_some(parts, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
-            taken_at_ = ano::Clock::now();    // the handler has what owns us
+            taken_at_ = ano::Clock::now();
             done(ec, size);
         });
     }
@@ -65,6 +70,7 @@ private:
     std::unique_ptr<Stream> stream_;
     std::string early_;
     ano::TimePoint taken_at_ = ano::Clock::now();
+    std::uint64_t reads_ = 0;
 };
 
 // Found by Beast.
@@ -138,6 +144,7 @@ public:
         return true;
     }
     std::size_t waiting() const noexcept override { return queue_.bytes(); }
+    std::uint64_t reads() const noexcept override { return socket_.next_layer().reads(); }
 
     void close(std::uint16_t code, std::string_view reason) override {
         if (!user_ || std::exchange(closing_, true)) return;
