@@ -19,11 +19,13 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 4> all{{
+    static constexpr std::array<Subcommand, 6> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
-        {"monitor", "Shows the frames that come in by a link", add_monitor},
+        {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor},
+        {"send", "Sends a frame by the gateway that runs", add_send},
+        {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
     }};
     return all;
 }
@@ -161,10 +163,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        // --id and similar options take every word behind them, the link too.
-        const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options"
-                                                                  : "NAME is missing";
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : missing, usage);
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : "NAME is missing", usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {
