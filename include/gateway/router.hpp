@@ -80,6 +80,9 @@ public:
     /// Learns `source` as behind `from`, or begins to test its claim, and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
 
+    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was nowhere.
+    bool forget(std::uint8_t address);
+
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
