@@ -69,6 +69,11 @@ public:
     /// Closes its channels and forgets all that is known of it: another that gets its number starts anew.
     void remove_link(LinkId link);
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
+    /// Where `address` was heard, and who claimed it. False: it was nowhere.
+    bool forget(std::uint8_t address) {
+        claimants_.erase(address);
+        return router_.forget(address);
+    }
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
     /// removed.

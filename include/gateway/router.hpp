@@ -85,6 +85,9 @@ public:
     /// The other half: who gets what the gateway itself sends, as if it had come by `from` and by none of its channels.
     Route find(LinkId from, std::uint8_t destination, TimePoint now);
 
+    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was nowhere.
+    bool forget(std::uint8_t address);
+
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 

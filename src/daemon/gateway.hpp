@@ -54,6 +54,9 @@ public:
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 
+    /// Forgets where `address` was heard. False: it was nowhere.
+    bool forget(std::uint8_t address) { return forwarder_.forget(address); }
+
     const Settings& settings() const noexcept { return settings_; }
     const Forwarder& forwarder() const noexcept { return forwarder_; }
     const Channel& channel(ChannelId id) const { return forwarder_.channel(id); }

@@ -218,6 +218,15 @@ bool Router::take_claimant(Claimant& claimant) {
     return address.has_value();
 }
 
+bool Router::forget(std::uint8_t address) {
+    const bool was_known = !known_[address].empty();
+    known_[address].clear();
+    first_[address].clear();
+    claims_.end(address);
+    forget_conflict(address);
+    return was_known;
+}
+
 void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
     ChannelSet& known = known_[source];
     if (!known.contains(from)) {

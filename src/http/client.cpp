@@ -115,15 +115,18 @@ private:
     void read() {
         stream_->read_some(asio::buffer(room_), [self = shared_from_this()](error_code ec, std::size_t size) {
             if (!self->stream_) return;
-            if (ec) self->reader_.end();
             self->input_.append(self->room_.data(), size);
             self->input_.erase(0, self->reader_.put(self->input_));
+            if (ec && self->reader_.fault().empty()) self->reader_.end();
+            if (ec && !self->reader_.is_done()) return self->ended_early();
             self->hear();
-            if (!self->stream_) return;
-            if (!ec) return self->read();
-            self->fail(self->has_head_ ? "the gateway ended before its answer was whole"
-                                       : "what listens at " + self->path_ + " ended the connection without an answer");
+            if (self->stream_) self->read();
         });
+    }
+
+    void ended_early() {
+        fail(has_head_ ? "the gateway ended before its answer was whole"
+                       : "what listens at " + path_ + " ended the connection without an answer");
     }
 
     void hear() {

@@ -4,7 +4,9 @@
 
 #include <boost/beast/http/parser.hpp>
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <utility>
 
 namespace anogate::http {
@@ -59,7 +61,7 @@ struct ResponseReader::Parser : beast_http::response_parser<GrowingBody> {
 
 ResponseReader::ResponseReader(std::uint32_t max_header) : max_header_{max_header}, parser_{std::make_unique<Parser>()} {
     parser_->header_limit(max_header);
-    parser_->body_limit(boost::none);
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());    // Beast 1.74 refuses any length when there is none
     parser_->eager(true);
 }
 ResponseReader::ResponseReader(ResponseReader&&) noexcept = default;

@@ -19,11 +19,16 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 6> all{{
+    static constexpr std::array<Subcommand, 11> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
         {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor},
+        {"status", "Shows how a running gateway is", add_status},
+        {"links", "Shows its links and what they count", add_links},
+        {"routes", "Shows where each address leads", add_routes},
+        {"metrics", "Shows its counters as Prometheus reads them", add_metrics},
+        {"reload", "Has it read its configuration again", add_reload},
         {"send", "Sends a frame by the gateway that runs", add_send},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
     }};

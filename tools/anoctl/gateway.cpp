@@ -1,6 +1,7 @@
 #include "gateway.hpp"
 
 #include "anoctl.hpp"
+#include "table.hpp"
 
 #include <http/client.hpp>
 #include <http/socket_path.hpp>
@@ -39,9 +40,22 @@ std::string GatewayOptions::ask(const std::string& method, const std::string& ta
     return std::move(came.body);
 }
 
+std::string percent_encoded(std::string_view word) {
+    std::string text;
+    for (const char c : word) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
+                              c == '_' || c == '.' || c == '~';
+        if (is_plain) text += c;
+        else text.append("%").append(1, "0123456789ABCDEF"[byte >> 4]).append(1, "0123456789ABCDEF"[byte & 15]);
+    }
+    return text;
+}
+
 std::string words_of(const http::Answer& answer) {
     const auto json = nlohmann::json::parse(answer.body, nullptr, false);
-    if (json.is_object() && json.contains("error") && json["error"].is_string()) return json["error"].get<std::string>();
+    if (json.is_object() && json.contains("error") && json["error"].is_string())
+        return without_controls(json["error"].get<std::string>());
     return "the gateway answers with status " + std::to_string(answer.status);
 }
 

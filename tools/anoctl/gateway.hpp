@@ -5,6 +5,7 @@
 #include <http/answer.hpp>
 
 #include <string>
+#include <string_view>
 
 namespace anoctl {
 
@@ -21,6 +22,9 @@ struct GatewayOptions {
     /// What it answers, whatever that is. Throws Failure when there is none.
     anogate::http::Answer answer(const std::string& method, const std::string& target, const std::string& accept = {}) const;
 };
+
+/// A word as a part of a target.
+std::string percent_encoded(std::string_view word);
 
 /// The words of an answer that refuses: its "error", or what status it has.
 std::string words_of(const anogate::http::Answer& answer);

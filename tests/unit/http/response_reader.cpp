@@ -22,7 +22,7 @@ const std::string ok = "HTTP/1.1 200 OK\r\nServer: anogate\r\n";
 TEST(ResponseReader, reads_a_response_however_it_is_cut) {
     for (const std::size_t step : {1u, 2u, 7u, 1000u}) {
         ResponseReader reader;
-        EXPECT_EQ(body_of(reader, ok + "Content-Length: 4\r\n\r\nbodymore", step), "body");
+        EXPECT_EQ(body_of(reader, ok + "Content-Length: 4\r\n\r\nbodymore", step), "body") << step;
         EXPECT_TRUE(reader.is_done());
         EXPECT_EQ(reader.status(), 200u);
         EXPECT_EQ(reader.headers(), (std::vector<Field>{{"Server", "anogate"}, {"Content-Length", "4"}}));
