@@ -23,7 +23,7 @@ explained_in() {
 }
 hints() {
     { cat src/gateway/hints.cpp include/gateway/hints.hpp; grep -hE '\.(nothing_yet|no_frames|no_frames_any_more) = ' src/link/*_link.cpp || true; } |
-        grep -oE '"[^"]{20,}"' | tr -d '"'
+        grep -oE '"[^"]{20,}"' | tr -d '"' | grep -vxE '[a-z_]+'    # those are ids
 }
 counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &\(Receive\|Send\)Counters.*/\1/p' include/gateway/counters.hpp; }
 tunnel_counters() { sed -n 's/^    {"\([a-z0-9_]*\)", &TunnelCounters.*/\1/p' include/gateway/counters.hpp; }

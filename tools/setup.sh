@@ -25,6 +25,18 @@ need_packages() {
     "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2
 }
 
+# unpack_package PACKAGE COMMAND: where COMMAND is missing, the package of Debian is unpacked into build/PACKAGE, and not installed: it
+# would start a service. Where that does not work, the tests that want it say so.
+unpack_package() {
+    local folder=$root/build/$1
+    if command -v "$2" >/dev/null || [[ -x $folder/usr/bin/$2 ]] || ! command -v apt-get >/dev/null; then return; fi
+    mkdir -p "$folder"
+    if ! (cd "$folder" && apt-get -q download "$1" && dpkg -x "$1"_*.deb . && rm "$1"_*.deb) >"$folder.log" 2>&1; then
+        echo "$1 can't be downloaded: the tests with it are skipped, see $folder.log" >&2
+        rm -rf "$folder"
+    fi
+}
+
 build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
                 libgpiod-dev libexpected-dev libssl-dev pkg-config:pkg-config)
 

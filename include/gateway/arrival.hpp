@@ -30,6 +30,8 @@ public:
     static constexpr ano::Duration told = std::chrono::milliseconds{500};
     /// and a shorter one that may have begun so long before the beat was due.
     static constexpr ano::Duration unseen = std::chrono::milliseconds{120};
+    /// What waited through a standstill is read within this time behind it.
+    static constexpr ano::Duration catching_up = std::chrono::milliseconds{100};
 
     struct Turn {
         ano::Duration stood{};        // how long it stood still before this turn, at least; zero: not at all
@@ -85,6 +87,8 @@ public:
     ano::Duration longest() const noexcept { return longest_; }
     /// When the last of those ended.
     ano::TimePoint last_standstill() const noexcept { return told_until_; }
+    /// What was read at `time`, and bears no stamp, may have been waiting through the last of those.
+    bool may_have_waited(ano::TimePoint time) const noexcept { return standstills_ > 0 && time < told_until_ + catching_up; }
 
 private:
     // Between two turns.

@@ -19,6 +19,7 @@
 #include <gateway/ids.hpp>
 #include <gateway/inhibit.hpp>
 #include <gateway/loop_guard.hpp>
+#include <gateway/outbox_watch.hpp>
 #include <gateway/present_as.hpp>
 #include <gateway/router.hpp>
 #include <gateway/same_device.hpp>
@@ -37,20 +38,23 @@ namespace anogate {
 
 /// Neither throws nor allocates while the links and channels stay the same. Links and channels come and go at any time but
 /// inside a call of an observer or of the tunnel.
-class Forwarder {
+class Forwarder final : private OutboxWatch {
 public:
     /// Is told of every frame, as long as it is registered. It neither adds nor removes observers in a call.
     class Observer {
     public:
         /// A good frame came in, as it was sent.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
-        /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. What becomes of
-        /// it there, the counters of the channel tell. `from` may be `ourselves`.
+        /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. left() or
+        /// gave_up() tell what becomes of it there. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
         /// What came in goes no further. A frame that was withheld and whose next never came is counted `looped` without this.
         virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
         /// It was to leave by `to` and does not.
         virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
+        /// What was offered left by `to`, or was dropped while it waited. Outboxes tell it: these must not throw.
+        virtual void left(const Channel& /*to*/, ano::FrameView /*frame*/) noexcept {}
+        virtual void gave_up(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
 
     protected:
         ~Observer() = default;
@@ -65,6 +69,11 @@ public:
     /// Closes its channels and forgets all that is known of it: another that gets its number starts anew.
     void remove_link(LinkId link);
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
+    /// Where `address` was heard, and who claimed it. False: it was nowhere.
+    bool forget(std::uint8_t address) {
+        claimants_.erase(address);
+        return router_.forget(address);
+    }
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
     /// removed.
@@ -88,6 +97,10 @@ public:
     /// What the gateway itself says to the other end of `to`: it came by no channel and teaches no address. Counted, ruled and
     /// queued like any other frame.
     void say(ChannelId to, ano::FrameView frame, TimePoint now);
+
+    /// What the gateway itself sends to whom it concerns. `from` is none of the channels that were opened, its id is `ourselves`: it
+    /// has the rules and the switches of its link, and counts what is kept back. The frame teaches no address.
+    void send_on(Channel& from, ano::FrameView frame, TimePoint now);
 
     /// For the tunnel. A tunnel frame came by it: whether it may be opened.
     bool admit(Channel& from, ano::FrameView frame, TimePoint now);
@@ -119,8 +132,14 @@ public:
     /// Who claimed the address last; nullptr: nobody did.
     const Claimant* claimant(const Conflict& conflict) const;
 
-    void add_observer(Observer& observer) { observers_.push_back(&observer); }
-    void remove_observer(Observer& observer) { std::erase(observers_, &observer); }
+    /// While there is none, nothing is told and nothing copied.
+    void add_observer(Observer& observer);
+    void remove_observer(Observer& observer);
+    bool is_observed() const noexcept { return !observers_.empty(); }
+    /// The open channel bears the port id, by itself.
+    void bear(const Channel& channel, std::uint8_t port_id) { router_.bear(channel.id, port_id); }
+    /// Another number whenever a link or a channel has come or gone.
+    std::uint64_t version() const noexcept { return version_; }
 
     const LinkTraffic& traffic(LinkId link) const;
     const Channel& channel(ChannelId id) const { return *channels_[index(id)]; }
@@ -135,6 +154,10 @@ private:
     struct LinkEntry;
     LinkEntry& entry(LinkId link) noexcept { return *links_[index(link)]; }
     const LinkEntry& entry(LinkId link) const noexcept { return *links_[index(link)]; }
+
+    void left(ChannelId channel, ano::FrameView frame) noexcept override;
+    void dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept override;
+    void watch_outboxes() noexcept;
 
     // forwarder_links.cpp
     void present(LinkEntry& link);
@@ -210,6 +233,7 @@ private:
     LinkSet ruled_;      // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
     std::vector<Observer*> observers_;
     std::uint64_t frame_number_ = 0;
+    std::uint64_t version_ = 0;
     TimePoint now_{};
     TimePoint arrived_at_{};    // what is being received had come then
     TimePoint questions_due_ = TimePoint::max();

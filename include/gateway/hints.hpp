@@ -7,8 +7,20 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace anogate {
+
+/// One sentence for people, and what it is made of for those who say it in another language.
+struct Hint {
+    using Value = std::variant<std::int64_t, bool, std::string>;
+
+    std::string_view id{};    // snake_case, stays as it is; empty: there is nothing to say
+    std::string text{};
+    std::vector<std::pair<std::string_view, Value>> args{};    // what the text has beside its words, by name
+};
 
 /// A source that is heard on this link and on a link of another group, or from two peers of this link.
 enum class SharedSource : std::uint8_t {
@@ -18,12 +30,15 @@ enum class SharedSource : std::uint8_t {
     two_peers,      // of this link
 };
 
-/// The words for what depends on the kind of a link.
+/// The words for what depends on the kind of a link, with an id of their own.
 struct LinkHints {
-    std::string_view nothing_yet{};     // nothing was received; empty: that is as usual as not
+    struct Words {
+        std::string_view id{}, text{};
+    };
+    Words nothing_yet{};                // nothing was received; empty: that is as usual as not
     bool may_wait_for_hello = false;    // who is there may speak only when spoken to
-    std::string_view no_frames = "bytes but no frames: is the sender speaking V8?";
-    std::string_view no_frames_any_more = ": is the sender still speaking V8?";
+    Words no_frames{"no_frames", "bytes but no frames: is the sender speaking V8?"};
+    Words no_frames_any_more{"no_frames_any_more", ": is the sender still speaking V8?"};
 };
 
 /// What is known of a link at a moment.
@@ -51,9 +66,10 @@ struct LinkFigures {
     std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
 };
 
-/// At most one sentence, the most important one; empty when all is well.
-std::string hint(const LinkFigures& link);
-/// The same without hints of silence, which is normal now and then on a good link.
+/// At most one, the most important one; empty when all is well.
+Hint find_hint(const LinkFigures& link);
+inline std::string hint(const LinkFigures& link) { return find_hint(link).text; }
+/// The same without hints of silence, which is normal now and then on a good link, and without times, which change with every look.
 std::string hint_of_trouble(const LinkFigures& link);
 
 }    // namespace anogate

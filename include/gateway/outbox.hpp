@@ -11,6 +11,7 @@
 #include <gateway/class_shares.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/fair_queue.hpp>
+#include <gateway/outbox_watch.hpp>
 #include <gateway/queue_policy.hpp>
 #include <gateway/waiting_frame.hpp>
 
@@ -82,6 +83,16 @@ public:
 
     /// `in_flight` is told of every frame that is queued, leaves or is dropped, except by close(). It must live as long.
     void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
+    /// `watch` is told of what becomes of each frame, as one of `channel`; it must live as long. nullptr: nobody is.
+    void watch(OutboxWatch* watch, ChannelId channel) noexcept {
+        watch_ = watch;
+        watched_as_ = channel;
+    }
+    /// For what queues frames before this outbox: tells who watches that `frame` was dropped there.
+    void tell_dropped(ano::FrameView frame, SendCause cause) const noexcept {
+        if (watch_) [[unlikely]]
+            watch_->dropped(watched_as_, frame, cause);
+    }
 
     void set_age_limits(const AgeLimits& age) noexcept { options_.age = age; }
     bool is_open() const noexcept { return open_; }
@@ -154,7 +165,9 @@ private:
     bool open_ = false;
     bool congested_ = false;
     InFlight* in_flight_ = nullptr;    // nullptr: nobody is told
-    ano::TimePoint gathered_at_{};     // the time at which frames leave
+    OutboxWatch* watch_ = nullptr;     // as well
+    ChannelId watched_as_{};
+    ano::TimePoint gathered_at_{};    // the time at which frames leave
     SendCounters counters_;
 };
 

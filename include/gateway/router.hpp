@@ -70,6 +70,8 @@ public:
     void open(ChannelId channel, LinkId link);
     /// Forgets everything that was learned from it. What was held by it alone goes to who claims it.
     void close(ChannelId channel);
+    /// The channel, by itself, bears the port id until it is closed: as a link of that id, without the other channels of its link.
+    void bear(ChannelId channel, std::uint8_t port_id) { port_channels_[port_id].insert(channel); }
     /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is not asked for.
     void went_down(ChannelId channel);
     /// The wire behind it is there again.
@@ -79,6 +81,12 @@ public:
 
     /// Learns `source` as behind `from`, or begins to test its claim, and says who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
+
+    /// The other half: who gets what the gateway itself sends, as if it had come by `from` and by none of its channels.
+    Route find(LinkId from, std::uint8_t destination, TimePoint now);
+
+    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was nowhere.
+    bool forget(std::uint8_t address);
 
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
@@ -119,7 +127,10 @@ public:
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
     LinkSet group(std::uint8_t number) const { return groups_[number]; }
-    LinkSet port(std::uint8_t address) const { return address <= ano::address::last_port_id ? ports_[address] : LinkSet{}; }
+    /// Those that bear the port id, or have a channel that does.
+    LinkSet port(std::uint8_t address) const {
+        return address <= ano::address::last_port_id ? ports_[address] | links_of(port_channels_[address]) : LinkSet{};
+    }
     /// Those seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
     struct Claimant {
@@ -147,6 +158,10 @@ private:
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const;
     void decide(Route& route, std::uint8_t destination, TimePoint now);
+    bool is_port(std::uint8_t destination) const noexcept {
+        return destination <= ano::address::last_port_id && !(ports_[destination].empty() && port_channels_[destination].empty());
+    }
+    void guard(Route& route, std::uint8_t destination) const noexcept;
     void to_links(Route& route, LinkSet links) const;
     void keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const;
     LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
@@ -162,6 +177,7 @@ private:
     LinkSet used_;
     std::array<LinkRule, max_links> links_{};
     std::array<LinkSet, ano::address::last_port_id + 1> ports_{};
+    std::array<ChannelSet, ano::address::last_port_id + 1> port_channels_{};
     std::array<LinkSet, 256> pinned_{};
 
     std::array<LinkSet, max_links + 1> groups_{};    // by number; [0] is unused

@@ -205,6 +205,7 @@ struct ControlSettings {
     std::vector<std::string> hosts;      // names of ours beside the host's own
     std::vector<std::string> origins;    // pages of others that may ask
     TlsFiles tls;
+    RuleSettings rules;    // of the link `control`
     bool operator==(const ControlSettings&) const = default;
 };
 

@@ -403,7 +403,8 @@ Data data_of(const Json& json, std::uint8_t id, std::uint8_t source, const JsonO
 }
 
 Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_tunnel) {
-    constexpr std::string_view keys[]{"from", "to", "id", "name", "fields", "extra", "data", "time", "link"};
+    constexpr std::string_view keys[]{"from", "to",   "id",   "name", "fields",    "extra",
+                                      "data", "time", "link", "peer", "direction", "cause"};
     if (!json.is_object()) fail("", shown(json) + " is not an object");
     for (const auto& [key, value] : json.items())
         if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))

@@ -40,7 +40,7 @@ struct JsonFault {
 /// number there may be a number as text, written as in C ("0xDC"), or the word for it ("airborne", "flight controller").
 /// `value` of a parameter and `values` of a command may be typed: "f32:1.5", "u16:100,i32:-5". A `value` with fewer bytes
 /// than devices would read is refused; `par_type` beside it tells its type and is not sent. The keys
-/// `time` and `link`, which `monitor` adds, are ignored.
+/// `time`, `link`, `peer`, `direction` and `cause`, which those who watch are told beside it, are ignored.
 std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& json, const JsonOptions& options = {});
 
 /// DATA of message `id` from the object of its fields, in the layout that has all of them (the base layout first).

@@ -13,7 +13,8 @@ namespace ano {
 namespace {
 
 constexpr std::size_t max_values = 8;    // command_info has the types of that many
-constexpr std::array<std::string_view, 11> words{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", "string"};
+constexpr std::array<std::string_view, 11> type_words{"u8",  "i8",  "u16", "i16", "u32",   "i32",
+                                                      "u64", "i64", "f32", "f64", "string"};
 constexpr std::size_t string_word = 10;
 
 class Reader {
@@ -49,7 +50,7 @@ private:
         const std::size_t colon = text.find(':');
         if (colon == text.npos) return in_quotes(text) + " has no type, such as in u16:100";
         const std::string_view word = text.substr(0, colon);
-        const std::span<const std::string_view> known{words.data(), role_ == Role::value ? words.size() : string_word};
+        const std::span<const std::string_view> known{type_words.data(), role_ == Role::value ? type_words.size() : string_word};
         const auto it = std::find(known.begin(), known.end(), word);
         if (it == known.end()) return "there is no type " + in_quotes(word) + did_you_mean(word, known) + all_of(known);
         const std::string_view digits = text.substr(colon + 1);

@@ -64,6 +64,9 @@ void read_route(std::string_view text, const std::string& where, Draft& draft);
 /// twice, routes to no link.
 void validate(Draft& draft);
 
+/// The settings say something of the link `control`, or name it: it is there from the start.
+bool is_control_configured(const Settings& settings);
+
 /// The settings as a JSON configuration that means the same: read and printed again it is the same text.
 /// They must be without fault. Keys without a value (id, dtr, bind...) are left out.
 std::string print_config(const Settings& settings);

@@ -1,5 +1,5 @@
 // The keys of the sections that are short.
-#include <config/key_rows.hpp>
+#include <config/rule_keys.hpp>
 
 namespace anogate {
 namespace {
@@ -69,7 +69,7 @@ constexpr Key<R> route_rows[] = {
 
 using C = ControlSettings;
 
-constexpr Key<C> control_rows[] = {
+constexpr Key<C> own_control_rows[] = {
     text<&ControlSettings::socket>("socket", 0, max_socket_path,
                                    "path of the control socket, or none (default: /run/anogate/control.sock, "
                                    "for users $XDG_RUNTIME_DIR/anogate.sock)") |
@@ -95,6 +95,8 @@ constexpr Key<C> control_rows[] = {
         as("PATH"),
     text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),
 };
+
+constexpr auto control_rows = own_control_rows + rules_of<ControlSettings, &ControlSettings::rules>();
 
 constexpr Key<LogSettings> log_rows[] = {
     choice<&LogSettings::level>("level", "trace|debug|info|warn|error", "what is logged") | by("--log-level"),

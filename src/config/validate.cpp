@@ -302,8 +302,8 @@ private:
     // The transceiver's direction hangs on RTS where the driver can do it.
     void rs485(const GpioSettings& line, const Origin& origin) {
         const auto link = std::find_if(links_.begin(), links_.end(), [&](const LinkSettings& l) { return l.name == line.link; });
-        if (link == links_.end()) return;
-        if (!link->kind->rs485)
+        if (link == links_.end() && line.link != "tunnel" && line.link != "control") return;
+        if (link == links_.end() || !link->kind->rs485)
             error(origin, "link", "'link' " + in_quotes(line.link) + " is not a serial port: rs485 is for those");
         else if (const std::string fault = link->kind->rs485->fault(*link); !fault.empty())
             error(origin, "link", "'link' " + in_quotes(line.link) + " " + fault);
@@ -312,7 +312,7 @@ private:
     /// `words` may stand there too.
     void must_exist(const std::string& name, const Origin& origin, std::string_view key,
                     std::initializer_list<std::string_view> words = {}, bool or_tunnel = true) {
-        if (or_tunnel && draft_.settings.tunnel && name == "tunnel") return;
+        if (or_tunnel && ((draft_.settings.tunnel && name == "tunnel") || name == "control")) return;
         std::vector<std::string_view> names;
         std::string listed, others;
         for (const LinkSettings& link : links_) {
@@ -334,6 +334,16 @@ private:
 };
 
 }    // namespace
+
+bool is_control_configured(const Settings& settings) {
+    const std::string_view control = "control";
+    return settings.control.rules != RuleSettings{} || settings.gateway.unknown_link == control ||
+           std::any_of(settings.routes.begin(), settings.routes.end(),
+                       [&](const auto& route) { return route.link == control; }) ||
+           std::any_of(settings.gpio.begin(), settings.gpio.end(), [&](const GpioSettings& line) {
+               return line.link == control || std::find(line.links.begin(), line.links.end(), control) != line.links.end();
+           });
+}
 
 std::vector<NamedPath> paths_of_links(const Draft& draft) {
     std::vector<NamedPath> paths;
@@ -369,7 +379,7 @@ void Draft::add(AliasSettings alias, Origin origin) {
 
 void validate(Draft& draft) {
     std::vector<LinkSettings>& links = draft.settings.links;
-    const std::size_t most = max_links - (draft.settings.tunnel ? 1 : 0);    // the tunnel is a link too
+    const std::size_t most = max_links - (draft.settings.tunnel ? 1 : 0) - (is_control_configured(draft.settings) ? 1 : 0);
     if (links.size() > most) {
         const Origin& first_above = draft.links[most];
         draft.errors.push_back(

@@ -1,5 +1,7 @@
+#include <config/config.hpp>
 #include <config/link_kind.hpp>
 #include <daemon/conflict_log.hpp>
+#include <daemon/control_link.hpp>
 #include <daemon/forwarder_link.hpp>
 #include <daemon/gateway.hpp>
 #include <link/clocks.hpp>
@@ -47,6 +49,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
     links_.reserve(max_links);
     add_links();
     if (settings_.tunnel) add_tunnel(*settings_.tunnel);
+    if (is_control_configured(settings_)) add_control();
     gpio_ = std::make_unique<Gpio>(
         io_, alarms_, settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); },
         forwarder_.inhibit());
@@ -82,6 +85,24 @@ void Gateway::add_tunnel(const TunnelSettings& settings) {
     tunnel_ = tunnel.get();
     forwarder_.set_tunnel(id, carried, *tunnel_);
     add(std::move(tunnel));
+}
+
+ControlLink* Gateway::control() {
+    if (!control_ && links_.size() < max_links) {
+        add_control();
+        links_.back().since = now();
+        control_->start();
+    }
+    return control_;
+}
+
+void Gateway::add_control() {
+    LinkSettings settings = ControlLink::link_settings(settings_);
+    const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
+    auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_},
+                                                 forwarder_);
+    control_ = control.get();
+    add(std::move(control));
 }
 
 void Gateway::add(std::unique_ptr<Link> link) {

@@ -18,6 +18,8 @@
 
 namespace anogate {
 
+class ControlLink;
+
 /// A link and what became of it.
 struct LinkState {
     std::unique_ptr<Link> link;
@@ -52,6 +54,9 @@ public:
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 
+    /// Forgets where `address` was heard. False: it was nowhere.
+    bool forget(std::uint8_t address) { return forwarder_.forget(address); }
+
     const Settings& settings() const noexcept { return settings_; }
     const Forwarder& forwarder() const noexcept { return forwarder_; }
     const Channel& channel(ChannelId id) const { return forwarder_.channel(id); }
@@ -62,11 +67,20 @@ public:
     /// nullptr when there is none.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
     Gpio& gpio() noexcept { return *gpio_; }
+    /// The link `control`, made when it is first asked for; nullptr: there is no place for one more link.
+    ControlLink* control();
+    AlarmClock& alarms() noexcept { return alarms_; }
+    /// As of the Forwarder.
+    void add_observer(Forwarder::Observer& observer) { forwarder_.add_observer(observer); }
+    void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
+    /// When the clock was looked at last.
+    TimePoint time() const noexcept { return now_; }
     TimePoint started_at() const noexcept { return started_at_; }
 
 private:
     void add_links();
     void add_tunnel(const TunnelSettings& settings);
+    void add_control();
     void add(std::unique_ptr<Link> link);
     LinkState& state(const Link& link);
     Link& link_named(const std::string& name) const;
@@ -88,8 +102,9 @@ private:
     std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // behind everything that a link refers to; in the order of the configuration
     std::array<Link*, max_links> links_by_id_{};
-    TunnelLink* tunnel_ = nullptr;    // one of links_
-    LinkSet streams_;                 // serial ports and ptys
+    TunnelLink* tunnel_ = nullptr;      // one of links_
+    ControlLink* control_ = nullptr;    // as well; nullptr: nobody used it yet
+    LinkSet streams_;                   // serial ports and ptys
     TimePoint now_{};
     TimePoint started_at_{};
     LoopBeat beat_;

@@ -45,7 +45,9 @@ http::Response reply(unsigned status, const Json& json) {
     return response;
 }
 
-http::Response refuse(unsigned status, const std::string& why) { return reply(status, {{"error", why}}); }
+http::Response refuse(unsigned status, const std::string& why) {
+    return reply(status, {{"error", why}, {"what", http::what_of(status)}});
+}
 
 bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
 
@@ -109,7 +111,7 @@ http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
         return refuse(400, "the action of a reset is pulse, of power cycle, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
-        return reply(429, {{"error", refusal->why}, {"wait_s", in_seconds(refusal->wait)}});
+        return reply(429, {{"error", refusal->why}, {"what", http::what_of(429)}, {"wait_s", in_seconds(refusal->wait)}});
     }
     return reply(200, line_json(line, now));
 }

@@ -1,11 +1,28 @@
+#include <ano/address.hpp>
+#include <ano/hex.hpp>
+#include <ano_json/frame_json.hpp>
+#include <daemon/answer_json.hpp>
+#include <daemon/control_link.hpp>
+#include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gpio_control.hpp>
+#include <daemon/metrics.hpp>
 #include <daemon/routes.hpp>
+#include <daemon/send_frame.hpp>
 #include <daemon/status.hpp>
+#include <daemon/watch_session.hpp>
 #include <http/routes.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <memory>
 
 namespace anogate {
 namespace {
+
+using Json = nlohmann::ordered_json;
+using http::Access;
+using http::Request;
 
 http::Response json(std::string body) {
     http::Response response;
@@ -13,13 +30,83 @@ http::Response json(std::string body) {
     return response;
 }
 
+http::Response list_of(const http::Routes& routes) {
+    Json list{{"name", "anogate"}, {"version", ANOGATE_VERSION}, {"routes", Json::array()}};
+    for (const http::Routes::Row& row : routes.rows())
+        list["routes"].push_back(
+            {{"method", row.method}, {"path", row.pattern}, {"access", text(row.access)}, {"answers", row.answers}});
+    return json(line_of(std::move(list)));
+}
+
+http::Response metrics_answer(const Request& request, Gateway& gateway) {
+    const MetricsForm form = metrics_form(request.header("Accept"));
+    http::Response response;
+    response.type = content_type(form);
+    response.body = metrics(metrics_snapshot(gateway, gateway.now()), form);
+    return response;
+}
+
+http::Response forget_route(const std::string& word, Gateway& gateway) {
+    const auto called = ano::address_called(word);
+    if (const auto* fault = std::get_if<ano::JsonFault>(&called)) return http::error(400, fault->what);
+    const auto address = std::get<std::uint8_t>(called);
+    if (!gateway.forget(address)) return http::error(404, ano::hex_byte(address) + " was not heard: there is nothing to forget");
+    return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
+}
+
+// What was asked before the loop stood still is not carried out behind that.
+template <class Function>
+http::Routes::Function in_time(Gateway& gateway, Function function) {
+    return [&gateway, function](const http::Request& request) {
+        gateway.turn();
+        return gateway.loop().may_have_waited(request.came_at)
+                   ? http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again")
+                   : function(request);
+    };
+}
+
+// What the routes of streams have in common, as long as they.
+struct Streams {
+    explicit Streams(Gateway& gateway) : watch{gateway}, frames{gateway, watch} {}
+    FrameWatch watch;
+    FrameStreams frames;
+};
+
+http::Response join_link(Gateway& gateway, const http::Request& request) {
+    if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
+    ControlLink* const link = gateway.control();
+    return link ? link->join(request, gateway.settings().gateway.id)
+                : http::error(503, "all 64 links are in use: there is no place for the link 'control'");
+}
+
 }    // namespace
 
 void add_routes(http::Routes& routes, Gateway& gateway) {
-    using http::Request;
-    routes.add("GET", "/status", [&gateway](const Request&) { return json(status_json(gateway)); });
-    routes.add("POST", "/gpio",
-               [&gateway](const Request& request) { return gpio_request(gateway.gpio(), request.body, gateway.now()); });
+    routes.add({"GET", "/", Access::view, "this list", [&routes](const Request&) { return list_of(routes); }});
+    routes.add({"GET", "/status", Access::view, "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines",
+                [&gateway](const Request&) { return json(status_json(gateway)); }});
+    routes.add({"GET", "/links", Access::view, "the links of the status alone",
+                [&gateway](const Request&) { return json(links_json(gateway)); }});
+    routes.add({"GET", "/routes", Access::view, "where each address leads: the routes of the status alone",
+                [&gateway](const Request&) { return json(routes_json(gateway)); }});
+    routes.add({"DELETE", "/routes/{address}", Access::control, "forgets where the address was heard",
+                [&gateway](const Request& request) { return forget_route(std::string{request.parameter("address")}, gateway); }});
+    routes.add({"GET", "/messages", Access::view, "the messages of the protocol, with the flexible ones of the configuration",
+                [&gateway](const Request&) { return json(messages_json(gateway)); }});
+    routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
+                [&gateway](const Request& request) { return metrics_answer(request, gateway); }});
+    routes.add({"POST", "/gpio", Access::control, "pulses a reset line, or switches power off and on again",
+                in_time(gateway, [&gateway](const Request& request) {
+                    return gpio_request(gateway.gpio(), request.body, gateway.now());
+                })});
+    routes.add({"POST", "/send", Access::control,
+                "sends one frame, as hex digits or as its JSON, and says by which links it left",
+                in_time(gateway, [&gateway](const Request& request) { return send_request(gateway, request); })});
+    routes.add(
+        {"GET", "/frames", Access::view, "the frames that pass, as lines of JSON or as a WebSocket",
+         [streams = std::make_shared<Streams>(gateway)](const Request& request) { return streams->frames.answer(request); }});
+    routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
+                [&gateway](const Request& request) { return join_link(gateway, request); }});
 }
 
 }    // namespace anogate

@@ -8,7 +8,7 @@ namespace http {
 class Routes;
 }
 
-/// GET /status, POST /gpio. The gateway outlives the routes.
+/// Every row says what it answers: `GET /` and the reference are made of that. The gateway outlives the routes.
 void add_routes(http::Routes& routes, Gateway& gateway);
 
 }    // namespace anogate

@@ -9,8 +9,13 @@ namespace anogate {
 
 class Gateway;
 
-/// GET /status, GET /links, GET /routes: one JSON text each.
+/// GET /status: one JSON text.
 std::string status_json(Gateway& gateway);
+/// GET /links, GET /routes: these two arrays of it alone.
+std::string links_json(Gateway& gateway);
+std::string routes_json(Gateway& gateway);
+/// GET /messages: the table, with the flexible messages as they are configured.
+std::string messages_json(const Gateway& gateway);
 /// The same in a few lines for the log.
 std::string status_text(Gateway& gateway);
 

@@ -9,6 +9,7 @@ namespace anogate {
 LinkId Forwarder::add_link(const ForwarderLink& settings) {
     const LinkId id = router_.add_link(settings.route);
     added_.insert(id);
+    ++version_;
     links_[index(id)] = std::make_unique<LinkEntry>();
     LinkEntry& link = entry(id);
     link.settings = settings;
@@ -63,6 +64,7 @@ void Forwarder::remove_link(LinkId id) {
     carried_.erase(id);
     ruled_.erase(id);
     added_.erase(id);
+    ++version_;
     links_[index(id)].reset();
     router_.remove_link(id);
     loop_guard_.remove_link(id);
@@ -91,6 +93,8 @@ Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
         opened->questions = std::make_unique<QuestionQueue>(
             opened->outbox, QuestionQueue::Options{settings.outbox.bytes, settings.outbox.age.rest});
     used_.insert(channel);
+    ++version_;
+    if (!observers_.empty()) opened->outbox.watch(this, channel);
     link.traffic.channels.insert(channel);
     router_.open(channel, id);
     loop_guard_.open(channel, id, settings.route.group, settings.takes_probes, now);
@@ -103,6 +107,7 @@ void Forwarder::close_channel(Channel& channel) {
     loop_guard_.close(channel.id);
     channel.outbox.close();
     if (channel.questions) channel.questions->close();
+    ++version_;
     add(traffic.gone_received, channel.received());
     add(traffic.gone_sent, channel.sent());
     traffic.channels.erase(channel.id);
@@ -132,6 +137,28 @@ void Forwarder::link_down(LinkId id) {
     }
     link.up = false;
     if (link.hello) link.hello->went_down();
+}
+
+void Forwarder::add_observer(Observer& observer) {
+    observers_.push_back(&observer);
+    watch_outboxes();
+}
+
+void Forwarder::remove_observer(Observer& observer) {
+    std::erase(observers_, &observer);
+    watch_outboxes();
+}
+
+void Forwarder::watch_outboxes() noexcept {
+    for (const ChannelId id : used_) channels_[index(id)]->outbox.watch(observers_.empty() ? nullptr : this, id);
+}
+
+void Forwarder::left(ChannelId channel, ano::FrameView frame) noexcept {
+    for (Observer* observer : observers_) observer->left(*channels_[index(channel)], frame);
+}
+
+void Forwarder::dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept {
+    for (Observer* observer : observers_) observer->gave_up(*channels_[index(channel)], frame, cause);
 }
 
 void Forwarder::grow_older(Duration time) {

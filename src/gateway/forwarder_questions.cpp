@@ -43,6 +43,22 @@ void Forwarder::say(ChannelId to, ano::FrameView frame) {
     offer(ourselves, to, frame, policy_of(frame.id()), now_);
 }
 
+// No alias, no guard and no group: it came by no wire.
+void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    ++frame_number_;
+    note_arrival(from);
+    if (!observers_.empty()) [[unlikely]]
+        for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
+    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for one of ours
+    if (!admit(from, frame) || !admit_unopened(from, frame)) return;
+    const Route route = router_.find(from.link, frame.destination(), now_);
+    if (!route.guarded.empty()) loop_guard_.remember(said_by(frame), *route.guarded.begin(), route.guarded, now_);
+    for (const ChannelId to : route.channels) offer(ourselves, to, frame, policy_of(frame.id()), arrived_at_);
+    for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
+    if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop(from, frame, &ReceiveCounters::no_route);
+}
+
 // It may come back by any link.
 void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
     say(to, frame);

@@ -2,6 +2,7 @@
 #include <gateway/hints.hpp>
 
 #include <chrono>
+#include <utility>
 
 namespace anogate {
 namespace {
@@ -14,20 +15,21 @@ constexpr std::uint64_t enough_long = 5;       // among good frames: noise would
 constexpr ano::Duration patience = 3s;         // shorter silences are normal
 constexpr ano::Duration still = 2s;            // bytes younger than that still come
 
-std::string seconds(ano::Duration d) {
-    return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count()) + " s";
-}
+std::int64_t in_whole_seconds(ano::Duration d) { return std::chrono::duration_cast<std::chrono::seconds>(d).count(); }
+std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)) + " s"; }
 
 // For a link to a device that may itself wait to be spoken to.
-std::string or_hello(const LinkFigures& link) {
-    return link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts
-               ? " (some speak only when spoken to: try hello=on)"
-               : "";
+Hint or_hello(const LinkFigures& link, Hint hint) {
+    const bool try_hello = link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts;
+    if (hint.id.empty() || !try_hello) return hint;
+    hint.text += " (some speak only when spoken to: try hello=on)";
+    hint.args.emplace_back("try_hello", true);
+    return hint;
 }
 
-std::string nothing_at_all(const LinkFigures& link) {
-    if (link.listens && link.channels == 0) return "no peer yet: a peer is known after its first whole frame";
-    return std::string{link.words.nothing_yet};
+Hint nothing_at_all(const LinkFigures& link) {
+    if (link.listens && link.channels == 0) return {"no_peer_yet", "no peer yet: a peer is known after its first whole frame"};
+    return {link.words.nothing_yet.id, std::string{link.words.nothing_yet.text}};
 }
 
 /// For how long bytes have come without frames, on a link that had frames before; nothing: that is not so.
@@ -39,70 +41,99 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
 }
 
 // The time changes with every look: a hint that is reported once is written without it.
-std::string garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
+Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
     std::string text = "bytes but no frames ";
     text += with_time ? "for " : "any more";
     if (with_time) text += seconds(time);
-    return text.append(link.words.no_frames_any_more);
+    const LinkHints::Words& words = link.words.no_frames_any_more;
+    return {words.id, text.append(words.text), {{"seconds", in_whole_seconds(time)}}};
 }
 
-std::string ring(const LinkFigures& link) {
-    const std::string back{link.ring_back};
+Hint ring(const LinkFigures& link) {
+    const std::string back{link.ring_back}, out{link.ring_out};
     if (!link.ring_is_certain)
-        return "the same device on two links? give them one `group`; or a ring: what goes out comes back by " + back;
-    if (link.ring_out == link.ring_back) return "a ring: what goes out comes back by " + back;
-    return "a ring: what goes out by " + std::string{link.ring_out} + " comes back by " + back;
+        return {"ring_or_one_device",
+                "the same device on two links? give them one `group`; or a ring: what goes out comes back by " + back,
+                {{"back", back}}};
+    return {"ring",
+            "a ring: what goes out" + (out == back ? "" : " by " + out) + " comes back by " + back,
+            {{"out", out}, {"back", back}}};
 }
 
-std::string trouble(const LinkFigures& link, bool with_time) {
+Hint hidden(std::uint8_t address) {
+    const std::string device = ano::hex_byte(address);
+    return {"port_id_hides_device",
+            "device " + device + " can't be reached: its address is the port id of a link, change one of them",
+            {{"device", device}}};
+}
+
+Hint shared(SharedSource shared) {
+    switch (shared) {
+    case SharedSource::none: break;
+    case SharedSource::one_device: return {"one_device_on_two_links", "the same device on two links? give them one `group`"};
+    case SharedSource::two_devices: return {"two_devices_one_id", "two devices have the same id: give one of them another"};
+    case SharedSource::two_peers:
+        return {"two_peers_one_device", "two peers speak as one device: `conflicts` in the status says who"};
+    }
+    return {};
+}
+
+// What keeps frames from being found, or from being let in.
+Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
-    if (!link.up) return {};
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
-        return "older V7 frames (0xAA) seen: switch the device to protocol V8";
-    if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes) return std::string{link.words.no_frames};
+        return {"v7_frames", "older V7 frames (0xAA) seen: switch the device to protocol V8"};
+    if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
+        return {link.words.no_frames.id, std::string{link.words.no_frames.text}};
     if (const auto time = garbled_for(link)) return garbled(link, *time, with_time);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
-    if (too_long) return "frames longer than max_data are refused: raise max_data on this link";
+    if (too_long) return {"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
     if (link.gateways > 0)
-        return "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other";
-    if (link.no_place > 0) return "strangers were refused, the places of peers are taken: raise max_peers or max_per_address";
-    if (link.sent.held_back > 0) return "a peer outside our networks gets little until it answers: name its network in `trusted`";
+        return {
+            "other_gateway",
+            "a listening port of another gateway was refused: to join two gateways, give one of them a udp: link to the other"};
+    if (link.no_place > 0)
+        return {"no_place", "strangers were refused, the places of peers are taken: raise max_peers or max_per_address"};
+    if (link.sent.held_back > 0)
+        return {"held_back", "a peer outside our networks gets little until it answers: name its network in `trusted`"};
     if (link.listens && link.channels == 0 && in.denied_in > 0)
-        return "senders outside `allow` were refused: add their network to `allow`";
+        return {"senders_denied", "senders outside `allow` were refused: add their network to `allow`"};
+    return {};
+}
+
+Hint trouble(const LinkFigures& link, bool with_time) {
+    const ReceiveCounters& in = link.received;
+    if (!link.up) return {};
+    if (Hint hint = trouble_in(link, with_time); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
-    if (link.shared == SharedSource::one_device) return "the same device on two links? give them one `group`";
-    if (link.shared == SharedSource::two_devices) return "two devices have the same id: give one of them another";
-    if (link.shared == SharedSource::two_peers) return "two peers speak as one device: `conflicts` in the status says who";
-    if (link.hidden != 0) {
-        const std::string device = "device " + ano::hex_byte(link.hidden);
-        return device + " can't be reached: its address is the port id of a link, change one of them";
-    }
+    if (link.shared != SharedSource::none) return shared(link.shared);
+    if (link.hidden != 0) return hidden(link.hidden);
     if (link.untaken_for && *link.untaken_for >= patience)
-        return "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK";
+        return {"no_host_takes",
+                "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"};
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
-        return "many damaged frames: check cable, ground and baud rate";
+        return {"many_damaged", "many damaged frames: check cable, ground and baud rate"};
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale - link.came_stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
-        return "frames are dropped: the link is slower than what is sent to it";
-    if (in.bytes_in == 0 && link.up_for >= patience && !link.for_hosts) {
-        std::string nothing = nothing_at_all(link);
-        return nothing.empty() ? nothing : nothing + or_hello(link);
-    }
+        return {"link_too_slow", "frames are dropped: the link is slower than what is sent to it"};
+    if (in.bytes_in == 0 && link.up_for >= patience && !link.for_hosts) return or_hello(link, nothing_at_all(link));
     return {};
 }
 
 }    // namespace
 
-std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, false); }
+std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, false).text; }
 
-std::string hint(const LinkFigures& link) {
-    std::string text = trouble(link, true);
-    if (!text.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return text;
+Hint find_hint(const LinkFigures& link) {
+    Hint found = trouble(link, true);
+    if (!found.id.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return found;
     const bool spoke_by_itself = link.received.frames_in >= enough_frames;
-    text = "silent for " + seconds(*link.silent_for);
-    return spoke_by_itself ? text : text + or_hello(link);
+    found.id = "silent";
+    found.text = "silent for " + seconds(*link.silent_for);
+    found.args.emplace_back("seconds", in_whole_seconds(*link.silent_for));
+    return spoke_by_itself ? found : or_hello(link, std::move(found));
 }
 
 }    // namespace anogate

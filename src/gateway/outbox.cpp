@@ -149,6 +149,8 @@ void Outbox::sent_frame() noexcept {
     ++counters_.frames_out;
     counters_.bytes_out += entries_[i].size;
     if (entries_[i].size == ano::overhead) ++counters_.empty_out;
+    if (watch_) [[unlikely]]
+        watch_->left(watched_as_, view(i));
     if (in_flight_) in_flight_->left(view(i), gathered_at_);
     begun_ = none;
     partly_sent_ = 0;
@@ -161,6 +163,7 @@ void Outbox::drop_frame(SendCause cause) noexcept {
     ++(counters_.*cause);
     const Index i = take_first();
     if (in_flight_) in_flight_->dropped(view(i));
+    tell_dropped(view(i), cause);
     release(i);
     if (empty()) shares_.clear();
 }
@@ -168,6 +171,8 @@ void Outbox::drop_frame(SendCause cause) noexcept {
 void Outbox::close() noexcept {
     open_ = false;
     counters_.link_down += frames_;
+    for (Index i = watch_ ? in_arena_.first : none; i != none; i = entries_[i].in_arena.behind)
+        tell_dropped(view(i), &SendCounters::link_down);
     for (FairQueue& queue : queues_) queue.clear();
     buckets_.fill(no_frames);
     in_arena_ = no_frames;
@@ -267,6 +272,7 @@ void Outbox::release(Index i) noexcept {
 }
 
 void Outbox::drop(Index i, SendCause cause) noexcept {
+    tell_dropped(view(i), cause);
     ++(counters_.*cause);
     if (in_flight_) in_flight_->dropped(view(i));
     leave_bucket(i);

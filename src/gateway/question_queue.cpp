@@ -88,13 +88,15 @@ SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, 
 void QuestionQueue::hand_over(FrameIndex i) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
     --counters_.offered;    // the outbox counts it from here on
-    outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
+    const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
+    if (cause) outbox_.tell_dropped(frame, cause);
     turns_.take();
     forget(i);
 }
 
 void QuestionQueue::drop(FrameIndex i, SendCause cause) noexcept {
     ++(counters_.*cause);
+    outbox_.tell_dropped(ano::FrameView{{room_.get() + frames_[i].at, frames_[i].size}}, cause);
     turns_.remove(i);
     forget(i);
 }

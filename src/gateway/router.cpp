@@ -83,6 +83,7 @@ void Router::close(ChannelId channel) {
     flooded_.erase(channel);
     broadcast_.erase(channel);
     down_.erase(channel);
+    for (ChannelSet& port : port_channels_) port.erase(channel);
     for (ChannelSet& known : known_) known.erase(channel);
     for (ChannelSet& first : first_) first.erase(channel);
     if (!claims_.next()) return;
@@ -130,11 +131,23 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
         heard_link_[index(link_of_[index(from)])] = now;
         keep_one_of_each_group(route, link_of_[index(from)], now);
     }
-    // Hosts may be on several sides of a ring, and are never forgotten: each gateway may know them by another way.
+    guard(route, destination);
+    return route;
+}
+
+Route Router::find(LinkId from, std::uint8_t destination, TimePoint now) {
+    Route route;
+    decide(route, destination, now);
+    if (grouped_) keep_one_of_each_group(route, from, now);
+    guard(route, destination);
+    return route;
+}
+
+// Hosts may be on several sides of a ring, and are never forgotten: each gateway may know them by another way.
+void Router::guard(Route& route, std::uint8_t destination) const noexcept {
     const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several() ||
                         (address::is_host(destination) && open_ > 2);
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
-    return route;
 }
 
 // Who gets it, wherever it came from.
@@ -147,9 +160,10 @@ void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
     } else if (destination == own_id_) {
         route.via = Via::own;
         ++own_frames_;
-    } else if (const LinkSet links = port(destination); !links.empty()) {
+    } else if (is_port(destination)) {
         route.via = Via::port;
-        to_links(route, links);
+        to_links(route, ports_[destination]);
+        route.channels |= port_channels_[destination];
     } else if (!pinned_[destination].empty()) {
         route.via = Via::pinned;
         to_links(route, pinned_[destination]);
@@ -202,6 +216,15 @@ bool Router::take_claimant(Claimant& claimant) {
     const auto address = tell_first(new_claimants_);
     if (address) claimant = {*address, claimants_[*address]};
     return address.has_value();
+}
+
+bool Router::forget(std::uint8_t address) {
+    const bool was_known = !known_[address].empty();
+    known_[address].clear();
+    first_[address].clear();
+    claims_.end(address);
+    forget_conflict(address);
+    return was_known;
 }
 
 void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {

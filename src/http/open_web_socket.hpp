@@ -1,9 +1,11 @@
 // A connection that has become a WebSocket.
 #pragma once
+#include <http/answer.hpp>
 #include <http/request.hpp>
 #include <http/stream.hpp>
 #include <http/web_socket.hpp>
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,5 +23,12 @@ public:
 std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::string early, std::unique_ptr<WebSocketUser> user,
                                                const WebSocketLimits& limits, std::shared_ptr<void> place);
+
+/// The client's side: asks for one by the target and the headers of `request`, which are all but those of the handshake. `ended` is
+/// called once, unless end() came before, when the user is gone: with the status 101 when it was open, else with what was answered
+/// instead, or with none where nothing was within `patience`.
+std::shared_ptr<OpenWebSocket> join_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
+                                               std::unique_ptr<WebSocketUser> user, const WebSocketLimits& limits,
+                                               ano::Duration patience, std::function<void(Outcome)> ended);
 
 }    // namespace anogate::http

@@ -24,6 +24,12 @@ std::string_view trimmed(std::string_view word) {
 
 }    // namespace
 
+std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept {
+    for (const Field& field : fields)
+        if (is_same(field.name, name)) return field.value;
+    return {};
+}
+
 std::string_view Request::parameter(std::string_view name) const noexcept {
     const Field* field = find(parameters, name);
     return field ? std::string_view{field->value} : std::string_view{};
@@ -34,11 +40,7 @@ std::optional<std::string_view> Request::query_value(std::string_view name) cons
     return field ? std::optional<std::string_view>{field->value} : std::nullopt;
 }
 
-std::string_view Request::header(std::string_view name) const noexcept {
-    for (const Field& field : headers)
-        if (is_same(field.name, name)) return field.value;
-    return {};
-}
+std::string_view Request::header(std::string_view name) const noexcept { return field_value(headers, name); }
 
 bool Request::header_has(std::string_view name, std::string_view word) const noexcept {
     for (const Field& field : headers) {

@@ -1,5 +1,6 @@
 // One request, read whole.
 #pragma once
+#include <ano/time.hpp>
 #include <http/door.hpp>
 
 #include <cstdint>
@@ -16,6 +17,9 @@ struct Field {
     bool operator==(const Field&) const = default;
 };
 
+/// Of the first field of this name, whatever the case of that; empty: it is not there.
+std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept;
+
 /// Of a client whom the system does not name.
 inline constexpr std::uint32_t unknown_user = 0xFFFFFFFF;
 
@@ -29,6 +33,7 @@ struct Request {
     std::uint32_t user = unknown_user;    // who asks by a Unix socket
     Door door;
     Access access = Access::control;    // what it may
+    ano::TimePoint came_at{};           // when the whole of it was read
 
     /// Of the path, in the order of the pattern, decoded: any bytes, '/' among them. Filled by Routes, like `query`.
     std::vector<Field> parameters;

@@ -57,10 +57,27 @@ void add(std::string& head, std::string_view name, std::string_view value) {
 
 }    // namespace
 
+std::string_view what_of(unsigned status) noexcept {
+    switch (status) {
+    case 401:
+    case 403:
+    case 502: return "refused";
+    case 404: return "unknown";
+    case 405:
+    case 415:
+    case 426: return "unsupported";
+    case 409:
+    case 429:
+    case 503: return "busy";
+    case 504: return "timeout";
+    default: return "invalid";
+    }
+}
+
 Response error(unsigned status, std::string_view words) {
     Response response;
     response.status = status;
-    response.body = "{\"error\": " + json_text(words) + "}\n";
+    response.body = "{\"error\": " + json_text(words) + ", \"what\": " + json_text(what_of(status)) + "}\n";
     return response;
 }
 

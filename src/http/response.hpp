@@ -20,7 +20,10 @@ struct Response {
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
 };
 
-/// {"error": words}
+/// In a word for programs, what an answer of this status says: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
+std::string_view what_of(unsigned status) noexcept;
+
+/// {"error": words, "what": what_of(status)}
 Response error(unsigned status, std::string_view words);
 
 /// 503: it may be asked again in a second.

@@ -68,9 +68,7 @@ Response not_allowed(const std::string& allowed) {
 
 }    // namespace
 
-void Routes::add(std::string method, std::string pattern, Function function) {
-    rows_.push_back({std::move(method), std::move(pattern), std::move(function)});
-}
+std::string_view text(Access access) noexcept { return access == Access::view ? "view" : "control"; }
 
 Response Routes::answer(Request request) const {
     const Target target = split(request.target);

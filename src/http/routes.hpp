@@ -3,24 +3,36 @@
 #include <http/request.hpp>
 #include <http/response.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace anogate::http {
 
-/// Rows of method, pattern and function. A pattern is a path such as /links/{name}, where {name} stands for any one segment that is
+/// What the token of a client must allow, at a door that asks for one.
+enum class Access : std::uint8_t { view, control };
+std::string_view text(Access access) noexcept;
+
+/// Rows of method, pattern and function, and what there is to say of them. A pattern is a path such as /links/{name}, where {name} stands for any one segment that is
 /// not empty. Where several patterns fit, the one that was added first counts. Who answers GET answers HEAD as well.
 class Routes {
 public:
     using Function = std::function<Response(const Request& request)>;
     struct Row {
         std::string method, pattern;
+        Access access = Access::control;
+        std::string answers;    // with what, in a clause for people
         Function function;
     };
 
-    void add(std::string method, std::string pattern, Function function);
+    void add(Row row) { rows_.push_back(std::move(row)); }
+    /// One that nothing is told of, for those who may do everything.
+    void add(std::string method, std::string pattern, Function function) {
+        rows_.push_back({std::move(method), std::move(pattern), Access::control, {}, std::move(function)});
+    }
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
     /// What the function of the row that fits says, or, in words: 400 for a path or query with a bad encoding, 404 with the nearest

@@ -95,6 +95,7 @@ void Session::hear() {
     if (const auto& fault = reader_->fault()) return refuse(error(fault->status, fault->words));
     if (!reader_->is_done()) return read();
     asking_ = Asking::whole;
+    whole_at_ = Clock::now();
     awaits_turn_ = true;
     deadline_.cancel();
     owner_.wait_for_turn(shared_from_this());
@@ -115,6 +116,7 @@ void Session::take_turn() {
 void Session::answer(Request request) {
     request.user = user_;
     request.door = stream_->door();
+    request.came_at = whole_at_;
     sending_ = {request.version, request.keep_alive};
     const bool head_only = request.method == "HEAD";
     Response response = owner_.answer(request);

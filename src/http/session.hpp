@@ -79,7 +79,8 @@ private:
     bool awaits_turn_ = false;    // with a whole request
     bool reading_ = false;
     bool input_ended_ = false;
-    ano::TimePoint since_;    // it came, or came on
+    ano::TimePoint since_;         // it came, or came on
+    ano::TimePoint whole_at_{};    // the request that is answered, or was last
     std::array<char, 4 * 1024> room_;
     std::string input_;    // what came and is not read yet
     std::optional<RequestReader> reader_;

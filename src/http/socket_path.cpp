@@ -9,6 +9,11 @@
 
 namespace anogate::http {
 namespace fs = std::filesystem;
+namespace {
+
+std::string of_the_system() { return std::string{runtime_folder} + "/control.sock"; }
+
+}    // namespace
 
 Runner this_runner() {
     const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
@@ -19,8 +24,15 @@ std::optional<std::string> control_socket(const std::string& configured, const R
     if (configured == "none") return std::nullopt;
     if (!configured.empty()) return configured;
     // Without either, the error of the first is the one that tells people what to do.
-    if (runner.system || runner.runtime_dir.empty()) return std::string{runtime_folder} + "/control.sock";
+    if (runner.system || runner.runtime_dir.empty()) return of_the_system();
     return runner.runtime_dir + "/anogate.sock";
+}
+
+std::string socket_to_ask(const std::string& asked, const Runner& runner) {
+    if (!asked.empty()) return asked;
+    std::string usual = control_socket({}, runner).value_or(std::string{});
+    std::error_code ec;
+    return !fs::exists(usual, ec) && fs::exists(of_the_system(), ec) ? of_the_system() : usual;
 }
 
 std::string fault_of_socket(const std::string& path, const Runner& runner) {

@@ -9,6 +9,7 @@
 #include <boost/beast/websocket/stream.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace anogate::http {
@@ -28,13 +29,18 @@ public:
     executor_type get_executor() const noexcept { return io_->get_executor(); }
     Stream& stream() { return *stream_; }
     ano::TimePoint taken_at() const { return taken_at_; }
+    std::uint64_t reads() const noexcept { return reads_; }
 
     template <class Buffers, class Handler>
     void async_read_some(const Buffers& into, Handler&& handler) {
         asio::mutable_buffer room;
         for (auto it = asio::buffer_sequence_begin(into); it != asio::buffer_sequence_end(into) && room.size() == 0; ++it)
             room = *it;
-        if (early_.empty()) return stream_->read_some(room, done(std::forward<Handler>(handler)));
+        if (early_.empty())
+            return stream_->read_some(room, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
+                ++reads_;    // the handler has what owns us
+                done(ec, size);
+            });
         const std::size_t size = asio::buffer_copy(room, asio::buffer(early_));
         early_.erase(0, size);
         asio::post(*io_, [done = done(std::forward<Handler>(handler)), size] { done({}, size); });
@@ -47,7 +53,7 @@ public:
         for (auto it = asio::buffer_sequence_begin(from); it != asio::buffer_sequence_end(from) && count < parts.size(); ++it)
             if (const asio::const_buffer part = *it; part.size() > 0) parts[count++] = part;
         stream_->write_some(parts, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
-            taken_at_ = ano::Clock::now();    // the handler has what owns us
+            taken_at_ = ano::Clock::now();
             done(ec, size);
         });
     }
@@ -64,6 +70,7 @@ private:
     std::unique_ptr<Stream> stream_;
     std::string early_;
     ano::TimePoint taken_at_ = ano::Clock::now();
+    std::uint64_t reads_ = 0;
 };
 
 // Found by Beast.
@@ -81,6 +88,15 @@ beast::http::request<beast::http::empty_body> beasts(const Request& request) {
     return same;
 }
 
+std::string words_of(const error_code& ec, const websocket::close_reason& said) {
+    if (ec == websocket::error::closed)
+        return said.reason.empty() ? "the gateway ended it" : "the gateway ended it: " + std::string{said.reason.c_str()};
+    if (ec == asio::error::eof || ec == asio::error::connection_reset || ec == asio::error::broken_pipe)
+        return "the gateway ended the connection";
+    if (ec == beast::error::timeout) return "the gateway has fallen silent";
+    return ec.message();
+}
+
 class BeastWebSocket final : public OpenWebSocket, public std::enable_shared_from_this<BeastWebSocket> {
 public:
     BeastWebSocket(asio::io_context& io, std::unique_ptr<Stream> stream, std::string early, std::unique_ptr<WebSocketUser> user,
@@ -93,21 +109,32 @@ public:
           place_{std::move(place)} {}
 
     void open(const Request& request) {
-        websocket::stream_base::timeout patience{};
-        patience.handshake_timeout = limits_.stuck;
-        patience.idle_timeout = limits_.idle;
-        patience.keep_alive_pings = true;
-        socket_.set_option(patience);
+        prepare(limits_.stuck);
         socket_.set_option(websocket::stream_base::decorator(
             [](websocket::response_type& response) { response.set(beast::http::field::server, "anogate"); }));
-        socket_.read_message_max(limits_.message);
-        socket_.auto_fragment(false);    // a message is one frame
         socket_.async_accept(beasts(request), [self = shared_from_this()](error_code ec) {
             if (!self->user_) return;
             if (ec) return self->end();
-            self->read();
-            const auto user = self->user_;    // for it may end us
-            user->opened(*self);
+            self->begin();
+        });
+    }
+
+    void join(const Request& request, ano::Duration patience, std::function<void(Outcome)> ended) {
+        ended_ = std::move(ended);
+        prepare(patience);
+        socket_.set_option(websocket::stream_base::decorator([headers = request.headers](websocket::request_type& asked) {
+            for (const Field& field : headers) asked.insert(field.name, field.value);
+        }));
+        const auto answer = std::make_shared<websocket::response_type>();
+        socket_.async_handshake(*answer, "anogate", request.target, [self = shared_from_this(), answer](error_code ec) {
+            if (!self->user_) return;
+            if (ec && ec != websocket::error::upgrade_declined) return self->end_for(ec);
+            self->answer_.status = answer->result_int();
+            for (const auto& field : *answer)
+                self->answer_.headers.push_back({std::string{field.name_string()}, std::string{field.value()}});
+            self->answer_.body = std::move(answer->body());
+            if (ec) self->end_for({});
+            else self->begin();
         });
     }
 
@@ -117,6 +144,7 @@ public:
         return true;
     }
     std::size_t waiting() const noexcept override { return queue_.bytes(); }
+    std::uint64_t reads() const noexcept override { return socket_.next_layer().reads(); }
 
     void close(std::uint16_t code, std::string_view reason) override {
         if (!user_ || std::exchange(closing_, true)) return;
@@ -125,11 +153,12 @@ public:
         constexpr std::size_t max_reason = 123;    // in a control frame
         websocket::close_reason why{websocket::close_code{code}};
         why.reason.assign(reason.data(), std::min(reason.size(), max_reason));
-        socket_.async_close(why, [self = shared_from_this()](error_code) { self->end(); });
+        socket_.async_close(why, [self = shared_from_this()](error_code) { self->end_for({}); });
     }
 
     void end() override {
         if (!user_) return;
+        ended_ = {};
         stuck_.cancel();
         socket_.next_layer().stream().close();
         if (!writing_) queue_.clear();    // else what is being written is still looked at
@@ -143,10 +172,34 @@ public:
     }
 
 private:
+    void prepare(ano::Duration handshake) {
+        websocket::stream_base::timeout patience{};
+        patience.handshake_timeout = handshake;
+        patience.idle_timeout = limits_.idle;
+        patience.keep_alive_pings = true;
+        socket_.set_option(patience);
+        socket_.read_message_max(limits_.message);
+        socket_.auto_fragment(false);    // a message is one frame
+    }
+
+    void begin() {
+        read();
+        const auto user = user_;    // for it may end us
+        user->opened(*this);
+    }
+
+    // Of itself: whoever opened it is told.
+    void end_for(const error_code& ec) {
+        if (!user_) return;
+        const auto ended = std::move(ended_);
+        end();
+        if (ended) ended({ec ? words_of(ec, socket_.reason()) : std::string{}, std::move(answer_)});
+    }
+
     void read() {
         socket_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
             if (!self->user_) return;
-            if (ec) return self->end();
+            if (ec) return self->end_for(ec);
             const auto user = self->user_;
             const auto data = self->buffer_.cdata();
             if (!self->closing_)
@@ -166,7 +219,7 @@ private:
         socket_.async_write(asio::buffer(*entry.message), [self = shared_from_this()](error_code ec, std::size_t) {
             self->writing_ = false;
             if (!self->user_) return;
-            if (ec) return self->end();
+            if (ec) return self->end_for(ec);
             self->queue_.pop();
             if (self->closing_) return;
             if (!self->queue_.empty()) return self->write();
@@ -184,7 +237,7 @@ private:
             if (!self) return;
             self->watching_ = false;
             if (!self->user_ || (!self->writing_ && !self->closing_)) return;
-            if (self->is_stalled_since(ano::Clock::now() - self->limits_.stuck)) return self->end();
+            if (self->is_stalled_since(ano::Clock::now() - self->limits_.stuck)) return self->end_for(beast::error::timeout);
             self->watch();
         });
     }
@@ -199,6 +252,8 @@ private:
     bool closing_ = false;
     bool watching_ = false;
     std::shared_ptr<WebSocketUser> user_;    // none: it has ended
+    std::function<void(Outcome)> ended_;     // of one that we opened
+    Answer answer_;                          // to what we asked
     std::shared_ptr<void> place_;
 };
 
@@ -210,6 +265,14 @@ std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique
     auto socket = std::make_shared<BeastWebSocket>(io, std::move(stream), std::move(early), std::move(user), limits,
                                                    std::move(place));
     socket->open(request);
+    return socket;
+}
+
+std::shared_ptr<OpenWebSocket> join_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
+                                               std::unique_ptr<WebSocketUser> user, const WebSocketLimits& limits,
+                                               ano::Duration patience, std::function<void(Outcome)> ended) {
+    auto socket = std::make_shared<BeastWebSocket>(io, std::move(stream), std::string{}, std::move(user), limits, nullptr);
+    socket->join(request, patience, std::move(ended));
     return socket;
 }
 

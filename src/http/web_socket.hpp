@@ -30,6 +30,8 @@ public:
     virtual bool send(Message message, Kind kind) = 0;
     /// Bytes that wait to be sent.
     virtual std::size_t waiting() const noexcept = 0;
+    /// How often bytes came. When it has not changed through a whole turn of the loop, nothing waits to be heard.
+    virtual std::uint64_t reads() const noexcept = 0;
     /// Tells the client that it ends, and why; what waits is dropped. Nothing comes any more.
     virtual void close(std::uint16_t code, std::string_view reason) = 0;
 };

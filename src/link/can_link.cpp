@@ -203,7 +203,7 @@ constinit const LinkKind can_kind{
     .carries = Carries::pieces,
     .may_be_paced = true,
     .devices_only = true,
-    .hints = {.nothing_yet = "nothing received yet: bit rate, termination, and the same base on all nodes?",
+    .hints = {.nothing_yet = {"nothing_on_bus", "nothing received yet: bit rate, termination, and the same base on all nodes?"},
               .may_wait_for_hello = true},
     .keys = can_keys,
     .settings = [] { return KindSettings{Can{}}; },

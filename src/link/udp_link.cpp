@@ -289,7 +289,7 @@ constinit const LinkKind udp_kind{
     .help = "one fixed UDP peer; broadcast and multicast addresses too",
     .carries = Carries::datagrams,
     .may_be_paced = true,
-    .hints = {.nothing_yet = "nothing received yet from the peer", .may_wait_for_hello = true},
+    .hints = {.nothing_yet = {"nothing_from_peer", "nothing received yet from the peer"}, .may_wait_for_hello = true},
     .keys = udp_keys,
     .settings = [] { return KindSettings{Udp{}}; },
     .make = make_link_of<UdpLink>,

@@ -58,6 +58,8 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
         EXPECT_TRUE(link.at("since_s").is_number());
         EXPECT_TRUE(link.at("error").is_string());
         EXPECT_TRUE(link.at("hint").is_string());
+        EXPECT_EQ(link.at("hint_id") == "", link.at("hint") == "");
+        EXPECT_TRUE(link.at("hint_args").is_object());
         EXPECT_TRUE(link.at("channels").is_array());
         for (const char* counter : counters) EXPECT_TRUE(link.at(counter).is_number_unsigned()) << counter;
         for (const json& channel : link.at("channels")) {

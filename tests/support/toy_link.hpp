@@ -66,7 +66,7 @@ inline constexpr anogate::LinkKind toy_kind{
     .example = "hello",
     .help = "a toy that says a word",
     .carries = anogate::Carries::pieces,
-    .hints = {.nothing_yet = "the toy is silent: is it asleep?"},
+    .hints = {.nothing_yet = {"nothing_from_toy", "the toy is silent: is it asleep?"}},
     .keys = toy::keys,
     .settings = [] { return anogate::KindSettings{ToySettings{}}; },
     .make = anogate::make_link_of<ToyLink>,

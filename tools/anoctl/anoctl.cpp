@@ -19,11 +19,18 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 4> all{{
+    static constexpr std::array<Subcommand, 11> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
-        {"monitor", "Shows the frames that come in by a link", add_monitor},
+        {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor},
+        {"status", "Shows how a running gateway is", add_status},
+        {"links", "Shows its links and what they count", add_links},
+        {"routes", "Shows where each address leads", add_routes},
+        {"metrics", "Shows its counters as Prometheus reads them", add_metrics},
+        {"reload", "Has it read its configuration again", add_reload},
+        {"send", "Sends a frame by the gateway that runs", add_send},
+        {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
     }};
     return all;
 }
@@ -39,7 +46,9 @@ std::string commands() {
 
 void reject_unknown_command(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
-    if (std::string_view{argv[1]} == "--json") throw UsageError{"--json is for a command" + commands()};
+    for (const std::string_view shared : {"--json", "--control"})
+        if (std::string_view{argv[1]}.starts_with(shared))
+            throw UsageError{std::string{shared} + " is for a command" + commands()};
     if (argv[1][0] == '-') return;
     std::vector<std::string_view> names;
     for (const Subcommand& s : subcommands()) {
@@ -49,7 +58,7 @@ void reject_unknown_command(int argc, const char* const* argv) {
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
 }
 
-/// Moves --json behind the subcommand, and turns "help decode" into "decode --help".
+/// Moves --json and --control PATH behind the subcommand, and turns "help decode" into "decode --help".
 std::vector<const char*> as_meant(int argc, const char* const* argv) {
     std::vector<const char*> words{argv, argv + argc};
     if (argc > 1 && std::string_view{argv[1]} == "help") {
@@ -57,9 +66,14 @@ std::vector<const char*> as_meant(int argc, const char* const* argv) {
         words.push_back("--help");
         return words;
     }
-    const auto is_json = [](std::string_view word) { return word == "--json"; };
     const auto first = words.begin() + std::min(argc, 1);
-    const auto command = std::find_if_not(first, words.end(), is_json);
+    auto command = first;
+    while (command != words.end()) {
+        const std::string_view word = *command;
+        if (word == "--control" && command + 1 != words.end()) ++command;
+        else if (word != "--json" && !word.starts_with("--control=")) break;
+        ++command;
+    }
     if (command != words.end()) std::rotate(first, command, command + 1);
     return words;
 }
@@ -122,7 +136,9 @@ int run(int argc, const char* const* given, Streams& streams) {
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
-    app.footer("--json, before or behind the command, is one JSON object a line. NO_COLOR ends colours.");
+    app.footer(
+        "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
+        "NO_COLOR ends colours.");
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
     for (const Subcommand& s : subcommands()) {
@@ -152,10 +168,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        // --id and similar options take every word behind them, the link too.
-        const std::string missing = app.got_subcommand("monitor") ? "LINK is missing: it stands before the options"
-                                                                  : "NAME is missing";
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : missing, usage);
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : "NAME is missing", usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {

@@ -48,6 +48,13 @@ Run add_decode(Options& options);
 Run add_encode(Options& options);
 Run add_messages(Options& options);
 Run add_monitor(Options& options);
+Run add_send(Options& options);
+Run add_top(Options& options);
+Run add_status(Options& options);
+Run add_links(Options& options);
+Run add_routes(Options& options);
+Run add_metrics(Options& options);
+Run add_reload(Options& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 

@@ -1,16 +1,14 @@
 #include "reference.hpp"
+#include "table.hpp"
 
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <ano_json/text.hpp>
 #include <ano_json/words.hpp>
 
-#include <algorithm>
 #include <ostream>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace anoctl {
 namespace {
@@ -45,30 +43,10 @@ std::string values_text(const Field& f) {
     return text;
 }
 
-std::size_t characters(std::string_view text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
-
-using Line = std::vector<std::string>;
+using Line = Table::Line;
 
 Line line_of(const Field& f, const std::string& indent) {
     return {indent + std::string{f.name}, type_text(f), std::string{f.unit}, range_text(f), values_text(f)};
-}
-
-// The first line is the heading; a column without anything below it is left out.
-void write_columns(std::ostream& out, std::span<const Line> lines) {
-    std::vector<std::size_t> widths(lines.front().size());
-    for (const Line& line : lines.subspan(1))
-        for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], characters(line[i]));
-    for (std::size_t i = 0; i < widths.size(); ++i)
-        if (widths[i] > 0) widths[i] = std::max(widths[i], characters(lines.front()[i]));
-    for (const Line& line : lines) {
-        std::string text = "    ";
-        for (std::size_t i = 0; i < line.size(); ++i)
-            if (widths[i] > 0) text += line[i] + std::string(widths[i] - characters(line[i]) + 2, ' ');
-        out << text.substr(0, text.find_last_not_of(' ') + 1) << '\n';
-    }
 }
 
 }    // namespace
@@ -79,11 +57,11 @@ void write_details(std::ostream& out, const Message& row, bool color) {
         << row.title;
     if (!row.is_base()) out << " (layout " << row.variant.label << taken_for(row) << ')';
     out << '\n';
-    std::vector<Line> lines{{"field", "type", "unit", "range", "values"}};
-    for (const Field& f : row.fields()) lines.push_back(line_of(f, ""));
-    for (const Field& f : row.element()) lines.push_back(line_of(f, "  "));
-    if (lines.size() == 1) out << "    as configured\n";
-    else write_columns(out, lines);
+    Table table{{"field", "type", "unit", "range", "values"}};
+    for (const Field& f : row.fields()) table.row(line_of(f, ""));
+    for (const Field& f : row.element()) table.row(line_of(f, "  "));
+    if (table.empty()) out << "    as configured\n";
+    else table.write(out, "    ");
 }
 
 }    // namespace anoctl

@@ -17,6 +17,7 @@
 #include <ostream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace anoctl {
 namespace {
@@ -143,19 +144,30 @@ FlexibleLayouts FrameOptions::layouts() const {
 FramePrinter::FramePrinter(Streams& streams, const FrameOptions& options)
     : streams_{streams}, json_{options.json}, layouts_{options.layouts()}, options_{options.json_options(layouts_)} {}
 
-void FramePrinter::print(FrameView frame, const std::string& link, double time) {
+void FramePrinter::print(FrameView frame, const Passage& passage) {
     Json json = frame_to_json(frame, options_);
     if (json_) {
-        if (!link.empty()) {
-            json["time"] = time;
-            json["link"] = link;
+        if (!passage.link.empty()) {
+            json["time"] = passage.time;
+            json["link"] = passage.link;
+            for (const auto& [key, text] :
+                 {std::pair{"peer", &passage.peer}, {"direction", &passage.direction}, {"cause", &passage.cause}})
+                if (!text->empty()) json[key] = *text;
         }
         streams_.out << json.dump() << '\n';
         return;
     }
-    if (!link.empty()) streams_.out << colored(dim, clock_text(time)) << ' ' << link << ' ';
+    if (!passage.link.empty()) print(passage);
     if (streams_.terminal) columns(frame, json);
     else plain(frame, json);
+}
+
+// 14:03:07.123 ground 192.168.1.20:6000 dropped limited
+void FramePrinter::print(const Passage& passage) {
+    streams_.out << colored(dim, clock_text(passage.time)) << ' ' << passage.link << ' ';
+    if (!passage.peer.empty() && passage.peer != passage.link) streams_.out << passage.peer << ' ';
+    if (!passage.cause.empty()) streams_.out << colored(red, passage.direction + ' ' + passage.cause) << ' ';
+    else if (!passage.direction.empty()) streams_.out << passage.direction << ' ';
 }
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: what stands behind the id is what `encode` takes.

@@ -28,17 +28,27 @@ struct FrameOptions {
     }
 };
 
+/// When and where a frame passed; without a link it is not told.
+struct Passage {
+    std::string link{};
+    double time = 0;            // seconds since 1970
+    std::string peer{};         // empty: it is not told
+    std::string direction{};    // "in", "out", "dropped"; empty as well
+    std::string cause{};        // why it was dropped; empty: it was not
+};
+
 class FramePrinter {
 public:
     FramePrinter(Streams& streams, const FrameOptions& options);
     FramePrinter(const FramePrinter&) = delete;
     FramePrinter& operator=(const FramePrinter&) = delete;
 
-    /// One line. `link`, when not empty, says where the frame came from, and `time` when (seconds since 1970).
-    void print(ano::FrameView frame, const std::string& link = {}, double time = 0);
+    /// One line.
+    void print(ano::FrameView frame, const Passage& passage = {});
     const ano::FlexibleLayouts& layouts() const noexcept { return layouts_; }
 
 private:
+    void print(const Passage& passage);
     void plain(ano::FrameView frame, const ano::Json& json);
     void columns(ano::FrameView frame, const ano::Json& json);
     std::string colored(const char* color, const std::string& text) const;

@@ -4,6 +4,7 @@
 #include "reference.hpp"
 
 #include <ano/messages.hpp>
+#include <ano_json/describe.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -40,6 +41,8 @@ struct Messages {
         options.config = config;
         if (markdown) write_markdown(streams.out);
         else if (lua) write_lua(streams.out, options.layouts());
+        else if (json && names.empty())
+            for (const Json& row : describe_all(options.layouts())) streams.out << row.dump() << '\n';
         else
             for (const Message& row : chosen()) {
                 if (json) streams.out << describe(row).dump() << '\n';
@@ -71,7 +74,8 @@ Run add_messages(Options& options) {
     options.push_back({"--markdown", &self->markdown, "", "The protocol reference", false, {"--json", "--lua"}});
     options.push_back({"--json", &self->json, "", "One JSON object a layout, one a line", false, {"--lua"}});
     options.push_back({"--lua", &self->lua, "", "A Wireshark dissector: tshark -X lua_script:FILE"});
-    options.push_back({"--config", &self->config, "FILE", "With --lua: a gateway's configuration, for its flexible messages"});
+    options.push_back({"--config", &self->config, "FILE",
+                       "With --lua, or --json of all: a gateway's configuration, for its flexible messages"});
     return [self](Streams& streams) { return self->run(streams); };
 }
 

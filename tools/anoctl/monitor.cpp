@@ -1,6 +1,8 @@
-// anoctl monitor LINK: the frames that come in by a link of our own.
+// anoctl monitor LINK: the frames that come in by a link of our own; without a LINK, those of the gateway that runs.
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
+#include "gateway.hpp"
+#include "watch.hpp"
 
 #include <config/config.hpp>
 #include <config/key_facts.hpp>
@@ -35,9 +37,7 @@ constexpr Duration look_every = std::chrono::seconds{3};
 constexpr char only_listens[] =
     "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
 
-constexpr char how_to_watch[] =
-    "; to watch one that runs, give it one more link, udp:127.0.0.1:6670,name=watch, and --route 0xFE=watch "
-    "(and one for every link with a host), and start anoctl monitor udp-listen:127.0.0.1:6670";
+constexpr char how_to_watch[] = "; to watch the gateway that has it: anoctl monitor, without a LINK";
 
 using IdSet = std::bitset<256>;
 
@@ -112,7 +112,7 @@ private:
         if (done_ || !filter_.takes(frame)) return;
         const auto time = std::chrono::system_clock::now().time_since_epoch();
         const std::string& where = channel.peer.empty() ? link_->name() : channel.peer;
-        printer_.print(frame, where, std::chrono::duration<double>(time).count());
+        printer_.print(frame, {where, std::chrono::duration<double>(time).count()});
         ++shown_;
         if (left_ > 0 && --left_ == 0) finish_soon();
     }
@@ -230,11 +230,15 @@ private:
 
 struct MonitorOptions {
     std::string link;
-    std::vector<std::string> ids, from, to;
+    std::vector<std::string> ids, from, to, links, directions;
     std::uint64_t count = 0;
     FrameOptions frames;
+    GatewayOptions gateway;
 
     int run(Streams& streams) const {
+        if (link.empty()) return attach(streams);
+        if (!links.empty() || !directions.empty())
+            throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
         const LinkSettings settings = link_settings();
         if (const std::string idle = idle_keys(link); !idle.empty())
@@ -244,6 +248,14 @@ struct MonitorOptions {
     }
 
 private:
+    int attach(Streams& streams) const {
+        for (const auto* words : {&ids, &from, &to, &links, &directions})    // which take every word behind them
+            for (const std::string& word : *words)
+                if (word.find(':') != word.npos) throw UsageError{ano::in_quotes(word) + ": a LINK stands before the options"};
+        const std::string query = filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) +
+                                  filter_words("link", links) + filter_words("direction", directions);
+        return watch({gateway.socket(), query, count, frames}, streams);
+    }
     // The option, otherwise the key of the link.
     FrameOptions as_said_of(const LinkSettings& settings) const {
         FrameOptions options = frames;
@@ -292,11 +304,16 @@ Run add_monitor(Options& options) {
         return {};
     };
     options.push_back({"link", &self->link, "LINK",
-                       "As for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH", true});
+                       "A link to listen at, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333 pty:PATH; "
+                       "without it, the frames of the gateway that runs: what comes, what leaves, and what is dropped and why"});
     options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "Of the gateway: only by these links, by name"});
+    options.push_back(
+        {"--direction", &self->directions, "in|out|dropped...", "Of the gateway: only what comes, leaves or is dropped"});
     options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many frames were shown"});
+    GatewayOptions::add(options, self->gateway);
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

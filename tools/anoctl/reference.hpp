@@ -1,7 +1,7 @@
 // The message table, written out for people and for other programs.
 #pragma once
 #include <ano/flexible.hpp>
-#include <ano_json/frame_json.hpp>
+#include <ano/messages.hpp>
 
 #include <iosfwd>
 #include <string>
@@ -21,8 +21,5 @@ void write_details(std::ostream& out, const ano::Message& row, bool color);
 std::string type_text(const ano::Field& field);
 /// Which DATA selects a layout, behind a comma; empty for a base layout.
 std::string taken_for(const ano::Message& row);
-
-/// One row of the table.
-ano::Json describe(const ano::Message& row);
 
 }    // namespace anoctl

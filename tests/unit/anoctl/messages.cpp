@@ -6,8 +6,10 @@
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <support/anoctl.hpp>
+#include <support/temp_dir.hpp>
 
 namespace {
 
@@ -34,6 +36,28 @@ TEST(Messages, as_json_are_one_object_a_layout) {
     EXPECT_EQ(euler["class"], "telemetry");
     EXPECT_EQ(euler["fields"][0]["scale"], 0.01);
     EXPECT_EQ(euler["fields"][0]["unit"], "°");
+}
+
+TEST(Messages, as_json_have_the_layouts_of_a_configuration) {
+    const support::TempDir dir;
+    const std::string config = dir.write("my.json", R"({"flexible": [
+        {"id": "0xF1", "fields": [{"name": "water_temp", "type": "i16", "scale": 0.1, "unit": "°C"}]},
+        {"id": "0xF2", "source": 30, "fields": [{"name": "n", "type": "u8"}]}]})");
+    std::istringstream lines{anoctl({"messages", "--json", "--config", config}).out};
+    std::vector<nlohmann::json> of_f1, of_f2;
+    for (std::string line; std::getline(lines, line);) {
+        const auto row = nlohmann::json::parse(line);
+        if (row["id"] == 0xF1) of_f1.push_back(row);
+        if (row["id"] == 0xF2) of_f2.push_back(row);
+    }
+    ASSERT_EQ(of_f1.size(), 1u);
+    EXPECT_EQ(of_f1[0]["size"], 2);
+    EXPECT_EQ(of_f1[0]["fields"][0]["name"], "water_temp");
+    EXPECT_EQ(of_f1[0]["fields"][0]["scale"], 0.1);
+    EXPECT_FALSE(of_f1[0].contains("source"));
+    ASSERT_EQ(of_f2.size(), 2u) << "frames of others have none";
+    EXPECT_EQ(of_f2[0]["source"], 30);
+    EXPECT_EQ(of_f2[1]["fields"].size(), 0u);
 }
 
 TEST(Messages, as_text_are_one_line_a_layout) {
@@ -80,12 +104,14 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
     EXPECT_EQ(ran.exit, 2);
     EXPECT_EQ(
         ran.err,
-        "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor\n");
+        "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor, "
+        "status, links, routes, metrics, reload, send, top\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
     EXPECT_EQ(anoctl({}).err,
-              "anoctl: no command; the commands are decode, encode, messages, monitor, and anoctl COMMAND --help says more\n");
+              "anoctl: no command; the commands are decode, encode, messages, monitor, "
+              "status, links, routes, metrics, reload, send, top, and anoctl COMMAND --help says more\n");
 }
 
 }    // namespace

@@ -219,6 +219,31 @@ TEST(Config, the_file_is_named_before_the_pointer) {
     EXPECT_EQ(lines(parse_config("[]", "a.json").errors), "anogated: a.json: must be an object {...}, not a list\n");
 }
 
+// The link `control`.
+
+TEST(Config, the_control_link_has_rules_as_every_link) {
+    const Settings settings = settings_of(
+        R"({"control": {"receive": {"deny": ["0x09"]}, "send": {"deny_sources": ["0xFE"]}, "limit": {"euler": 5}}})");
+    EXPECT_EQ(settings.control.rules.receive.deny, (std::vector<ByteRange>{{0x09, 0x09}}));
+    EXPECT_EQ(settings.control.rules.send.deny_sources, (std::vector<ByteRange>{{0xFE, 0xFE}}));
+    EXPECT_EQ(settings.control.rules.limit, (std::vector<LimitRule>{{0x03, 5}}));
+    EXPECT_TRUE(is_control_configured(settings));
+    EXPECT_FALSE(is_control_configured(settings_of(R"({"control": {"socket": "/tmp/x"}})")));
+}
+
+TEST(Config, the_control_link_may_be_named_and_is_there_then) {
+    EXPECT_TRUE(is_control_configured(settings_of(R"({"routes": [{"address": 30, "link": "control"}]})")));
+    EXPECT_TRUE(is_control_configured(settings_of(R"({"gateway": {"unknown": "control"}})")));
+    EXPECT_TRUE(is_control_configured(
+        settings_of(R"({"gpio": [{"chip": "gpiochip0", "line": 1, "use": "inhibit", "links": ["control"]}]})")));
+    for (const std::string name : {"control", "tunnel"}) {
+        const std::string tunnel = name == "tunnel" ? R"("links": ["sim:fc"], "tunnel": {"links": ["fc"]}, )" : "";
+        EXPECT_EQ(
+            faults_in("{" + tunnel + R"("gpio": [{"chip": "gpiochip0", "line": 1, "use": "rs485", "link": ")" + name + "\"}]}"),
+            "/gpio/0/link: 'link' '" + name + "' is not a serial port: rs485 is for those\n");
+    }
+}
+
 // The tunnel.
 
 TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {

@@ -251,6 +251,22 @@ TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
 }
 
 // Between slow beats, a standstill is noticed by the age of what waited to be read.
+TEST_F(Watch, what_was_read_before_the_end_of_a_standstill_or_just_behind_it_may_have_waited) {
+    const auto may_have_waited = [&] { return loop.may_have_waited(clocks.now); };
+    EXPECT_FALSE(may_have_waited());
+    pass(period + LoopWatch::told / 2);
+    turn();
+    EXPECT_FALSE(may_have_waited()) << "the machine was busy";
+    loop.beat(period);
+    const TimePoint before = clocks.now;
+    pass(period + 2 * LoopWatch::told);
+    turn();
+    EXPECT_TRUE(loop.may_have_waited(before));
+    EXPECT_TRUE(may_have_waited());
+    pass(LoopWatch::catching_up);
+    EXPECT_FALSE(may_have_waited());
+}
+
 TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
     loop.beat(520ms);
     pass(10ms);

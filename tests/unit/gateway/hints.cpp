@@ -167,5 +167,49 @@ TEST(Hint, strangers_and_their_tricks_are_named) {
     EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
 }
 
+TEST(Hint, has_an_id_and_what_its_text_has_beside_words) {
+    using namespace std::chrono_literals;
+    EXPECT_EQ(find_hint(line_that_sent(1000)).id, "") << "nothing to say";
+    LinkFigures link = line_that_sent(1000);
+    link.waits_to_hear = true;
+    link.silent_for = 12s;
+    link.received.frames_in = 19;
+    const Hint silent = find_hint(link);
+    EXPECT_EQ(silent.id, "silent");
+    ASSERT_EQ(silent.args.size(), 2u);
+    EXPECT_EQ(silent.args[0], (std::pair<std::string_view, Hint::Value>{"seconds", std::int64_t{12}}));
+    EXPECT_EQ(silent.args[1], (std::pair<std::string_view, Hint::Value>{"try_hello", true}));
+    link.ring_out = "ground";
+    link.ring_back = "radio";
+    const Hint ring = find_hint(link);
+    EXPECT_EQ(ring.id, "ring");
+    ASSERT_EQ(ring.args.size(), 2u);
+    EXPECT_EQ(ring.args[0], (std::pair<std::string_view, Hint::Value>{"out", std::string{"ground"}}));
+    EXPECT_EQ(ring.args[1], (std::pair<std::string_view, Hint::Value>{"back", std::string{"radio"}}));
+}
+
+TEST(Hint, ids_tell_what_the_words_of_a_kind_tell) {
+    using namespace std::chrono_literals;
+    const auto ids = [](const char* kind) {
+        LinkFigures link = line_that_sent(1000);
+        link.words = anogate::find_link_kind(kind)->hints;
+        link.silent_for = 12s;
+        link.bytes_ago = 20ms;
+        link.skipped_since = 64;
+        std::string all{find_hint(link).id};
+        link.received.frames_in = 0;
+        link.received.skipped_bytes = 64;
+        all.append(" ").append(find_hint(link).id);
+        link.received = {};
+        link.silent_for.reset();
+        link.up_for = 3s;
+        return all.append(" ").append(find_hint(link).id);
+    };
+    EXPECT_EQ(ids("serial"), "no_frames_at_baud_any_more no_frames_at_baud nothing_on_line");
+    EXPECT_EQ(ids("udp"), "no_frames_any_more no_frames nothing_from_peer");
+    EXPECT_EQ(ids("can"), "no_frames_any_more no_frames nothing_on_bus");
+    EXPECT_EQ(ids("pty"), "no_frames_any_more no_frames ");
+}
+
 }    // namespace
 }    // namespace anogate

@@ -63,6 +63,30 @@ void expect(const Route& route, ChannelSet to, Via via, LinkSet absent = {}) {
     EXPECT_EQ(route.absent, absent);
 }
 
+TEST(Router, forgets_where_an_address_was_heard) {
+    Net net;
+    EXPECT_FALSE(net->forget(0xDC)) << "it was nowhere";
+    net.route(0, 0xDC, 0xFE);
+    net.route(1, 0xDC, 0xFE);    // a claim
+    expect(net.route(2, 0xFE, 0xDC), channels({0}), Via::learned);
+    EXPECT_TRUE(net->forget(0xDC));
+    EXPECT_TRUE(net->learned(0xDC, net.now).links.empty());
+    EXPECT_FALSE(net->has_question(net.now)) << "the claim is over";
+    expect(net.route(2, 0xFE, 0xDC), channels({0, 1, 3}), Via::unknown);
+    net.route(1, 0xDC, 0xFE);
+    expect(net.route(2, 0xFE, 0xDC), channels({1}), Via::learned);
+}
+
+TEST(Router, forgets_the_conflict_about_an_address_as_well) {
+    Net net;
+    net->note_conflict(0xDC, links({0, 1}), std::nullopt, net.now);
+    net->note_conflict(0xDD, links({0, 1}), std::nullopt, net.now);
+    net->forget(0xDC);
+    const auto left = net->conflicts(net.now);
+    ASSERT_EQ(left.size(), 1u);
+    EXPECT_EQ(left[0].address, 0xDD);
+}
+
 }    // namespace
 
 TEST(Router, broadcast_goes_everywhere_but_back) {

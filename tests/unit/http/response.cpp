@@ -42,15 +42,15 @@ TEST(ResponseHead, of_a_stream_has_no_length) {
 }
 
 TEST(ResponseError, is_json_whatever_it_quotes) {
-    EXPECT_EQ(error(404, "no '\"' or \\ here").body, "{\"error\": \"no '\\\"' or \\\\ here\"}\n");
-    EXPECT_EQ(error(400, "\n\x1b\xff").body, "{\"error\": \"???\"}\n");
+    EXPECT_EQ(error(404, "no '\"' or \\ here").body, "{\"error\": \"no '\\\"' or \\\\ here\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(error(400, "\n\x1b\xff").body, "{\"error\": \"???\", \"what\": \"invalid\"}\n");
 }
 
 TEST(ResponseError, of_a_server_that_is_busy_says_when_to_come_again) {
     const std::string words = last_words(try_again("not now"));
     EXPECT_EQ(words,
               "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: application/json\r\nServer: anogate\r\n"
-              "Connection: close\r\nContent-Length: 21\r\n\r\n{\"error\": \"not now\"}\n");
+              "Connection: close\r\nContent-Length: 37\r\n\r\n{\"error\": \"not now\", \"what\": \"busy\"}\n");
 }
 
 TEST(ResponseChunk, has_its_length_in_hex_before_it) {

@@ -9,13 +9,13 @@ namespace {
 class Table : public testing::Test {
 protected:
     void add(const std::string& method, const std::string& pattern) {
-        routes.add(method, pattern, [=](const Request& request) {
-            Response response;
-            response.body = method + " " + pattern;
-            for (const Field& field : request.parameters) response.body += " " + field.name + "=" + field.value;
-            for (const Field& field : request.query) response.body += " ?" + field.name + "=" + field.value;
-            return response;
-        });
+        routes.add({method, pattern, Access::view, "what it was asked", [=](const Request& request) {
+                        Response response;
+                        response.body = method + " " + pattern;
+                        for (const Field& field : request.parameters) response.body += " " + field.name + "=" + field.value;
+                        for (const Field& field : request.query) response.body += " ?" + field.name + "=" + field.value;
+                        return response;
+                    }});
     }
     Response ask(const std::string& method, const std::string& target) const {
         Request request;
@@ -77,7 +77,7 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
     const Response posted = ask("POST", "/status");
     EXPECT_EQ(posted.status, 405u);
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
-    EXPECT_EQ(posted.body, "{\"error\": \"this path answers GET, HEAD only\"}\n");
+    EXPECT_EQ(posted.body, "{\"error\": \"this path answers GET, HEAD only\", \"what\": \"unsupported\"}\n");
     EXPECT_EQ(ask("PUT", "/links/fc").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}}));
     EXPECT_EQ(ask("HEAD", "/gpio").headers, (std::vector<Field>{{"Allow", "POST"}}));
     EXPECT_EQ(ask("get", "/status").status, 405u) << "methods have capitals";
@@ -85,12 +85,13 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
 
 TEST_F(RoutesTest, a_path_that_is_not_there_is_told_the_nearest) {
     const std::string nothing = "{\"error\": \"there is nothing at this path";
-    EXPECT_EQ(not_there("/statsu"), nothing + " (did you mean '/status'?)\"}\n");
-    EXPECT_EQ(not_there("/status/"), nothing + " (did you mean '/status'?)\"}\n");
-    EXPECT_EQ(not_there("/link/a-long-name"), nothing + " (did you mean '/links/{name}'?)\"}\n");
-    EXPECT_EQ(not_there("/devices/0xDC/paramters"), nothing + " (did you mean '/devices/{device}/parameters'?)\"}\n");
-    EXPECT_EQ(not_there("/something/else"), nothing + "; try /status\"}\n");
-    EXPECT_EQ(not_there("/"), nothing + "; try /status\"}\n");
+    EXPECT_EQ(not_there("/statsu"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/status/"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/link/a-long-name"), nothing + " (did you mean '/links/{name}'?)\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/devices/0xDC/paramters"),
+              nothing + " (did you mean '/devices/{device}/parameters'?)\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/something/else"), nothing + "; try /status\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(not_there("/"), nothing + "; try /status\", \"what\": \"unknown\"}\n");
 }
 
 TEST_F(RoutesTest, what_only_looks_like_a_path_is_not_there) {
@@ -99,7 +100,9 @@ TEST_F(RoutesTest, what_only_looks_like_a_path_is_not_there) {
     EXPECT_EQ(ask("GET", "/" + std::string(8000, '/')).status, 404u);
 }
 
-TEST_F(Table, without_rows_has_nothing) { EXPECT_EQ(not_there("/status"), "{\"error\": \"there is nothing at this path\"}\n"); }
+TEST_F(Table, without_rows_has_nothing) {
+    EXPECT_EQ(not_there("/status"), "{\"error\": \"there is nothing at this path\", \"what\": \"unknown\"}\n");
+}
 
 }    // namespace
 }    // namespace anogate::http

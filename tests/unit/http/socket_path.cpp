@@ -31,6 +31,14 @@ TEST(SocketPath, of_a_user_without_a_runtime_folder_is_the_one_whose_error_tells
     EXPECT_EQ(control_socket("", {false, ""}), system_wide);
 }
 
+TEST(SocketPath, a_client_looks_where_a_gateway_of_his_would_be) {
+    const support::TempDir folder;
+    const std::string own = folder.write("anogate.sock", "");
+    EXPECT_EQ(socket_to_ask("", {false, folder.path().string()}), own);
+    EXPECT_EQ(socket_to_ask("/tmp/x.sock", {false, folder.path().string()}), "/tmp/x.sock");
+    EXPECT_EQ(socket_to_ask("", {true, folder.path().string()}), system_wide);
+}
+
 TEST(SocketPath, only_folders_of_its_own_are_made) {
     for (const char* own : {"/run/anogate", "/run/anogate/more", "/var/log/anogate", "/run/user/1000", "/run/user/1000/anogate"})
         EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;

@@ -1,16 +1,14 @@
-#include "reference.hpp"
-
 #include <ano/messages.hpp>
+#include <ano_json/describe.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <span>
 #include <string>
 
-namespace anoctl {
+namespace ano {
 namespace {
-
-using namespace ano;
 
 Json field_json(const Field& f) {
     Json json{{"name", f.name}, {"type", name_of(f.type)}};
@@ -29,6 +27,12 @@ Json field_json(const Field& f) {
     return json;
 }
 
+Json fields_json(std::span<const Field> fields) {
+    Json json = Json::array();
+    for (const Field& f : fields) json.push_back(field_json(f));
+    return json;
+}
+
 }    // namespace
 
 Json describe(const Message& row) {
@@ -42,10 +46,26 @@ Json describe(const Message& row) {
     json["class"] = name_of(row.traffic.traffic_class);
     json["replaces"] = replaces[static_cast<std::size_t>(row.traffic.replaces)];
     json["acknowledged"] = acknowledged[static_cast<std::size_t>(row.acknowledged)];
-    json["fields"] = Json::array();
-    for (const Field& f : row.fields()) json["fields"].push_back(field_json(f));
+    json["fields"] = fields_json(row.fields());
     for (const Field& f : row.element()) json["element"].push_back(field_json(f));
     return json;
 }
 
-}    // namespace anoctl
+std::vector<Json> describe_all(const FlexibleLayouts& flexible) {
+    std::vector<Json> rows;
+    for (const Message& row : messages) {
+        bool is_for_all = false;    // what is configured takes the place of the row
+        for (const FlexibleLayout& layout : flexible.all()) {
+            if (layout.id() != row.id) continue;
+            Json& json = rows.emplace_back(describe(row));
+            json["size"] = layout.size();
+            json["fields"] = fields_json(layout.fields());
+            if (layout.source()) json["source"] = *layout.source();
+            else is_for_all = true;
+        }
+        if (!is_for_all) rows.push_back(describe(row));
+    }
+    return rows;
+}
+
+}    // namespace ano

@@ -1,0 +1,18 @@
+// The message table as JSON, for programs that read and write frames by it.
+#pragma once
+#include <ano/flexible.hpp>
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <vector>
+
+namespace ano {
+
+/// One row of the table: `id`, `name`, `title`, `layout` (which DATA selects it), `fields` and more.
+Json describe(const Message& row);
+
+/// Every row, those of flexible messages as `flexible` has them: a row a layout, with `source` where it is for the frames of one only.
+std::vector<Json> describe_all(const FlexibleLayouts& flexible);
+
+}    // namespace ano

@@ -1,0 +1,45 @@
+// The link `control`: what programs send by the control interface. Each WebSocket of GET /link is a channel of it.
+#pragma once
+#include <gateway/forwarder.hpp>
+#include <http/response.hpp>
+#include <link/link_context.hpp>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class LinkSocket;
+
+class ControlLink final : public Link {
+public:
+    ControlLink(LinkId id, LinkSettings settings, const LinkContext& context, Forwarder& forwarder);
+    ~ControlLink() override;
+    /// Its own settings, as if it stood among the links.
+    static LinkSettings link_settings(const Settings& settings);
+
+    void start() override { context_.host.link_up(*this); }
+    void stop_reading() override { reads_ = false; }
+    void stop() override { stop_reading(); }
+    void flush(Channel& channel) override;
+    UnassignedTraffic unassigned_traffic() const override;
+
+    /// GET /link?name=N&id=P: the program becomes a channel.
+    http::Response join(const http::Request& request, std::uint8_t own_id);
+    /// POST /send: one frame, that is no program's, goes to whom it concerns. It teaches no address.
+    void send(ano::FrameView frame);
+
+private:
+    friend class LinkSocket;
+    bool is_free(std::uint8_t port_id) const { return forwarder_.router().port(port_id).empty(); }
+
+    LinkContext context_;
+    Forwarder& forwarder_;
+    std::array<LinkSocket*, max_channels> sockets_{};    // by channel
+    std::unique_ptr<Channel> sender_;                    // of what was sent; nullptr: nothing yet
+    bool reads_ = true;
+};
+
+}    // namespace anogate

@@ -1,0 +1,61 @@
+// What somebody who watches the frames wants to see of them (GET /frames?...).
+#pragma once
+#include <gateway/filter.hpp>
+#include <gateway/frame_record.hpp>
+#include <gateway/ids.hpp>
+#include <http/request.hpp>
+
+#include <array>
+#include <bitset>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace anogate {
+
+struct FrameFilterSettings {
+    using Bytes = std::bitset<256>;
+    Bytes ids = ~Bytes{}, from = ~Bytes{}, to = ~Bytes{};
+    std::vector<std::string> links;                      // empty: all
+    std::array<bool, 3> directions{true, true, true};    // by Direction
+    std::vector<LimitRule> limit;                        // in the order of the ids
+    bool operator==(const FrameFilterSettings&) const = default;
+};
+
+enum class FrameFormat : std::uint8_t { json, binary };
+
+struct FrameQuery {
+    FrameFilterSettings filter;
+    FrameFormat format = FrameFormat::json;
+};
+
+/// Of `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE` and
+/// `format=json|binary`; a name that is given twice adds to the first. `links` are those that there are. Else what is wrong, in words.
+std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
+                                                        std::span<const std::string_view> links);
+
+/// Applies them. Neither throws nor allocates after construction.
+class FrameFilter {
+public:
+    explicit FrameFilter(const FrameFilterSettings& settings);
+
+    /// The numbers of the links that the settings name now.
+    void set_links(LinkSet links) noexcept { links_ = links; }
+    /// A limit holds for each direction by itself, and for all links together.
+    bool takes(Direction direction, std::uint8_t link, ano::FrameView frame, ano::TimePoint now) noexcept {
+        const auto way = static_cast<std::size_t>(direction);
+        return directions_[way] && links_.contains(LinkId{link}) && ids_[frame.id()] && from_[frame.source()] &&
+               to_[frame.destination()] && (!limits_ || (*limits_)[way].passes(frame.id(), now));
+    }
+
+private:
+    FrameFilterSettings::Bytes ids_, from_, to_;
+    LinkSet links_ = ~LinkSet{};
+    std::array<bool, 3> directions_;
+    std::unique_ptr<std::array<Limit, 3>> limits_;    // nullptr: none
+};
+
+}    // namespace anogate

@@ -1,0 +1,166 @@
+#include <daemon/frame_watch.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/record_json.hpp>
+#include <link/clocks.hpp>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+std::uint64_t nanoseconds(ano::Duration time) noexcept {
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count());
+}
+
+WatchQueue::Tables tables_of(const Gateway& gateway) {
+    WatchTables tables;
+    for (const LinkState& state : gateway.links()) {
+        const std::size_t number = index(state.link->id());
+        if (tables.links.size() <= number) tables.links.resize(number + 1);
+        tables.links[number] = state.link->name();
+    }
+    for (const ChannelId id : gateway.forwarder().channels()) {
+        tables.peers.resize(index(id) + 1);
+        tables.peers[index(id)] = gateway.channel(id).peer;
+    }
+    tables.text = tables_json(tables);
+    return std::make_shared<const WatchTables>(std::move(tables));
+}
+
+LinkSet links_called(const std::vector<std::string>& names, const WatchTables& tables) {
+    if (names.empty()) return ~LinkSet{};
+    LinkSet links;
+    for (std::size_t i = 0; i < tables.links.size(); ++i)
+        if (std::find(names.begin(), names.end(), tables.links[i]) != names.end()) links.insert(static_cast<LinkId>(i));
+    return links;
+}
+
+std::uint8_t number_of(const Channel& channel) noexcept {
+    return channel.id == ourselves ? FrameRecord::no_channel : static_cast<std::uint8_t>(channel.id);
+}
+
+}    // namespace
+
+FrameWatch::FrameWatch(Gateway& gateway) : gateway_{gateway}, due_{gateway.alarms(), [this] { deliver(); }} {}
+
+FrameWatch::~FrameWatch() {
+    if (!streams_.empty()) gateway_.remove_observer(*this);
+}
+
+void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
+    if (streams_.empty()) gateway_.add_observer(*this);
+    look_at_links();
+    auto stream = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->settings == settings; });
+    if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(settings));
+    end_batch(**stream);    // what was before is not for him
+    (*stream)->filter.set_links(links_called(settings.links, *tables_));
+    (*stream)->watchers.push_back(&watcher);
+    watcher.queue.push(tables_);
+    watcher.more();
+}
+
+void FrameWatch::remove(Watcher& watcher) {
+    const std::size_t before = streams_.size();
+    for (auto& stream : streams_) std::erase(stream->watchers, &watcher);
+    std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
+    if (!streams_.empty() || before == 0) return;
+    gateway_.remove_observer(*this);
+    due_.cancel();
+    tables_.reset();
+}
+
+void FrameWatch::received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) {
+    note({Direction::in, from.link, number_of(from), 0}, frame, arrived_at);
+}
+
+void FrameWatch::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
+    note({Direction::dropped, from.link, number_of(from), anogate::number_of(cause)}, frame, gateway_.time());
+}
+
+void FrameWatch::refused(LinkId to, ano::FrameView frame, SendCause cause) {
+    note({Direction::dropped, to, FrameRecord::no_channel, anogate::number_of(cause)}, frame, gateway_.time());
+}
+
+void FrameWatch::left(const Channel& to, ano::FrameView frame) noexcept {
+    note({Direction::out, to.link, number_of(to), 0}, frame, gateway_.time());
+}
+
+void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
+    note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
+}
+
+// Without memory for it, the frame counts as lost for all who would have seen it.
+void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
+    try {
+        look_at_links();
+    } catch (const std::bad_alloc&) {    // the old names stand until the next frame
+    }
+    for (const auto& stream : streams_) {
+        if (!stream->filter.takes(event.direction, static_cast<std::uint8_t>(event.link), frame, at)) continue;
+        try {
+            record(*stream, event, frame, at);
+        } catch (const std::bad_alloc&) {
+            for (Watcher* watcher : stream->watchers) watcher->queue.lose(frame.id(), at);
+        }
+    }
+}
+
+// A batch that is begun goes to those who are ready for it when it ends; while nobody is, frames are counted and not copied.
+void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at) {
+    const auto is_ready = [](const Watcher* watcher) { return watcher->queue.is_open(); };
+    if (std::none_of(stream.watchers.begin(), stream.watchers.end(), is_ready)) {
+        for (Watcher* watcher : stream.watchers) watcher->queue.lose(frame.id(), at);
+        return;
+    }
+    if (!due_.is_set()) {
+        read_clocks();
+        due_.set(Clock::now() + batch_time);
+    }
+    if (!stream.batch) stream.batch = std::make_shared<std::string>();
+    const std::uint64_t time = nanoseconds(at.time_since_epoch());
+    append(*stream.batch, {time + real_ns_, time + boot_ns_, static_cast<std::uint8_t>(event.link), event.direction, event.cause,
+                           event.channel, frame});
+    if (stream.batch->size() < batch_size) return;
+    end_batch(stream);
+    due_.set(Clock::now());
+}
+
+void FrameWatch::read_clocks() {
+    const ClockReading clocks = anogate::read_clocks();
+    const std::uint64_t now = nanoseconds(clocks.now.time_since_epoch());
+    real_ns_ = nanoseconds(clocks.real) - now;
+    boot_ns_ = nanoseconds(clocks.boot) - now;
+}
+
+// What was recorded before means what the numbers meant then.
+void FrameWatch::look_at_links() {
+    if (tables_ && version_ == gateway_.forwarder().version()) return;
+    tables_ = tables_of(gateway_);
+    version_ = gateway_.forwarder().version();
+    for (const auto& stream : streams_) {
+        end_batch(*stream);
+        stream->filter.set_links(links_called(stream->settings.links, *tables_));
+        for (Watcher* watcher : stream->watchers) watcher->queue.push(tables_);
+    }
+}
+
+void FrameWatch::end_batch(Stream& stream) {
+    const WatchQueue::Batch batch = std::exchange(stream.batch, nullptr);
+    if (!batch) return;
+    for (Watcher* watcher : stream.watchers) {
+        if (watcher->queue.push(batch)) continue;
+        std::string_view rest = *batch;
+        while (const auto record = take_record(rest)) watcher->queue.lose(record->frame.id(), gateway_.time());
+    }
+}
+
+void FrameWatch::deliver() {
+    for (const auto& stream : streams_) {
+        end_batch(*stream);
+        for (Watcher* watcher : stream->watchers) watcher->more();
+    }
+}
+
+}    // namespace anogate

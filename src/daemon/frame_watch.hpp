@@ -1,0 +1,86 @@
+// Tells those who watch of every frame that comes, leaves or is dropped.
+#pragma once
+#include <daemon/frame_filter.hpp>
+#include <daemon/watch_queue.hpp>
+#include <gateway/forwarder.hpp>
+#include <link/alarm.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// One who watches.
+class Watcher {
+public:
+    static constexpr std::size_t max_waiting = 1024 * 1024;    // bytes
+
+    /// There is more in the queue. Called from the loop, never while a frame is forwarded; it does not remove itself in the call.
+    virtual void more() = 0;
+    WatchQueue queue{max_waiting};
+
+protected:
+    ~Watcher() = default;
+};
+
+/// It is in the way of no frame while nobody watches. A frame is copied once for all watchers with the same filter: into a batch, which
+/// goes to each of them within some milliseconds. While none of them takes anything, it is only counted.
+class FrameWatch final : private Forwarder::Observer {
+public:
+    static constexpr ano::Duration batch_time = std::chrono::milliseconds{10};
+    static constexpr std::size_t batch_size = 32 * 1024;
+
+    /// `gateway` outlives it.
+    explicit FrameWatch(Gateway& gateway);
+    ~FrameWatch();
+    FrameWatch(const FrameWatch&) = delete;
+    FrameWatch& operator=(const FrameWatch&) = delete;
+
+    /// `watcher` is told from now on, until remove(); the tables come first.
+    void add(Watcher& watcher, const FrameFilterSettings& settings);
+    void remove(Watcher& watcher);
+
+private:
+    // Those of the same filter.
+    struct Stream {
+        Stream(const FrameFilterSettings& its_settings) : settings{its_settings}, filter{its_settings} {}
+
+        FrameFilterSettings settings;
+        FrameFilter filter;
+        std::vector<Watcher*> watchers;
+        std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last
+    };
+    struct Event {
+        Direction direction;
+        LinkId link;
+        std::uint8_t channel;
+        std::uint8_t cause;
+    };
+
+    void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) override;
+    void offered(const Channel&, ano::FrameView, ChannelId) override {}
+    void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
+    void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
+    void left(const Channel& to, ano::FrameView frame) noexcept override;
+    void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
+
+    void note(const Event& event, ano::FrameView frame, TimePoint at) noexcept;
+    void record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at);
+    void read_clocks();
+    void look_at_links();
+    void end_batch(Stream& stream);
+    void deliver();
+
+    Gateway& gateway_;
+    Alarm due_;
+    std::vector<std::unique_ptr<Stream>> streams_;
+    WatchQueue::Tables tables_;
+    std::uint64_t version_ = 0;    // of the forwarder, that the tables are of
+    std::uint64_t real_ns_ = 0;    // what the other clocks are ahead of that of TimePoint
+    std::uint64_t boot_ns_ = 0;
+};
+
+}    // namespace anogate

@@ -1,0 +1,58 @@
+// What a gateway tells Prometheus. The names are those of the counters; config/prometheus/README.md lists the others.
+#pragma once
+#include <ano/time.hpp>
+#include <daemon/metrics_text.hpp>
+#include <daemon/process_figures.hpp>
+#include <gateway/counters.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// What is told, at a moment. A series for each link and each channel that is alive: at most 64 of each.
+struct MetricsSnapshot {
+    struct Traffic {
+        ReceiveCounters received;
+        SendCounters sent;
+        std::uint64_t waiting = 0;
+    };
+    struct Channel {
+        std::string peer;
+        std::optional<double> silent_s;    // since its last good frame; nothing: there was none
+        Traffic traffic;
+    };
+    struct Link {
+        std::string name, kind, id;    // the port id, or empty
+        bool up = false;
+        double since_s = 0;          // it is up or not
+        std::string_view hint_id;    // empty: none
+        Traffic traffic;
+        std::vector<Channel> channels;
+    };
+
+    std::string version;
+    double uptime_s = 0;
+    std::uint64_t standstills = 0;
+    double longest_standstill_s = 0;
+    std::uint64_t own_frames = 0;
+    std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // by the rule that decides: how many addresses
+    std::uint64_t conflicts = 0;
+    std::vector<Link> links;
+    std::optional<TunnelCounters> tunnel;
+    ProcessFigures process;
+};
+
+MetricsSnapshot metrics_snapshot(const Gateway& gateway, ano::TimePoint now);
+
+/// No two series have the same labels, whatever the links and peers are called.
+std::string metrics(MetricsSnapshot snapshot, MetricsForm form);
+
+}    // namespace anogate

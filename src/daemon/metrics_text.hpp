@@ -1,0 +1,41 @@
+// The text that Prometheus reads: https://prometheus.io/docs/instrumenting/exposition_formats and OpenMetrics 1.0.0.
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+enum class MetricsForm : std::uint8_t { prometheus, openmetrics };
+/// What is asked for by the Accept header of a request; the older form where it says nothing.
+MetricsForm metrics_form(std::string_view accept);
+std::string_view content_type(MetricsForm form) noexcept;
+
+enum class MetricType : std::uint8_t { counter, gauge, info };
+
+/// Flow: family(), then its samples; the next family; take().
+class MetricsText {
+public:
+    struct Label {
+        std::string_view name, value;    // a value may hold any bytes
+    };
+
+    explicit MetricsText(MetricsForm form) : form_{form} {}
+
+    /// `name` without what its type adds: "_total", "_info".
+    void family(std::string_view name, MetricType type, std::string_view help);
+    void sample(std::initializer_list<Label> labels, std::uint64_t value);
+    void sample(std::initializer_list<Label> labels, double value);
+    std::string take();
+
+private:
+    void series(std::initializer_list<Label> labels);
+    void label(const Label& label);
+
+    MetricsForm form_;
+    std::string name_;    // of the samples
+    std::string text_;
+};
+
+}    // namespace anogate

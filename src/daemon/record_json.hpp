@@ -1,0 +1,21 @@
+// Records of frames as lines of JSON, for those who watch.
+#pragma once
+#include <ano/flexible.hpp>
+#include <daemon/watch_queue.hpp>
+#include <gateway/frame_record.hpp>
+
+#include <string>
+
+namespace anogate {
+
+/// {"from": 220, ..., "time": 1700000000.123456, "link": "fc", "peer": "/dev/ttyUSB0", "direction": "in"}, and `cause` of a dropped
+/// one. No line end.
+std::string record_json(const FrameRecord& record, const WatchTables& tables, const ano::FlexibleLayouts& flexible);
+
+/// {"lost": {"euler": 120, "inertial": 120}, "since_ms": 500}
+std::string lost_json(const LostFrames& lost);
+
+/// {"links": [...], "channels": [...], "causes": [...]}: null for a number that is nobody's.
+std::string tables_json(const WatchTables& tables);
+
+}    // namespace anogate

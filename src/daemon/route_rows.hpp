@@ -1,0 +1,25 @@
+// Where each address leads now.
+#pragma once
+#include <ano/time.hpp>
+#include <gateway/ids.hpp>
+#include <gateway/router.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+struct RouteRow {
+    std::uint8_t address = 0;
+    LinkSet links;
+    Via via = Via::nobody;
+    std::optional<ano::TimePoint> heard_at;    // of one that is learned
+};
+
+/// One an address that leads somewhere, by the rule that decides for it.
+std::vector<RouteRow> route_rows(const Gateway& gateway, ano::TimePoint now);
+
+}    // namespace anogate

@@ -1,0 +1,89 @@
+// What waits for one who watches the frames, and what was lost for him: arithmetic, no I/O.
+//
+// Flow:    queue.push(tables); queue.push(batch, now)    // as it comes
+//          while (auto item = queue.next(now)) ...       // as he takes it: in this order
+#pragma once
+#include <ano/time.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anogate {
+
+/// What the numbers in records mean, by number.
+struct WatchTables {
+    std::vector<std::string> links;    // empty: there is none of that number
+    std::vector<std::string> peers;    // of the channels
+    std::string text;                  // {"links": [...], "channels": [...], "causes": [...]}
+};
+
+/// Frames that were not shown, by their id.
+struct LostFrames {
+    std::array<std::uint32_t, 256> by_id{};
+    std::uint64_t count = 0;
+    std::chrono::milliseconds since{};    // how long ago the first was lost
+};
+
+/// Bounded. Once something does not fit, nothing is taken until all that waits was taken and the loss was told: so what is told
+/// comes before the next frame, and who is too slow sees whole stretches.
+class WatchQueue {
+public:
+    /// Records, one behind the other; many queues may share one.
+    using Batch = std::shared_ptr<const std::string>;
+    using Tables = std::shared_ptr<const WatchTables>;
+    using Item = std::variant<Batch, Tables, LostFrames>;
+
+    explicit WatchQueue(std::size_t max_bytes) noexcept : max_bytes_{max_bytes} {}
+
+    bool is_open() const noexcept { return lost_.count == 0; }
+    /// False: it did not fit, and its frames are to be counted by lose().
+    bool push(Batch batch) {
+        if (!is_open() || batch->size() > max_bytes_ - bytes_) return false;
+        bytes_ += batch->size();
+        items_.emplace_back(std::move(batch));
+        return true;
+    }
+    /// Of what comes from now on.
+    void push(Tables tables) {
+        if (is_open()) items_.emplace_back(std::move(tables));
+        else later_ = std::move(tables);
+    }
+    /// A frame of this id is not shown.
+    void lose(std::uint8_t id, ano::TimePoint now) noexcept {
+        if (lost_.count++ == 0) since_ = now;
+        ++lost_.by_id[id];
+    }
+    /// What comes next.
+    std::optional<Item> next(ano::TimePoint now) {
+        if (!items_.empty()) {
+            Item item = std::move(items_.front());
+            items_.pop_front();
+            if (const Batch* batch = std::get_if<Batch>(&item)) bytes_ -= (*batch)->size();
+            return item;
+        }
+        if (is_open()) return std::nullopt;
+        LostFrames lost = std::exchange(lost_, {});
+        lost.since = std::chrono::duration_cast<std::chrono::milliseconds>(now - since_);
+        if (later_) items_.emplace_back(std::exchange(later_, nullptr));
+        return lost;
+    }
+    std::size_t bytes() const noexcept { return bytes_; }
+
+private:
+    std::size_t max_bytes_;
+    std::size_t bytes_ = 0;
+    std::deque<Item> items_;
+    Tables later_;    // that came while nothing was taken
+    LostFrames lost_;
+    ano::TimePoint since_{};
+};
+
+}    // namespace anogate

@@ -1,0 +1,92 @@
+#include <gateway/frame_record.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace anogate {
+namespace {
+
+// Counters of what is no whole frame, or goes on.
+constexpr ReceiveCause not_dropped_in[] = {&ReceiveCounters::frames_in,     &ReceiveCounters::bytes_in,
+                                           &ReceiveCounters::bad_check,     &ReceiveCounters::bad_length,
+                                           &ReceiveCounters::skipped_bytes, &ReceiveCounters::expired};
+constexpr SendCause not_dropped_out[] = {&SendCounters::frames_out, &SendCounters::bytes_out, &SendCounters::empty_out};
+
+template <class Cause, std::size_t N>
+constexpr bool is_among(Cause cause, const Cause (&others)[N]) {
+    return std::find(std::begin(others), std::end(others), cause) != std::end(others);
+}
+
+constexpr std::size_t count = 1 + std::size(receive_counters) - std::size(not_dropped_in) + std::size(send_counters) -
+                              std::size(not_dropped_out);
+
+constexpr std::array<std::string_view, count> names = [] {
+    std::array<std::string_view, count> all;
+    std::size_t n = 1;
+    for (const auto& row : receive_counters)
+        if (!is_among(row.value, not_dropped_in)) all[n++] = row.name;
+    for (const auto& row : send_counters)
+        if (!is_among(row.value, not_dropped_out)) all[n++] = row.name;
+    return all;
+}();
+
+template <class Rows, class Cause>
+std::uint8_t number_in(const Rows& rows, Cause cause) noexcept {
+    const auto row = std::find_if(std::begin(rows), std::end(rows), [cause](const auto& r) { return r.value == cause; });
+    const auto name = std::find(names.begin() + 1, names.end(), row != std::end(rows) ? row->name : "");
+    return name != names.end() ? static_cast<std::uint8_t>(name - names.begin()) : std::uint8_t{0};
+}
+
+void put(char* at, std::uint64_t number) noexcept {
+    for (std::size_t i = 0; i < 8; ++i) at[i] = static_cast<char>(number >> 8 * i & 0xFF);
+}
+
+std::uint64_t number_at(std::string_view bytes, std::size_t at) noexcept {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < 8; ++i) number |= std::uint64_t{static_cast<std::uint8_t>(bytes[at + i])} << 8 * i;
+    return number;
+}
+
+}    // namespace
+
+std::string_view text(Direction direction) noexcept {
+    switch (direction) {
+    case Direction::in: return "in";
+    case Direction::out: return "out";
+    case Direction::dropped: return "dropped";
+    }
+    return "";
+}
+
+void append(std::string& records, const FrameRecord& record) {
+    const auto frame = record.frame.bytes();
+    const std::size_t end = records.size();
+    records.resize(end + FrameRecord::head + frame.size());
+    char* const at = records.data() + end;
+    put(at, record.time_ns);
+    put(at + 8, record.boottime_ns);
+    at[16] = static_cast<char>(record.link);
+    at[17] = static_cast<char>(record.direction);
+    at[18] = static_cast<char>(record.cause);
+    at[19] = static_cast<char>(record.channel);
+    std::memcpy(at + FrameRecord::head, frame.data(), frame.size());
+}
+
+std::optional<FrameRecord> take_record(std::string_view& records) noexcept {
+    if (records.size() < FrameRecord::head) return std::nullopt;
+    const auto byte = [&](std::size_t at) { return static_cast<std::uint8_t>(records[at]); };
+    const std::string_view behind = records.substr(FrameRecord::head);
+    const auto frame = ano::frame_at({reinterpret_cast<const std::uint8_t*>(behind.data()), behind.size()});
+    if (!frame || byte(17) > static_cast<std::uint8_t>(Direction::dropped)) return std::nullopt;
+    FrameRecord record{
+        number_at(records, 0), number_at(records, 8), byte(16), static_cast<Direction>(byte(17)), byte(18), byte(19), *frame};
+    records.remove_prefix(FrameRecord::head + frame->bytes().size());
+    return record;
+}
+
+std::span<const std::string_view> frame_causes() noexcept { return names; }
+std::uint8_t number_of(ReceiveCause cause) noexcept { return number_in(receive_counters, cause); }
+std::uint8_t number_of(SendCause cause) noexcept { return number_in(send_counters, cause); }
+
+}    // namespace anogate

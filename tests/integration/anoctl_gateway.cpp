@@ -1,0 +1,267 @@
+// anoctl as a client of a gateway that runs.
+#include <http/server.hpp>
+#include <support/loop.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <grp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+struct Result {
+    int exit;
+    std::string said;
+};
+
+Result anoctl(
+    std::vector<std::string> words, const std::vector<std::string>& environment = {},
+    const std::function<void()>& in_child = [] {}) {
+    Process process{ANOCTL, std::move(words), environment, in_child};
+    const int exit = process.wait();
+    return {exit, process.output()};
+}
+
+std::vector<json> lines_of(const std::string& text) {
+    std::vector<json> all;
+    std::istringstream lines{text};
+    for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line, nullptr, false));
+    return all;
+}
+
+bool fits_80_columns(const std::string& text) {
+    std::istringstream lines{text};
+    for (std::string line; std::getline(lines, line);)
+        if (line.size() > 80) return false;
+    return true;
+}
+
+class AnoctlGateway : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(daemon.until_up("fc"));
+        host.send(daemon.port("ground"), vendor::who_are_you);
+        fc.write(vendor::i_am_an_mcu);
+        ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 3; }));
+    }
+    Result ask(std::vector<std::string> words) const {
+        words.insert(words.end(), {"--control", socket});
+        return anoctl(std::move(words));
+    }
+
+    TempDir dir;
+    PtyDevice fc{dir / "fc-device"};
+    UdpPeer host;
+    std::string socket = dir / "control.sock";
+    Daemon daemon{
+        ANOGATED,
+        socket,
+        {"--id", "199", "serial:" + fc.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground", "serial:/dev/absent"}};
+};
+
+TEST_F(AnoctlGateway, shows_its_status) {
+    const Result status = ask({"status"});
+    EXPECT_EQ(status.exit, 0);
+    EXPECT_EQ(status.said.find("anogate, anogate "), 0u) << status.said;
+    for (const char* words : {"id 199, up for ", "LINK", "fc ", "ground ", "absent ", "waiting", "    /dev/absent is not there"})
+        EXPECT_NE(status.said.find(words), std::string::npos) << words << " in\n" << status.said;
+    EXPECT_TRUE(fits_80_columns(status.said)) << status.said;
+    const Result as_json = ask({"status", "--json"});
+    ASSERT_EQ(lines_of(as_json.said).size(), 1u);
+    EXPECT_EQ(lines_of(as_json.said)[0].at("links").size(), 3u);
+}
+
+TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
+    fc.write(Bytes(100, 0x55));
+    ASSERT_TRUE(daemon.until([&](const json&) { return daemon.count("fc", "skipped_bytes") == 100; }));
+    const Result links = ask({"links"});
+    EXPECT_EQ(links.exit, 0);
+    EXPECT_NE(links.said.find("skipped_bytes 100"), std::string::npos) << links.said;
+    EXPECT_NE(links.said.find("\n  127.0.0.1:" + std::to_string(host.port())), std::string::npos) << links.said;
+    EXPECT_EQ(lines_of(ask({"links", "--json"}).said).size(), 3u);
+    const auto one = lines_of(ask({"links", "ground", "--json"}).said);
+    ASSERT_EQ(one.size(), 1u);
+    EXPECT_EQ(one[0].at("name"), "ground");
+    const Result unknown = ask({"links", "gruond"});
+    EXPECT_EQ(unknown.exit, 1);
+    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?)\n");
+}
+
+TEST_F(AnoctlGateway, shows_where_addresses_lead_and_forgets_one) {
+    const Result routes = ask({"routes"});
+    EXPECT_EQ(routes.exit, 0);
+    EXPECT_NE(routes.said.find("0xFE"), std::string::npos) << routes.said;
+    EXPECT_NE(routes.said.find("learned"), std::string::npos) << routes.said;
+    EXPECT_TRUE(fits_80_columns(routes.said)) << routes.said;
+    EXPECT_EQ(lines_of(ask({"routes", "--json"}).said).size(), 3u);
+    const Result forgotten = ask({"routes", "--forget", "host"});
+    EXPECT_EQ(forgotten.exit, 0);
+    EXPECT_EQ(forgotten.said, "0xFE is forgotten\n");
+    const Result again = ask({"routes", "--forget", "0xFE"});
+    EXPECT_EQ(again.exit, 1);
+    EXPECT_EQ(again.said, "anoctl: 0xFE was not heard: there is nothing to forget\n");
+    EXPECT_EQ(ask({"routes", "--forget", "no/body"}).exit, 1);
+}
+
+TEST_F(AnoctlGateway, shows_its_metrics) {
+    EXPECT_NE(ask({"metrics"}).said.find("\nanogate_link_frames_in_total{link=\"fc\"} 1\n"), std::string::npos);
+    EXPECT_TRUE(ask({"metrics", "--openmetrics"}).said.ends_with("# EOF\n"));
+    bool found = false;
+    for (const json& sample : lines_of(ask({"metrics", "--json"}).said))
+        found = found || sample == json{{"name", "anogate_link_frames_in_total"}, {"labels", {{"link", "fc"}}}, {"value", 1}};
+    EXPECT_TRUE(found);
+}
+
+TEST_F(AnoctlGateway, is_found_where_control_says_before_the_command_too) {
+    EXPECT_EQ(anoctl({"--control", socket, "--json", "routes"}).exit, 0);
+    EXPECT_EQ(anoctl({"--control=" + socket, "routes"}).exit, 0);
+    EXPECT_EQ(anoctl({"routes", "--control=" + socket}).exit, 0);
+    EXPECT_EQ(anoctl({"--control", "none", "routes"}).exit, 2);
+    EXPECT_EQ(anoctl({"--control", socket}).exit, 2);
+}
+
+TEST_F(AnoctlGateway, of_a_user_is_found_where_it_usually_is) {
+    Daemon own{ANOGATED, dir / "anogate.sock", {"sim:fc,name=own"}};
+    ASSERT_TRUE(own.until_answers()) << own.output();
+    if (::geteuid() != 0) {
+        EXPECT_NE(anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}).said.find("own"), std::string::npos);
+        return;
+    }
+    // Another user, who may come in there.
+    const auto as_nobody = [] { return ::setgid(65534) == 0 && ::setuid(65534) == 0; };
+    ASSERT_EQ(::chmod(dir.path().c_str(), 0755), 0);
+    ASSERT_EQ(::chmod((dir / "anogate.sock").c_str(), 0666), 0);
+    const Result status = anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}, [&] { (void)as_nobody(); });
+    EXPECT_NE(status.said.find("own"), std::string::npos) << status.said;
+}
+
+TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can become a user who may not";
+    const auto become_nobody = [] { (void)(::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0); };
+    ASSERT_EQ(::chmod(dir.path().c_str(), 0755), 0);
+    ASSERT_EQ(::chmod(socket.c_str(), 0600), 0);
+    const Result alone = anoctl({"status", "--control", socket}, {}, become_nobody);
+    EXPECT_EQ(alone.exit, 1);
+    EXPECT_EQ(alone.said, "anoctl: no permission for " + socket + ": it is for user root alone\n");
+    ASSERT_EQ(::chmod(socket.c_str(), 0660), 0);
+    const Result group = anoctl({"status", "--control", socket}, {}, become_nobody);
+    EXPECT_EQ(group.exit, 1);
+    EXPECT_NE(group.said.find("it belongs to group "), std::string::npos) << group.said;
+    EXPECT_NE(group.said.find("sudo usermod -aG "), std::string::npos) << group.said;
+    ASSERT_EQ(::chmod(dir.path().c_str(), 0700), 0);
+    EXPECT_NE(anoctl({"status", "--control", socket}, {}, become_nobody).said.find("lets this user not in"), std::string::npos);
+}
+
+TEST_F(AnoctlGateway, that_does_not_run_is_told) {
+    const Result none = anoctl({"status", "--control", dir / "none.sock"});
+    EXPECT_EQ(none.exit, 1);
+    EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
+                             ": there is no such socket (another one: --control PATH)\n");
+    daemon.signal(SIGKILL);
+    daemon.wait();
+    const Result dead = ask({"links"});
+    EXPECT_EQ(dead.exit, 1);
+    EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket + ": one that ended left its socket\n");
+}
+
+/// A gateway that answers to reload as the test says.
+class AnoctlReload : public testing::Test {
+protected:
+    void SetUp() override {
+        const auto answer = [this](const anogate::http::Request& request) {
+            asked = request.target;
+            anogate::http::Response response;
+            response.status = status;
+            response.body = body;
+            return response;
+        };
+        server.routes().add("POST", "/reload", answer);
+        server.routes().add("POST", "/reload/confirm", answer);
+        ASSERT_EQ(server.start(socket).error, "");
+    }
+    void TearDown() override {
+        server.stop();
+        loop.turn();
+    }
+    Result reload(std::vector<std::string> words) {
+        words.insert(words.begin(), {"--control", socket, "reload"});
+        Process process{ANOCTL, words};
+        EXPECT_TRUE(loop.until([&] { return !process.is_running(); }));
+        return {process.wait(), process.output()};
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    Loop loop;
+    anogate::http::Server server{loop.io};
+    std::string asked;
+    unsigned status = 200;
+    std::string body = R"({"dry_run": false, "changed": true, "links": [
+        {"name": "fc", "change": "same", "differences": []},
+        {"name": "radio", "change": "changed", "differences": ["baud: 500000 -> 115200"]},
+        {"name": "gps", "change": "added", "differences": []}],
+        "gateway": ["forget_after: 30s -> 10s"], "confirm_within_s": 30})";
+};
+
+TEST_F(AnoctlReload, shows_what_changes) {
+    const Result done = reload({"--confirm-within", "30s"});
+    EXPECT_EQ(asked, "/reload?confirm_within=30s");
+    EXPECT_EQ(done.exit, 0);
+    EXPECT_EQ(done.said,
+              "radio: changed\n"
+              "    baud: 500000 -> 115200\n"
+              "gps: added\n"
+              "gateway: changed\n"
+              "    forget_after: 30s -> 10s\n"
+              "1 link stays as it is\n"
+              "the old configuration comes back in 30 s, unless you say: anoctl reload --confirm\n");
+    EXPECT_EQ(lines_of(reload({"--json"}).said).at(0).at("links").size(), 3u);
+    EXPECT_EQ(asked, "/reload");
+}
+
+TEST_F(AnoctlReload, changes_nothing_in_a_dry_run) {
+    const Result would = reload({"--dry-run"});
+    EXPECT_EQ(asked, "/reload?dry_run");
+    EXPECT_TRUE(would.said.ends_with("nothing was changed: --dry-run\n")) << would.said;
+    body = R"({"dry_run": true, "changed": false, "links": [], "gateway": []})";
+    EXPECT_EQ(reload({"--dry-run"}).said, "nothing changes\n");
+}
+
+TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
+    status = 422;
+    body = R"({"error": "the configuration has 2 faults", "what": "invalid", "faults": ["/links/0/baud: one", "/links/1: two"]})";
+    const Result refused = reload({});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_EQ(refused.said,
+              "anoctl: /links/0/baud: one\n"
+              "anoctl: /links/1: two\n"
+              "anoctl: the configuration has 2 faults\n");
+}
+
+TEST_F(AnoctlReload, confirms) {
+    EXPECT_EQ(reload({"--confirm"}).said, "the new configuration stays\n");
+    EXPECT_EQ(asked, "/reload/confirm");
+    status = 409;
+    body = R"({"error": "nothing waits to be confirmed", "what": "busy"})";
+    const Result refused = reload({"--confirm"});
+    EXPECT_EQ(refused.exit, 1);
+    EXPECT_EQ(refused.said, "anoctl: nothing waits to be confirmed\n");
+    EXPECT_EQ(reload({"--confirm", "--dry-run"}).exit, 2);
+}
+
+}    // namespace

@@ -1,0 +1,167 @@
+// What a gateway answers on its control socket, row by row of its own table.
+#include <http/client.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <ano/messages.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace {
+
+using namespace support;
+using anogate::http::Answer;
+using anogate::http::Outcome;
+using anogate::http::Request;
+using nlohmann::json;
+
+class ControlInterface : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(daemon.until_answers());
+        host.send(daemon.port("ground"), vendor::who_are_you);
+        ASSERT_TRUE(daemon.until([](const json& status) { return !status.at("routes").empty(); }));
+    }
+    Answer ask(const std::string& method, const std::string& target, const std::string& body = {},
+               const std::string& accept = {}) const {
+        Request request;
+        request.method = method;
+        request.target = target;
+        request.body = body;
+        if (!accept.empty()) request.headers.push_back({"Accept", accept});
+        const Outcome outcome = anogate::http::ask(socket, request);
+        EXPECT_EQ(outcome.fault, "") << method << " " << target;
+        return outcome.answer;
+    }
+    json get(const std::string& target) const {
+        const Answer answer = ask("GET", target);
+        EXPECT_EQ(answer.status, 200u) << target;
+        EXPECT_EQ(answer.header("Content-Type"), "application/json") << target;
+        EXPECT_EQ(answer.body.find('\n'), answer.body.size() - 1) << target << " is one line";
+        return json::parse(answer.body, nullptr, false);
+    }
+    /// That it refuses, with this status, word for programs, and a part of the words for people.
+    void refuses(const std::string& method, const std::string& target, unsigned status, const std::string& what,
+                 const std::string& words, const std::string& body = {}) const {
+        const Answer answer = ask(method, target, body);
+        EXPECT_EQ(answer.status, status) << method << " " << target;
+        const json error = json::parse(answer.body, nullptr, false);
+        ASSERT_TRUE(error.is_object()) << answer.body;
+        EXPECT_EQ(error.at("what"), what) << answer.body;
+        EXPECT_NE(error.at("error").get<std::string>().find(words), std::string::npos) << answer.body;
+    }
+
+    void list() const {
+        const json all = get("/");
+        EXPECT_EQ(all.at("name"), "anogate");
+        EXPECT_TRUE(all.at("version").is_string());
+        for (const json& row : all.at("routes")) {
+            EXPECT_NE(row.at("answers"), "") << row << " does not say what it answers";
+            EXPECT_EQ(row.at("access") == "view", row.at("method") == "GET" && row.at("path") != "/link") << row;
+        }
+    }
+    void status() const {
+        const json now = get("/status");
+        EXPECT_EQ(now.at("links").size(), 2u);
+        const json& absent = now.at("links").at(1);
+        EXPECT_EQ(absent.at("hint"), "");
+        EXPECT_EQ(absent.at("hint_id"), "");
+        EXPECT_EQ(absent.at("hint_args"), json::object());
+    }
+    void links() const {
+        json links = get("/links"), from_status = get("/status").at("links");
+        ASSERT_EQ(links.size(), 2u);
+        EXPECT_EQ(links[0].at("name"), "ground");
+        std::set<std::string> keys, status_keys;
+        for (const auto& [key, value] : links[0].items()) keys.insert(key);
+        for (const auto& [key, value] : from_status[0].items()) status_keys.insert(key);
+        EXPECT_EQ(keys, status_keys);
+    }
+    void routes() const {
+        const json routes = get("/routes");
+        ASSERT_EQ(routes.size(), 2u) << routes;
+        EXPECT_EQ(routes[0].at("address"), "0x07");
+        EXPECT_EQ(routes[0].at("via"), "port");
+        EXPECT_EQ(routes[1].at("address"), "0xFE");
+        EXPECT_EQ(routes[1].at("via"), "learned");
+    }
+    void forget() const {
+        refuses("DELETE", "/routes/0xDC", 404, "unknown", "0xDC was not heard");
+        refuses("DELETE", "/routes/nobody", 400, "invalid", "'nobody'");
+        refuses("DELETE", "/routes/300", 400, "invalid", "300");
+        const Answer answer = ask("DELETE", "/routes/host");
+        EXPECT_EQ(answer.status, 200u);
+        EXPECT_EQ(json::parse(answer.body), (json{{"address", "0xFE"}, {"forgotten", true}}));
+        EXPECT_EQ(get("/routes").size(), 1u);
+        refuses("DELETE", "/routes/254", 404, "unknown", "0xFE was not heard");
+    }
+    void messages() const {
+        const json rows = get("/messages");
+        EXPECT_EQ(rows.size(), ano::messages.size());
+        const auto flexible = std::find_if(rows.begin(), rows.end(), [](const json& row) { return row.at("id") == 0xF1; });
+        ASSERT_NE(flexible, rows.end());
+        EXPECT_EQ(flexible->at("fields").at(0).at("name"), "water_temp") << "as it is configured";
+    }
+    void metrics() const {
+        const Answer text = ask("GET", "/metrics");
+        EXPECT_EQ(text.header("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
+        EXPECT_NE(text.body.find("\nanogate_link_frames_in_total{link=\"ground\"} 1\n"), std::string::npos) << text.body;
+        EXPECT_EQ(text.body.find("# EOF"), std::string::npos);
+        const Answer open = ask("GET", "/metrics", {}, "application/openmetrics-text;version=1.0.0");
+        EXPECT_EQ(open.header("Content-Type"), "application/openmetrics-text; version=1.0.0; charset=utf-8");
+        EXPECT_TRUE(open.body.ends_with("\n# EOF\n"));
+    }
+    void gpio() const {
+        refuses("POST", "/gpio", 404, "unknown", "no GPIO line fits", "{}");
+        refuses("POST", "/gpio", 400, "invalid", "unknown key 'lien'", R"({"lien": 3})");
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    std::string config = dir.write("anogate.json", R"({"links": ["udp-listen:127.0.0.1:0,name=ground,id=7", "serial:/dev/absent"],
+        "flexible": [{"id": "0xF1", "fields": [{"name": "water_temp", "type": "i16", "scale": 0.1, "unit": "°C"}]}]})");
+    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    UdpPeer host;
+};
+
+// A route that is added gets a test here, or is named beside the test that it has.
+TEST_F(ControlInterface, answers_every_route_of_its_list) {
+    const std::pair<std::string, std::function<void()>> tests[]{
+        {"GET /", [this] { list(); }},
+        {"GET /status", [this] { status(); }},
+        {"GET /links", [this] { links(); }},
+        {"GET /routes", [this] { routes(); }},
+        {"DELETE /routes/{address}", [this] { forget(); }},
+        {"GET /messages", [this] { messages(); }},
+        {"GET /metrics", [this] { metrics(); }},
+        {"POST /gpio", [this] { gpio(); }},
+    };
+    std::set<std::string> tested, there;
+    for (const auto& [route, test] : tests) {
+        SCOPED_TRACE(route);
+        tested.insert(route);
+        test();
+    }
+    const json listed = get("/");
+    for (const json& row : listed.at("routes"))
+        there.insert(row.at("method").get<std::string>() + " " + row.at("path").get<std::string>());
+    EXPECT_EQ(tested, there);
+}
+
+TEST_F(ControlInterface, refuses_in_one_form) {
+    refuses("GET", "/statsu", 404, "unknown", "did you mean '/status'?");
+    refuses("POST", "/status", 405, "unsupported", "GET, HEAD only");
+    refuses("GET", "/status?a=%", 400, "invalid", "the query has a %");
+    refuses("POST", "/gpio", 413, "invalid", "65536", std::string(70'000, ' '));
+}
+
+}    // namespace

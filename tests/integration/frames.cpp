@@ -1,0 +1,294 @@
+// Those who watch by GET /frames: WebSockets of both forms, and lines that never end.
+#include <support/control_door.hpp>
+#include <support/process.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gateway/frame_record.hpp>
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using anogate::Direction;
+using anogate::FrameRecord;
+using anogate::http::Answer;
+using nlohmann::json;
+
+const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+
+struct Seen {
+    std::map<std::string, std::size_t> count;    // "in", "out" and causes
+    std::vector<Bytes> frames;
+    bool is_whole = true;
+};
+
+/// What a binary watcher was told.
+Seen seen(const Ear& ear) {
+    Seen result;
+    for (const std::string& message : ear.messages()) {
+        std::string_view rest = message;
+        while (const auto record = anogate::take_record(rest)) {
+            const bool is_dropped = record->direction == Direction::dropped;
+            ++result.count[std::string{is_dropped ? anogate::frame_causes()[record->cause] : text(record->direction)}];
+            result.frames.emplace_back(record->frame.bytes().begin(), record->frame.bytes().end());
+        }
+        result.is_whole = result.is_whole && rest.empty();
+    }
+    return result;
+}
+
+class Frames : public testing::Test {
+protected:
+    bool until_open(const Ear& ear) {
+        return door.gateway.until([&] { return ear.is_open(); });
+    }
+    /// The first text tells the numbers: from there on it watches.
+    bool until_watches(const Ear& ear) {
+        return door.gateway.until([&] { return !ear.texts().empty(); });
+    }
+    bool until_seen(const Ear& ear, std::size_t count) {
+        return door.gateway.until([&] { return seen(ear).frames.size() == count; });
+    }
+    void send(const Bytes& bytes) { a.send(door.gateway.port("a"), bytes); }
+    bool until_in(std::size_t count) {
+        return door.gateway.until([&] { return door.gateway.count("a", "frames_in") == count; });
+    }
+
+    UdpPeer a, b;
+    ControlDoor door{{a.link("a"), b.link("b")}};
+};
+
+TEST_F(Frames, binary_watchers_are_told_the_numbers_first_and_then_of_each_frame) {
+    Ear ear{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(ear));
+    const json tables = json::parse(ear.texts().front());
+    EXPECT_EQ(tables.at("links"), (json{"a", "b"}));
+    EXPECT_EQ(tables.at("channels").size(), 2u);
+    EXPECT_EQ(tables.at("causes").at(0), nullptr);
+    const auto before = std::chrono::system_clock::now().time_since_epoch();
+    send(euler);
+    ASSERT_TRUE(until_seen(ear, 2));
+    std::string_view rest = ear.messages().front();
+    const auto in = anogate::take_record(rest);
+    ASSERT_TRUE(in);
+    EXPECT_EQ(in->direction, Direction::in);
+    EXPECT_EQ(tables.at("links").at(in->link), "a");
+    EXPECT_NE(tables.at("channels").at(in->channel), nullptr);
+    EXPECT_EQ(in->cause, 0);
+    EXPECT_EQ(Bytes(in->frame.bytes().begin(), in->frame.bytes().end()), euler);
+    const auto time = std::chrono::nanoseconds{in->time_ns};
+    EXPECT_GT(time, before - 1s);
+    EXPECT_LT(time, before + 60s);
+    EXPECT_GT(in->boottime_ns, 0u);
+    const Seen all = seen(ear);
+    EXPECT_EQ(all.count, (std::map<std::string, std::size_t>{{"in", 1}, {"out", 1}}));
+    EXPECT_TRUE(all.is_whole);
+    EXPECT_EQ(all.frames.at(1), euler);
+}
+
+TEST_F(Frames, what_is_seen_adds_up_to_the_counters) {
+    Ear ear{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(ear));
+    std::size_t sent = 0;
+    for (std::uint8_t n = 0; n < 100; ++n) {
+        send(frame(0xDC, 0xFF, 0x03, {n}) + frame(0xDC, 0x00, 0x03, {n}));    // to 0x00: to nobody
+        sent += 2;
+    }
+    ASSERT_TRUE(until_in(sent));
+    ASSERT_TRUE(door.gateway.until([&] { return seen(ear).frames.size() == sent + 200; })) << seen(ear).frames.size();
+    const Seen all = seen(ear);
+    EXPECT_EQ(all.count.at("in"), door.gateway.count("a", "frames_in"));
+    EXPECT_EQ(all.count.at("no_route"), door.gateway.count("a", "no_route"));
+    EXPECT_EQ(all.count.at("out") + (all.count.contains("superseded") ? all.count.at("superseded") : 0), 100u);
+    EXPECT_EQ(all.count.at("out"), door.gateway.count("b", "frames_out"));
+}
+
+TEST_F(Frames, numbers_that_change_are_told_before_the_next_frame) {
+    Ear ear{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(ear));
+    Ear program{door, "/link?name=camera"};
+    ASSERT_TRUE(until_open(program));
+    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.status().at("links").size() == 3; }));
+    program.say(wind);
+    ASSERT_TRUE(until_seen(ear, 3)) << "in, and out by both links";
+    ASSERT_GE(ear.texts().size(), 2u);
+    const json tables = json::parse(ear.texts().back());
+    EXPECT_EQ(tables.at("links"), (json{"a", "b", "control"}));
+    EXPECT_EQ(tables.at("channels").at(2), "camera");
+    std::string_view rest = ear.messages().front();
+    EXPECT_EQ(anogate::take_record(rest)->channel, 2);
+}
+
+TEST_F(Frames, as_json_each_message_is_a_frame) {
+    Ear ear{door, "/frames"};
+    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.gateway().forwarder().is_observed(); }));
+    send(euler);
+    ASSERT_TRUE(door.gateway.until([&] { return ear.texts().size() == 2; }));
+    const json in = json::parse(ear.texts().at(0)), out = json::parse(ear.texts().at(1));
+    EXPECT_EQ(in.at("name"), "euler");
+    EXPECT_EQ(in.at("fields").at("rol"), 1.23);
+    EXPECT_EQ(in.at("link"), "a");
+    EXPECT_EQ(in.at("direction"), "in");
+    EXPECT_EQ(out.at("link"), "b");
+    EXPECT_EQ(out.at("direction"), "out");
+}
+
+TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
+    Ear ear{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
+    ASSERT_TRUE(until_watches(ear));
+    send(euler);
+    send(wind);
+    ASSERT_TRUE(until_in(2));
+    ASSERT_TRUE(until_seen(ear, 1));
+    EXPECT_EQ(seen(ear).frames.front(), wind);
+    const auto refused = [&](const std::string& query) {
+        const Answer answer = door.ask("GET", "/frames?" + query);
+        EXPECT_EQ(answer.status, 400u) << answer.body;
+        return json::parse(answer.body).at("error").get<std::string>();
+    };
+    EXPECT_EQ(refused("idd=3"),
+              "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID and format");
+    EXPECT_EQ(refused("link=aa"), "there is no link 'aa'");
+    EXPECT_EQ(refused("format=binary"), "format=binary is for a WebSocket: as lines there is JSON");
+    Ear wrong{door, "/frames?id=wnd"};
+    ASSERT_TRUE(door.gateway.until([&] { return wrong.ended.has_value(); }));
+    EXPECT_EQ(wrong.ended->answer.status, 400u);
+    EXPECT_NE(wrong.ended->answer.body.find("did you mean 'wind'?"), std::string::npos) << wrong.ended->answer.body;
+}
+
+TEST_F(Frames, without_an_upgrade_they_are_lines_that_never_end) {
+    anogate::http::Client client{door.loop.io, door.path};
+    std::vector<std::string> lines;
+    anogate::http::Request request;
+    request.method = "GET";
+    request.target = "/frames?direction=in";
+    client.stream(
+        request, [&](std::string_view line) { lines.emplace_back(line); }, [](anogate::http::Outcome) {});
+    std::size_t sent = 0;
+    ASSERT_TRUE(door.gateway.until([&] {
+        if (lines.empty()) send(euler), ++sent;
+        return !lines.empty();
+    }));
+    ASSERT_TRUE(until_in(sent));
+    const std::size_t before = lines.size();
+    send(wind);
+    ASSERT_TRUE(door.gateway.until([&] { return !lines.empty() && json::parse(lines.back()).at("name") == "wind"; })) << before;
+    EXPECT_EQ(json::parse(lines.front()).at("name"), "euler");
+    client.cancel();
+    for (int i = 0; i < 3; ++i) send(wind);    // to nobody
+    EXPECT_TRUE(until_in(sent + 4));
+}
+
+TEST_F(Frames, why_a_frame_was_dropped_is_told_whenever_that_was) {
+    Ear ear{door, "/frames?direction=dropped&format=binary"};
+    ASSERT_TRUE(until_watches(ear));
+    send(frame(0xDC, 0x00, 0x03, {1}));
+    ASSERT_TRUE(until_seen(ear, 1));
+    EXPECT_EQ(seen(ear).count, (std::map<std::string, std::size_t>{{"no_route", 1}}));
+}
+
+// Reads nothing until it is told to, and then all.
+class Sleeper {
+public:
+    Sleeper(const std::string& path, const std::string& target) : fd_{connect_unix(path)} {
+        const std::string request = "GET " + target + " HTTP/1.0\r\n\r\n";
+        EXPECT_EQ(::send(fd_, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+        ::fcntl(fd_, F_SETFL, O_NONBLOCK);
+    }
+    ~Sleeper() { ::close(fd_); }
+    Sleeper(const Sleeper&) = delete;
+    Sleeper& operator=(const Sleeper&) = delete;
+    /// The head of the answer is there: it watches.
+    bool has_begun() { return read().find("\r\n\r\n") != std::string::npos; }
+    const std::string& read() {
+        char buffer[65536];
+        for (ssize_t n; (n = ::read(fd_, buffer, sizeof buffer)) > 0;) text_.append(buffer, static_cast<std::size_t>(n));
+        return text_;
+    }
+
+private:
+    int fd_;
+    std::string text_;
+};
+
+TEST_F(Frames, a_watcher_that_does_not_read_holds_nobody_up_and_is_told_what_it_missed) {
+    Ear awake{door, "/frames?format=binary&direction=in"};
+    ASSERT_TRUE(until_watches(awake));
+    Sleeper sleeper{door.path, "/frames?direction=in"};
+    constexpr std::size_t count = 800;
+    const Bytes big = frame(0xDC, 0xFF, 0xF1, Bytes(4000, 7));
+    ASSERT_TRUE(door.gateway.until([&] { return sleeper.has_begun(); }));
+    for (std::size_t i = 0; i < count; ++i) {
+        send(big);
+        ASSERT_TRUE(until_in(i + 1));
+    }
+    EXPECT_TRUE(until_seen(awake, count)) << "who reads misses nothing";
+    EXPECT_EQ(awake.texts().size(), 1u);
+    std::size_t shown = 0, lost = 0;
+    std::size_t at = sleeper.read().find("\r\n\r\n") + 4;
+    const auto sum = [&] {
+        const std::string& text = sleeper.read();
+        for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+            const json line = json::parse(text.substr(at, end - at));
+            if (line.contains("lost")) lost += line.at("lost").at("flexible1").get<std::size_t>();
+            else ++shown;
+        }
+        return shown + lost == count;
+    };
+    EXPECT_TRUE(door.gateway.until(sum)) << shown << " shown, " << lost << " lost";
+    EXPECT_GT(lost, 100u);
+    EXPECT_GT(shown, 100u);
+    send(wind);
+    EXPECT_TRUE(door.gateway.until([&] {
+        return sleeper.read().ends_with("}\n") && sleeper.read().find("wind") != std::string::npos;
+    })) << "and it goes on";
+}
+
+TEST_F(Frames, a_watcher_that_takes_nothing_for_too_long_is_closed) {
+    anogate::http::ServerLimits limits;
+    limits.session.patience = 500ms;
+    ControlDoor impatient{settings_of_texts({a.link("x")}), limits};
+    const auto is_watched = [&] { return impatient.gateway.gateway().forwarder().is_observed(); };
+    Sleeper sleeper{impatient.path, "/frames?direction=in"};
+    ASSERT_TRUE(impatient.gateway.until(is_watched));
+    const Bytes big = frame(0xDC, 0xFF, 0xF1, Bytes(4000, 7));
+    for (std::uint64_t sent = 0; is_watched() && sent < 5000;) {
+        a.send(impatient.gateway.port("x"), big);
+        ++sent;
+        ASSERT_TRUE(impatient.gateway.until([&] { return impatient.gateway.count("x", "frames_in") >= sent; }));
+        impatient.gateway.run_for(2ms);
+    }
+    EXPECT_FALSE(is_watched());
+}
+
+TEST_F(Frames, nobody_looks_at_frames_unless_somebody_watches) {
+    const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
+    EXPECT_FALSE(is_watched());
+    Ear one{door, "/frames?format=binary"}, two{door, "/frames?format=binary&id=wind"};
+    ASSERT_TRUE(until_watches(one) && until_watches(two));
+    EXPECT_TRUE(is_watched());
+    one.leave();
+    door.gateway.run_for(50ms);
+    EXPECT_TRUE(is_watched());
+    two.leave();
+    EXPECT_TRUE(door.gateway.until([&] { return !is_watched(); }));
+    EXPECT_EQ(door.ask("POST", "/send", R"({"to": 255, "name": "wind"})").status, 200u);
+    EXPECT_FALSE(is_watched());
+    Ear again{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(again));
+    send(wind);
+    EXPECT_TRUE(until_seen(again, 2));
+}
+
+}    // namespace

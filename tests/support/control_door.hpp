@@ -1,0 +1,106 @@
+// A gateway in the test's loop with its control interface, and clients of that in the same loop.
+#pragma once
+#include "running_gateway.hpp"
+#include "temp_dir.hpp"
+
+#include <daemon/routes.hpp>
+#include <http/client.hpp>
+#include <http/server.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+class ControlDoor {
+public:
+    explicit ControlDoor(anogate::Settings settings, const anogate::http::ServerLimits& limits = {})
+        : gateway{loop, std::move(settings)}, server{loop.io, limits} {
+        anogate::add_routes(server.routes(), gateway.gateway());
+        EXPECT_EQ(server.start(path).error, "");
+    }
+    explicit ControlDoor(std::vector<std::string> links) : ControlDoor{settings_of_texts(std::move(links))} {}
+    ~ControlDoor() {
+        server.stop();
+        loop.turn();
+    }
+
+    anogate::http::Answer ask(std::string method, std::string target, std::string body = {}) {
+        anogate::http::Request request;
+        request.method = std::move(method);
+        request.target = std::move(target);
+        request.body = std::move(body);
+        if (!request.body.empty()) request.headers.push_back({"Content-Type", "application/json"});
+        anogate::http::Client client{loop.io, path};
+        std::optional<anogate::http::Outcome> outcome;
+        client.ask(std::move(request), [&](anogate::http::Outcome came) { outcome = std::move(came); });
+        EXPECT_TRUE(gateway.until([&] { return outcome.has_value(); }));
+        return outcome ? outcome->answer : anogate::http::Answer{};
+    }
+
+    TempDir dir;
+    std::string path = dir / "control.sock";
+    Loop loop;
+    RunningGateway gateway;
+    anogate::http::Server server;
+};
+
+/// One end of a WebSocket: keeps what it hears.
+class Ear {
+public:
+    Ear(ControlDoor& door, std::string target) : client_{door.loop.io, door.path} {
+        anogate::http::Request request;
+        request.method = "GET";
+        request.target = std::move(target);
+        client_.open(std::move(request), std::make_unique<User>(state_),
+                     [this](anogate::http::Outcome came) { ended = std::move(came); });
+    }
+    bool is_open() const { return state_.socket != nullptr; }
+    void say(const Bytes& bytes) { say({bytes.begin(), bytes.end()}, anogate::http::WebSocket::Kind::binary); }
+    void say(std::string words, anogate::http::WebSocket::Kind kind) {
+        ASSERT_NE(state_.socket, nullptr);
+        EXPECT_TRUE(state_.socket->send(std::make_shared<const std::string>(std::move(words)), kind));
+    }
+    void leave() { client_.cancel(); }
+
+    /// The messages that came, in their order.
+    const std::vector<std::string>& texts() const { return state_.texts; }
+    const std::vector<std::string>& messages() const { return state_.binary; }
+    /// The bytes of the binary ones.
+    Bytes bytes() const {
+        Bytes all;
+        for (const std::string& message : state_.binary) all.insert(all.end(), message.begin(), message.end());
+        return all;
+    }
+
+    std::optional<anogate::http::Outcome> ended;
+
+private:
+    struct State {
+        anogate::http::WebSocket* socket = nullptr;
+        std::vector<std::string> texts, binary;
+    };
+    class User final : public anogate::http::WebSocketUser {
+    public:
+        explicit User(State& state) : state_{state} {}
+        ~User() override { state_.socket = nullptr; }
+        void opened(anogate::http::WebSocket& socket) override { state_.socket = &socket; }
+        void heard(std::string_view message, anogate::http::WebSocket::Kind kind) override {
+            (kind == anogate::http::WebSocket::Kind::text ? state_.texts : state_.binary).emplace_back(message);
+        }
+
+    private:
+        State& state_;
+    };
+
+    State state_;
+    anogate::http::Client client_;
+};
+
+}    // namespace support

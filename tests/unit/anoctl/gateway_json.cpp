@@ -1,0 +1,62 @@
+#include <anoctl/anoctl.hpp>
+#include <anoctl/gateway.hpp>
+#include <anoctl/gateway_json.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace anoctl {
+namespace {
+
+TEST(GatewayJson, what_is_missing_or_of_another_kind_is_nothing) {
+    const ano::Json answer = parse_answer(
+        R"({"text": "a\u001b[2J", "number": 7, "large": "18446744073709551615", "null": null, "list": ["a", 1, "b"]})");
+    EXPECT_EQ(text_at(answer, "text"), "a?[2J");
+    EXPECT_EQ(text_at(answer, "number"), "7");
+    EXPECT_EQ(text_at(answer, "null"), "");
+    EXPECT_EQ(text_at(answer, "none"), "");
+    EXPECT_EQ(text_at(at(answer, "list"), "none"), "");
+    EXPECT_EQ(number_at(answer, "number"), 7);
+    EXPECT_EQ(number_at(answer, "large"), 18446744073709551615.0);
+    EXPECT_EQ(number_at(answer, "none"), 0);
+    EXPECT_EQ(names_at(answer, "list"), "a, b");
+    EXPECT_TRUE(at(answer, "none").empty());
+    EXPECT_TRUE(at(answer, "number").empty());
+    EXPECT_THROW(parse_answer("<html>"), Failure);
+}
+
+TEST(GatewayJson, counters_that_are_not_zero_are_listed) {
+    const ano::Json link = parse_answer(R"({"bad_check": 3, "stale": 0, "skipped_bytes": "9007199254740993"})");
+    EXPECT_EQ(not_zero(link, {"stale", "skipped_bytes", "bad_check", "none"}),
+              (std::vector<std::string>{"skipped_bytes 9007199254740993", "bad_check 3"}));
+    EXPECT_EQ(drop_causes().front(), "superseded");
+    EXPECT_EQ(causes_in().front(), "bytes_in");
+    EXPECT_EQ(causes_out().front(), "bytes_out");
+}
+
+TEST(GatewayJson, long_lists_take_several_lines) {
+    EXPECT_EQ(list_text("in: ", {}), "in: ");
+    EXPECT_EQ(list_text("in: ", {"a 1", "b 2"}), "in: a 1, b 2");
+    const std::string item(30, 'x');
+    EXPECT_EQ(list_text("in: ", {item, item, item}), "in: " + item + ", " + item + ",\n    " + item);
+    EXPECT_EQ(list_text("in: ", {std::string(100, 'x')}), "in: " + std::string(100, 'x')) << "there is no better place for it";
+}
+
+TEST(GatewayJson, words_are_encoded_for_a_target) {
+    EXPECT_EQ(percent_encoded("0xDC-a_b.c~"), "0xDC-a_b.c~");
+    EXPECT_EQ(percent_encoded("flight controller/%?&#\xE5"), "flight%20controller%2F%25%3F%26%23%E5");
+}
+
+TEST(GatewayJson, an_answer_that_refuses_is_told_in_its_words) {
+    anogate::http::Answer answer;
+    answer.status = 404;
+    answer.body = R"({"error": "there is nothing", "what": "unknown"})";
+    EXPECT_EQ(words_of(answer), "there is nothing");
+    for (const char* body : {"", "<html>", "[]", "{}", R"({"error": 7})"}) {
+        answer.body = body;
+        EXPECT_EQ(words_of(answer), "the gateway answers with status 404") << body;
+    }
+}
+
+}    // namespace
+}    // namespace anoctl

@@ -1,0 +1,124 @@
+#include <anoctl/top_screen.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+using namespace anoctl;
+using nlohmann::json;
+
+namespace {
+
+json channel(const std::string& peer, unsigned in, unsigned out, unsigned stale = 0) {
+    return {{"peer", peer}, {"heard_s", 0.5}, {"frames_in", in}, {"frames_out", out}, {"stale", stale}, {"waiting", 3}};
+}
+
+json status(json links) {
+    return {{"gateway", {{"name", "here"}, {"version", "1.2.3"}, {"uptime_s", 125.0}}},
+            {"links", std::move(links)},
+            {"routes",
+             {{{"address", "0xDC"}, {"who", "flight controller"}, {"links", {"fc", "radio"}}, {"age_s", 0.2}},
+              {{"address", "0x07"}, {"who", "port"}, {"links", {"fc"}}}}}};
+}
+
+json fc(unsigned in, unsigned out, unsigned stale = 0) {
+    return {{"name", "fc"}, {"state", "up"}, {"channels", {channel("/dev/ttyUSB0", in, out, stale)}}};
+}
+
+json down() {
+    return {{"name", "radio"},           {"state", "waiting"}, {"error", "/dev/radio: no such device"},
+            {"channels", json::array()}, {"frames_in", 0},     {"link_down", 10}};
+}
+
+const HeardFrames nobody{};
+
+bool contains(const std::vector<std::string>& lines, const std::string& words) {
+    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != line.npos; });
+}
+
+}    // namespace
+
+TEST(TopScreen, rates_are_what_was_counted_between_two_looks) {
+    HeardFrames heard{};
+    heard[0xDC] = 50;
+    const TopView view = top_view(status(json::array({fc(100, 10, 1), down()})), status(json::array({fc(150, 30, 5), down()})), 2,
+                                  heard);
+    ASSERT_EQ(view.channels.size(), 2u);
+    EXPECT_EQ(view.channels[0].link, "fc");
+    EXPECT_EQ(view.channels[0].peer, "/dev/ttyUSB0");
+    EXPECT_EQ(view.channels[0].in, 25);
+    EXPECT_EQ(view.channels[0].out, 10);
+    EXPECT_EQ(view.channels[0].dropped, 2);
+    EXPECT_EQ(view.channels[0].causes, "stale 2.0");
+    EXPECT_EQ(view.channels[0].waiting, 3u);
+    EXPECT_EQ(view.channels[0].age, 0.5);
+    EXPECT_EQ(view.channels[1].causes, "/dev/radio: no such device");
+    ASSERT_EQ(view.addresses.size(), 2u);
+    EXPECT_EQ(view.addresses[0].rate, 25);
+    EXPECT_EQ(view.addresses[0].links, "fc, radio");
+    EXPECT_EQ(view.title, "here 1.2.3, up 2 min; frames/s: 25.0 in, 10.0 out, 2.0 dropped") << view.title;
+}
+
+TEST(TopScreen, a_first_look_and_a_gateway_that_began_anew_have_no_rates) {
+    EXPECT_EQ(top_view(json{}, status(json::array({fc(150, 30)})), 0, nobody).channels.at(0).in, 0);
+    EXPECT_EQ(top_view(status(json::array({fc(150, 30)})), status(json::array({fc(5, 3)})), 1, nobody).channels.at(0).in, 0);
+    EXPECT_EQ(top_view(status(json::array()), status(json::array({fc(5, 3)})), 1, nobody).channels.at(0).in, 0)
+        << "a channel that is new";
+    for (const json& odd : {json(), json("x"), json{{"links", 5}, {"routes", {1, "a"}}}, json{{"links", {1, json::object()}}}})
+        EXPECT_EQ(top_screen(top_view(odd, odd, 1, nobody), TopSort::in, 80, 24).size(), 24u);
+}
+
+TEST(TopScreen, sorts_the_busiest_first) {
+    TopView view;
+    view.channels = {{"a", "", 1, 5, 0, "", 0, 2.0}, {"b", "", 9, 0, 1, "", 0, {}}, {"c", "", 3, 0, 4, "", 0, 1.0}};
+    const auto order = [&](TopSort by) {
+        sort(view, by);
+        std::string names;
+        for (const TopChannel& row : view.channels) names += row.link;
+        return names;
+    };
+    EXPECT_EQ(order(TopSort::in), "bca");
+    EXPECT_EQ(order(TopSort::out), "abc");
+    EXPECT_EQ(order(TopSort::dropped), "cba");
+    EXPECT_EQ(order(TopSort::age), "cab") << "who was never heard stands last";
+    EXPECT_EQ(order(TopSort::name), "abc");
+    TopSort by = TopSort::name;
+    for (int i = 0; i < 5; ++i) by = next(by);
+    EXPECT_EQ(by, TopSort::name) << "all were there";
+}
+
+TEST(TopScreen, is_as_large_as_the_terminal_and_counts_what_has_no_room) {
+    TopView view;
+    view.title = "here";
+    for (int i = 0; i < 40; ++i) {
+        view.channels.push_back({"link" + std::to_string(i), std::string(60, 'x')});
+        view.addresses.push_back({"0xDC", "flight controller", "fc"});
+    }
+    for (const std::size_t height : {0u, 1u, 4u, 5u, 6u, 24u, 50u})
+        for (const std::size_t width : {0u, 10u, 80u, 200u}) {
+            const auto screen = top_screen(view, TopSort::name, width, height);
+            ASSERT_EQ(screen.size(), height);
+            for (const std::string& line : screen) EXPECT_LE(line.size(), width);
+        }
+    const auto screen = top_screen(view, TopSort::out, 80, 24);
+    EXPECT_EQ(screen.back(), "q quit   s sort, now by out");
+    EXPECT_TRUE(contains(screen, "... and 28 more")) << "of the channels";
+    EXPECT_TRUE(contains(screen, "... and 35 more")) << "of the addresses";
+}
+
+TEST(TopScreen, a_name_writes_nothing_to_the_terminal_but_itself) {
+    TopView view;
+    view.channels.push_back({"\x1b[2J\xC2\x9B", "a\nb"});
+    const auto screen = top_screen(view, TopSort::name, 80, 24);
+    for (const std::string& line : screen) {
+        EXPECT_EQ(line.find('\x1b'), std::string::npos);
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+        EXPECT_EQ(line.find("\xC2\x9B"), std::string::npos);
+    }
+    EXPECT_TRUE(contains(screen, "?[2J?"));
+    view.channels = {{"ünterflächenmäßig", "x"}};
+    EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "ünterfläch x ")) << "columns are of characters";
+}

@@ -1,0 +1,192 @@
+// Observers see what becomes of each frame, and a frame of the gateway's own teaches no address.
+#include "forwarding.hpp"
+
+#include <map>
+#include <vector>
+
+using namespace forwarding;
+
+namespace {
+
+// Counts as the counters do.
+class Tally final : public Forwarder::Observer {
+public:
+    void received(const Channel&, ano::FrameView, TimePoint) override { ++in; }
+    void offered(const Channel&, ano::FrameView, ChannelId) override { ++offers; }
+    void dropped(const Channel&, ano::FrameView, ReceiveCause cause) override { ++dropped_in[name_of(receive_counters, cause)]; }
+    void refused(LinkId, ano::FrameView, SendCause cause) override { ++not_sent[name_of(send_counters, cause)]; }
+    void left(const Channel&, ano::FrameView frame) noexcept override {
+        ++out;
+        last_left = {frame.bytes().begin(), frame.bytes().end()};
+    }
+    void gave_up(const Channel&, ano::FrameView, SendCause cause) noexcept override { ++not_sent[name_of(send_counters, cause)]; }
+
+    std::uint64_t in = 0, out = 0, offers = 0;
+    std::map<std::string, std::uint64_t> dropped_in, not_sent;
+    Bytes last_left;
+};
+
+class Watched : public Forwarding {
+protected:
+    Watched() { forwarder.add_observer(tally); }
+    void expect_as_counted(const Channel& channel) {
+        EXPECT_EQ(tally.out, channel.sent().frames_out);
+        for (const auto& row : send_counters)
+            if (row.name != "frames_out" && row.name != "bytes_out" && row.name != "empty_out")
+                EXPECT_EQ(tally.not_sent[std::string{row.name}], channel.sent().*row.value) << row.name;
+    }
+    /// One of the gateway's own, of `link`.
+    Channel sender_of(const Channel& link) {
+        return Channel{ourselves, link.link, "send", ano::FrameParser::Options{}, Outbox::Options{}, now};
+    }
+    Lines sent(Channel& from, const Bytes& bytes) {
+        diary.take();
+        from.arrived_at = now;
+        forwarder.send_on(from, ano::FrameView{bytes}, now);
+        return diary.take();
+    }
+    Tally tally;
+};
+
+}    // namespace
+
+TEST_F(Watched, each_frame_that_was_offered_left_or_was_dropped_for_a_cause) {
+    Channel& device = add();
+    Channel& slow = add_with([](ForwarderLink& link) { link.outbox.bytes = 4104; });
+    slow.outbox.set_congested();
+    for (std::uint8_t n = 0; n < 200; ++n) receive(device, frame(fc, all, 0x03, {n}));    // newer ones replace older ones
+    slow.outbox.set_congested();
+    for (std::uint8_t n = 0; n < 200; ++n) {
+        slow.outbox.set_congested();
+        receive(device, frame(fc, all, 0x03, {n}));
+        receive(device, frame(fc, all, 0xF1, Bytes(100, n)));
+    }
+    EXPECT_GT(tally.not_sent["superseded"], 100u);
+    EXPECT_GT(tally.not_sent["queue_full"], 100u);
+    std::span<const std::uint8_t> piece[1];
+    ASSERT_EQ(slow.outbox.gather(piece, now), 1u);
+    slow.outbox.sent_frame();
+    ASSERT_EQ(slow.outbox.gather(piece, now), 1u);
+    slow.outbox.drop_frame(&SendCounters::send_failed);
+    now += 1h;
+    EXPECT_EQ(slow.outbox.gather(piece, now), 0u);
+    EXPECT_GT(tally.not_sent["stale"], 0u);
+    receive(device, telemetry);
+    forwarder.link_down(slow.link);
+    EXPECT_EQ(tally.not_sent["link_down"], 1u);
+    expect_as_counted(slow);
+    EXPECT_EQ(tally.out, 1u);
+}
+
+TEST_F(Watched, what_left_is_what_its_receiver_sees) {
+    Channel& device = add();
+    Channel& ground = add_with([](ForwarderLink& link) { link.present_as = 0x20; });
+    receive(ground, frame(host, fc, 0xC0, {1, 2, 3}));
+    receive(device, frame(fc, host, 0x00, {0xC0, 1, 2}));
+    taken(device);
+    EXPECT_EQ(tally.last_left, frame(host, fc, 0xC0, {1, 2, 3}));
+}
+
+TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {
+    Channel& ground = add();
+    Channel& few = add_with([](ForwarderLink& link) {
+        link.takes_few_questions = true;
+        link.sends_empty = false;
+    });
+    for (std::uint8_t n = 0; n < 20; ++n) receive(ground, frame(host, 0xFF, 0xE0, {1, n, 0}));
+    ASSERT_GT(few.questions->waiting(), 0u);
+    const auto waits = few.waiting();
+    forwarder.link_down(few.link);
+    EXPECT_EQ(tally.not_sent["link_down"], waits);
+    expect_as_counted(few);
+}
+
+TEST_F(Watched, a_channel_that_is_opened_later_is_told_of_and_nobody_is_after_the_last_left) {
+    Channel& device = add();
+    Channel& late = add();
+    receive(device, telemetry);
+    taken(late);
+    EXPECT_EQ(tally.out, 1u);
+    forwarder.remove_observer(tally);
+    forwarder.remove_observer(diary);
+    receive(device, frame(fc, all, 0x03, {9}));
+    taken(late);
+    EXPECT_EQ(tally.out, 1u);
+}
+
+TEST_F(Watched, its_version_changes_when_links_and_channels_come_and_go) {
+    std::uint64_t before = forwarder.version();
+    const auto changes = [&] { return std::exchange(before, forwarder.version()) != forwarder.version(); };
+    const LinkId link = forwarder.add_link({});
+    EXPECT_TRUE(changes());
+    Channel* const channel = forwarder.open_channel(link, "", now);
+    EXPECT_TRUE(changes());
+    receive(*channel, telemetry);
+    EXPECT_FALSE(changes());
+    forwarder.close_channel(*channel);
+    EXPECT_TRUE(changes());
+    forwarder.remove_link(link);
+    EXPECT_TRUE(changes());
+}
+
+TEST_F(Watched, a_frame_of_the_gateways_own_goes_where_it_belongs_and_teaches_no_address) {
+    Channel& device = add();
+    Channel& ground = add();
+    Channel& control = add_with([](ForwarderLink& link) { link.route.broadcast = link.route.flood = false; });
+    receive(device, telemetry);
+    Channel own = sender_of(control);
+    EXPECT_EQ(sent(own, command), (Lines{"received 64", "said 0"}));
+    EXPECT_EQ(sent(own, frame(host, all, 0xE0, {0, 1, 0})), (Lines{"received 64", "said 0", "said 1"}));
+    EXPECT_TRUE(forwarder.router().learned(host, now).links.empty()) << "0xFE is nowhere yet";
+    receive(ground, command);
+    EXPECT_EQ(forwarder.router().learned(host, now).links, LinkSet{ground.link});
+    sent(own, frame(host, fc, 0xC0, {7}));
+    EXPECT_EQ(forwarder.router().learned(host, now).links, LinkSet{ground.link}) << "as it is without what we send";
+    EXPECT_TRUE(forwarder.router().conflicts(now).empty());
+    sent(own, frame(fc, all, 0x03, {1}));
+    EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{device.link});
+    EXPECT_TRUE(forwarder.router().conflicts(now).empty());
+}
+
+TEST_F(Watched, rules_and_switches_of_its_link_hold_for_a_frame_of_the_gateways_own) {
+    add();
+    Channel& control = add_with([](ForwarderLink& link) {
+        link.route.broadcast = link.route.flood = false;
+        link.rules.receive = without(0xC0);
+    });
+    Channel own = sender_of(control);
+    EXPECT_EQ(sent(own, command), (Lines{"received 64", "dropped 64 denied_in"}));
+    EXPECT_EQ(own.routed.denied_in, 1u);
+    const std::size_t place = forwarder.inhibit().add(LinkSet{control.link});
+    forwarder.inhibit().set(place, true);
+    EXPECT_EQ(sent(own, frame(host, fc, 0x40, {1, 2, 3})), (Lines{"received 64", "dropped 64 inhibited"}));
+    forwarder.inhibit().set(place, false);
+    EXPECT_EQ(sent(own, frame(host, 0x00, 0x03, {1})), (Lines{"received 64", "dropped 64 no_route"}));
+}
+
+TEST_F(Watched, a_frame_of_the_gateways_own_that_comes_round_ends) {
+    Channel& out = add();
+    Channel& back = add();
+    Channel& control = add_with([](ForwarderLink& link) { link.route.broadcast = link.route.flood = false; });
+    Channel own = sender_of(control);
+    const Bytes spread = frame(0xA0, all, 0x03, {1, 2});
+    EXPECT_EQ(sent(own, spread), (Lines{"received 64", "said 0", "said 1"}));
+    now += 5ms;
+    receive(back, spread);
+    EXPECT_EQ(back.routed.looped, 1u);
+    EXPECT_EQ(out.sent().offered, 1u);
+}
+
+TEST_F(Watched, a_channel_may_bear_a_port_id_by_itself) {
+    Channel& device = add();
+    const LinkId link = forwarder.add_link({});
+    Channel* const bearer = forwarder.open_channel(link, "a", now);
+    forwarder.open_channel(link, "b", now);
+    forwarder.link_up(link, now);
+    forwarder.bear(*bearer, 7);
+    EXPECT_EQ(told(device, frame(fc, 7, 0x03, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(forwarder.router().port(7), LinkSet{link});
+    forwarder.close_channel(*bearer);
+    EXPECT_TRUE(forwarder.router().port(7).empty());
+    EXPECT_EQ(told(device, frame(fc, 7, 0x03, {2})), (Lines{"received 0", "offered 2"})) << "unknown";
+}

@@ -1,0 +1,34 @@
+#include <http/accept.hpp>
+
+#include <gtest/gtest.h>
+
+namespace anogate::http {
+namespace {
+
+// As Prometheus 2.42 asks.
+constexpr char prometheus[] =
+    "application/openmetrics-text;version=1.0.0,application/openmetrics-text;version=0.0.1;q=0.75,"
+    "text/plain;version=0.0.4;q=0.5,*/*;q=0.1";
+
+TEST(Accept, names_types_with_their_quality) {
+    EXPECT_EQ(quality(prometheus, "application/openmetrics-text", "1.0.0"), 1000u);
+    EXPECT_EQ(quality(prometheus, "application/openmetrics-text", "0.0.1"), 750u);
+    EXPECT_EQ(quality(prometheus, "text/plain"), 500u);
+    EXPECT_EQ(quality(prometheus, "text/html"), std::nullopt) << "what only a wildcard allows is not asked for";
+    EXPECT_EQ(quality("text/html", "text/html"), 1000u);
+    EXPECT_EQ(quality("Text/HTML ; Q=0.3 , a/b", "text/html"), 300u);
+    EXPECT_EQ(quality("application/openmetrics-text", "application/openmetrics-text", "1.0.0"), 1000u) << "any version";
+}
+
+TEST(Accept, of_another_version_is_of_another_type) {
+    EXPECT_EQ(quality("application/openmetrics-text; version=0.0.1", "application/openmetrics-text", "1.0.0"), std::nullopt);
+}
+
+TEST(Accept, that_makes_no_sense_wants_nothing) {
+    for (const char* accept :
+         {"", ",", ";", ";;=,=;q", "text", "text/html;q=0", "text/html;q=x", "text/html;q=7", "text/html;q=-1"})
+        EXPECT_EQ(quality(accept, "text/html").value_or(0), 0u) << accept;
+}
+
+}    // namespace
+}    // namespace anogate::http

@@ -1,0 +1,80 @@
+#include <http/connect_fault.hpp>
+
+#include <gtest/gtest.h>
+#include <support/temp_dir.hpp>
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace anogate::http {
+namespace {
+
+const std::string path = "/run/anogate/control.sock";
+
+SocketFile of_the_service() {
+    SocketFile file;
+    file.is_there = file.is_socket = file.is_for_group = true;
+    file.owner = "anogate";
+    file.group = "anogate";
+    return file;
+}
+
+TEST(ConnectFault, without_a_gateway_says_so) {
+    EXPECT_EQ(connect_fault(path, ENOENT, {}),
+              "no gateway is running at /run/anogate/control.sock: there is no such socket (another one: --control PATH)");
+    EXPECT_EQ(connect_fault(path, ECONNREFUSED, of_the_service()),
+              "no gateway is running at /run/anogate/control.sock: one that ended left its socket");
+}
+
+TEST(ConnectFault, without_permission_says_how_to_get_it) {
+    SocketFile file = of_the_service();
+    EXPECT_EQ(connect_fault(path, EACCES, file),
+              "no permission for /run/anogate/control.sock: it belongs to group anogate; "
+              "sudo usermod -aG anogate $USER, then log in again");
+    file.lists_us = true;
+    EXPECT_EQ(connect_fault(path, EACCES, file),
+              "no permission for /run/anogate/control.sock: it belongs to group anogate, and "
+              "you are in it from your next login on: log in again");
+    file.is_for_group = false;
+    file.owner = "li";
+    EXPECT_EQ(connect_fault(path, EACCES, file), "no permission for /run/anogate/control.sock: it is for user li alone");
+    file.can_be_seen = false;
+    EXPECT_EQ(connect_fault(path, EACCES, file),
+              "no permission for /run/anogate/control.sock: the folder that it is in lets this user not in");
+}
+
+TEST(ConnectFault, of_what_is_no_gateway_says_so) {
+    SocketFile file = of_the_service();
+    EXPECT_EQ(connect_fault(path, EPROTOTYPE, file), "what listens at /run/anogate/control.sock is not a gateway");
+    file.is_socket = false;
+    EXPECT_EQ(connect_fault(path, ECONNREFUSED, file), "/run/anogate/control.sock is not a socket");
+}
+
+TEST(ConnectFault, looks_at_what_is_there) {
+    const support::TempDir dir;
+    EXPECT_FALSE(look_at_socket(dir / "none").is_there);
+    EXPECT_FALSE(look_at_socket(dir.write("file", "")).is_socket);
+
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string name = dir / "socket";
+    name.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    for (const unsigned mode : {0600u, 0660u}) {
+        ASSERT_EQ(::chmod(name.c_str(), mode), 0);
+        const SocketFile file = look_at_socket(name);
+        EXPECT_TRUE(file.is_there && file.is_socket && file.can_be_seen);
+        EXPECT_EQ(file.is_for_group, mode == 0660u);
+        EXPECT_NE(file.owner, "");
+        EXPECT_NE(file.group, "");
+    }
+    ::close(fd);
+}
+
+}    // namespace
+}    // namespace anogate::http

@@ -1,0 +1,62 @@
+#include "gateway.hpp"
+
+#include "anoctl.hpp"
+#include "table.hpp"
+
+#include <http/client.hpp>
+#include <http/socket_path.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <utility>
+
+namespace anoctl {
+
+namespace http = anogate::http;
+
+void GatewayOptions::add(Options& declared, GatewayOptions& options) {
+    declared.push_back(
+        {"--control", &options.control, "PATH", "The control socket of the gateway, where it is not the usual one"});
+}
+
+std::string GatewayOptions::socket() const {
+    if (control == "none") throw UsageError{"--control: none is no gateway that could be asked"};
+    return http::socket_to_ask(control, http::this_runner());
+}
+
+http::Answer GatewayOptions::answer(const std::string& method, const std::string& target, const std::string& accept) const {
+    http::Request request;
+    request.method = method;
+    request.target = target;
+    if (!accept.empty()) request.headers.push_back({"Accept", accept});
+    http::Outcome outcome = http::ask(socket(), std::move(request));
+    if (!outcome.fault.empty()) throw Failure{outcome.fault};
+    return std::move(outcome.answer);
+}
+
+std::string GatewayOptions::ask(const std::string& method, const std::string& target, const std::string& accept) const {
+    http::Answer came = answer(method, target, accept);
+    if (came.status / 100 != 2) throw Failure{words_of(came)};
+    return std::move(came.body);
+}
+
+std::string percent_encoded(std::string_view word) {
+    std::string text;
+    for (const char c : word) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
+                              c == '_' || c == '.' || c == '~';
+        if (is_plain) text += c;
+        else text.append("%").append(1, "0123456789ABCDEF"[byte >> 4]).append(1, "0123456789ABCDEF"[byte & 15]);
+    }
+    return text;
+}
+
+std::string words_of(const http::Answer& answer) {
+    const auto json = nlohmann::json::parse(answer.body, nullptr, false);
+    if (json.is_object() && json.contains("error") && json["error"].is_string())
+        return without_controls(json["error"].get<std::string>());
+    return "the gateway answers with status " + std::to_string(answer.status);
+}
+
+}    // namespace anoctl

@@ -1,0 +1,102 @@
+#include "gateway_json.hpp"
+
+#include "anoctl.hpp"
+#include "table.hpp"
+
+#include <gateway/counters.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <initializer_list>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+constexpr std::size_t line_width = 80;
+
+template <class Rows>
+std::vector<std::string> names_of(const Rows& rows, std::initializer_list<std::string_view> but) {
+    std::vector<std::string> names;
+    for (const auto& row : rows)
+        if (std::find(but.begin(), but.end(), row.name) == but.end()) names.emplace_back(row.name);
+    return names;
+}
+
+}    // namespace
+
+Json parse_answer(const std::string& body) {
+    Json json = Json::parse(body, nullptr, false);
+    if (json.is_discarded()) throw Failure{"the answer of the gateway is not JSON"};
+    return json;
+}
+
+std::string text_at(const Json& object, std::string_view key) {
+    if (!object.is_object()) return {};
+    const auto found = object.find(std::string{key});
+    if (found == object.end() || found->is_null()) return {};
+    return without_controls(found->is_string() ? found->get<std::string>() : found->dump());
+}
+
+double number_at(const Json& object, std::string_view key) {
+    const std::string text = text_at(object, key);
+    return std::strtod(text.c_str(), nullptr);
+}
+
+const Json& at(const Json& object, std::string_view key) {
+    static const Json nothing = Json::array();
+    if (!object.is_object()) return nothing;
+    const auto found = object.find(std::string{key});
+    return found == object.end() || !found->is_structured() ? nothing : *found;
+}
+
+std::string names_at(const Json& object, std::string_view key) {
+    std::string all;
+    for (const Json& name : at(object, key))
+        if (name.is_string()) all += (all.empty() ? "" : ", ") + without_controls(name.get<std::string>());
+    return all;
+}
+
+std::vector<std::string> not_zero(const Json& object, const std::vector<std::string>& names) {
+    std::vector<std::string> items;
+    for (const std::string& name : names)
+        if (const std::string value = text_at(object, name); !value.empty() && value != "0") items.push_back(name + " " + value);
+    return items;
+}
+
+std::string list_text(const std::string& head, const std::vector<std::string>& items) {
+    std::string text = head;
+    std::size_t width = cells_of(head);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const std::string item = items[i] + (i + 1 < items.size() ? "," : "");
+        const bool begins = i == 0;
+        if (!begins && width + 1 + cells_of(item) > line_width) {
+            text += "\n" + std::string(cells_of(head), ' ');
+            width = cells_of(head);
+        } else if (!begins) {
+            text += ' ';
+            ++width;
+        }
+        text += item;
+        width += cells_of(item);
+    }
+    return text;
+}
+
+const std::vector<std::string>& drop_causes() {
+    static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out"});
+    return names;
+}
+const std::vector<std::string>& causes_in() {
+    static const auto names = names_of(anogate::receive_counters, {"frames_in"});
+    return names;
+}
+const std::vector<std::string>& causes_out() {
+    static const auto names = names_of(anogate::send_counters, {"frames_out"});
+    return names;
+}
+
+}    // namespace anoctl

@@ -1,0 +1,37 @@
+// What a gateway answers, as JSON: another version may have other keys, and what is missing is shown as nothing.
+#pragma once
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+
+/// Throws Failure when it is no JSON.
+ano::Json parse_answer(const std::string& body);
+
+/// The value of `key` for people, without control characters: a text as it is, a number in digits; empty: it is not there, or null.
+std::string text_at(const ano::Json& object, std::string_view key);
+/// 0 when it is not there. What is beyond 2^53 stands there as text.
+double number_at(const ano::Json& object, std::string_view key);
+/// The object or array; an empty array when it is not there.
+const ano::Json& at(const ano::Json& object, std::string_view key);
+
+/// "fc, radio": the texts of an array.
+std::string names_at(const ano::Json& object, std::string_view key);
+
+/// "bad_check 3, stale 12": those of `names` that are not 0.
+std::vector<std::string> not_zero(const ano::Json& object, const std::vector<std::string>& names);
+/// `head` and `items` with ", " between them, on lines of at most 80 cells; the next ones are indented as far as `head`.
+std::string list_text(const std::string& head, const std::vector<std::string>& items);
+
+/// The counters of frames that were to be sent and were not.
+const std::vector<std::string>& drop_causes();
+/// All counters but the frames of their direction.
+const std::vector<std::string>& causes_in();
+const std::vector<std::string>& causes_out();
+
+}    // namespace anoctl

@@ -1,0 +1,84 @@
+#include "given_frame.hpp"
+
+#include "anoctl.hpp"
+
+#include <ano/reading.hpp>
+#include <ano_json/syntax_fault.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <sstream>
+#include <utility>
+#include <variant>
+
+namespace anoctl {
+
+using namespace ano;
+
+namespace {
+
+Field field_called(std::uint8_t id, const std::string& name) {
+    for (const Message& row : layouts_of(id))
+        if (const Field* f = row.field(name)) return *f;
+    return {};
+}
+// Numbers stay text: the encoder reads them as C writes them.
+Json value(std::uint8_t id, const std::string& name, const std::string& text) {
+    const Field field = field_called(id, name);
+    if (field.type == Type::text || field.type == Type::bytes || field.type == Type::ip) return text;
+    if (text.starts_with('[')) return parsed_json(text, name);
+    if (is_number(field.type) && field.count == 1 && text == "null") return nullptr;
+    if (!is_number(field.type) || field.count == 1) return text;
+    Json list = Json::array();    // 1,4,7
+    std::istringstream parts{text};
+    for (std::string part; std::getline(parts, part, ',');) list.push_back(part);
+    return list;
+}
+
+}    // namespace
+
+Json parsed_json(std::string_view text, const std::string& what) {
+    try {
+        return Json::parse(text);
+    } catch (const nlohmann::json::exception& e) {
+        throw UsageError{what + ": it is not JSON: " + ano::syntax_fault(text, e)};
+    }
+}
+
+std::vector<std::uint8_t> frame_bytes(const Json& json, const JsonOptions& options, const std::string& where) {
+    auto frame = frame_from_json(json, options);
+    if (const auto* fault = std::get_if<JsonFault>(&frame)) throw UsageError{where + fault->what};
+    return std::move(std::get<0>(frame));
+}
+
+void GivenFrame::add(Options& options, GivenFrame& given, const std::string& help) {
+    options.push_back({"name", &given.name, "NAME", help, true});
+    options.push_back({"fields", &given.fields, "FIELD=VALUE...",
+                       "Values in the unit of the field, or words: cmd=action val=save; what is left out is 0 or empty. "
+                       "Typed where a device tells the types: value=f32:1.5 values=u16:100,i32:-5"});
+    options.push_back({"--from", &given.from, "ADDRESS", "Who sends it (default 0xFE, the host)"});
+    options.push_back({"--to", &given.to, "ADDRESS", "Who it is for (default 0xFF: everybody)"});
+    options.push_back({"--data", &given.data, "HEX", "The whole of DATA in hex digits, in place of fields"});
+}
+
+std::vector<std::uint8_t> GivenFrame::bytes(const JsonOptions& options) const { return frame_bytes(json(), options, ""); }
+
+Json GivenFrame::json() const {
+    Json json{{"from", from}, {"to", to}};
+    const std::uint8_t id = message_id_of(name);
+    json["id"] = id;
+    if (data) json["data"] = *data;
+    if (data && !fields.empty()) throw UsageError{"--data is the whole of DATA: no FIELD=VALUE beside it"};
+    Json given = Json::object();
+    for (const std::string& word : fields) {
+        const std::size_t equals = word.find('=');
+        if (equals == std::string::npos || equals == 0) throw UsageError{in_quotes(word) + " is not FIELD=VALUE"};
+        const std::string field = word.substr(0, equals);
+        if (given.contains(field)) throw UsageError{in_quotes(field) + " is given twice"};
+        given[field] = value(id, field, word.substr(equals + 1));
+    }
+    if (!given.empty() || !data) json["fields"] = std::move(given);
+    return json;
+}
+
+}    // namespace anoctl

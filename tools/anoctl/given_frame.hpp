@@ -1,0 +1,36 @@
+// A frame as it is given on the command line: NAME FIELD=VALUE... --from A --to B.
+#pragma once
+#include "options.hpp"
+
+#include <ano_json/frame_json.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+
+struct GivenFrame {
+    std::string name;
+    std::vector<std::string> fields;
+    std::string from = "254";
+    std::string to = "255";
+    std::optional<std::string> data;
+
+    /// `given` must live as long as the run; `help` is that of NAME.
+    static void add(Options& options, GivenFrame& given, const std::string& help);
+    /// The whole frame. Throws UsageError.
+    std::vector<std::uint8_t> bytes(const ano::JsonOptions& options) const;
+
+private:
+    ano::Json json() const;
+};
+
+/// Throws UsageError, with `what` before what is wrong.
+ano::Json parsed_json(std::string_view text, const std::string& what);
+/// The whole frame. Throws UsageError, with `where` before what is wrong.
+std::vector<std::uint8_t> frame_bytes(const ano::Json& json, const ano::JsonOptions& options, const std::string& where);
+
+}    // namespace anoctl

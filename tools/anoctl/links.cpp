@@ -1,0 +1,106 @@
+// anoctl links: the links of a gateway with all that is counted.
+#include "anoctl.hpp"
+#include "gateway.hpp"
+#include "gateway_json.hpp"
+#include "table.hpp"
+
+#include <ano_json/nearest.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+std::string heard(const Json& channel) {
+    return text_at(channel, "heard_s").empty() ? "" : time_text(number_at(channel, "heard_s"));
+}
+
+// Of a link: by any of its channels.
+std::string last_heard(const Json& link) {
+    const Json* latest = nullptr;
+    for (const Json& channel : at(link, "channels"))
+        if (channel.contains("heard_s") && (!latest || number_at(channel, "heard_s") < number_at(*latest, "heard_s")))
+            latest = &channel;
+    return latest ? heard(*latest) : "";
+}
+
+void add_counters(Table& table, const Json& counted) {
+    const auto add = [&](const char* head, const std::vector<std::string>& items) {
+        if (!items.empty()) table.note(list_text(head, items));
+    };
+    add("      in: ", not_zero(counted, causes_in()));
+    add("      out: ", not_zero(counted, causes_out()));
+}
+
+void add_link(Table& table, const Json& link) {
+    table.row({text_at(link, "name"), text_at(link, "state"), time_text(number_at(link, "since_s")), last_heard(link),
+               text_at(link, "frames_in"), text_at(link, "frames_out"), text_at(link, "waiting")});
+    for (const char* key : {"error", "hint"})
+        if (const std::string words = text_at(link, key); !words.empty()) table.note("    " + words);
+    add_counters(table, link);
+    for (const Json& channel : at(link, "channels")) {
+        const std::string peer = text_at(channel, "peer");
+        if (peer.empty()) continue;
+        table.row({"  " + peer, "", time_text(number_at(channel, "since_s")), heard(channel), text_at(channel, "frames_in"),
+                   text_at(channel, "frames_out"), text_at(channel, "waiting")});
+    }
+}
+
+struct Links {
+    GatewayOptions gateway;
+    std::vector<std::string> names;
+    bool json = false;
+
+    int run(Streams& streams) const {
+        const Json all = parse_answer(gateway.ask("GET", "/links"));
+        const std::vector<Json> links = chosen(all);
+        Table table{{"LINK", "STATE", "SINCE", "HEARD", " IN", " OUT", " WAITING"}};
+        for (const Json& link : links) {
+            if (json) streams.out << link.dump() << '\n';
+            else add_link(table, link);
+        }
+        if (json) return fine;
+        if (table.empty()) streams.out << "no links are configured\n";
+        else table.write(streams.out);
+        return fine;
+    }
+
+private:
+    std::vector<Json> chosen(const Json& all) const {
+        if (names.empty()) return {all.begin(), all.end()};
+        std::vector<Json> links;
+        for (const std::string& name : names) {
+            const auto found = std::find_if(all.begin(), all.end(),
+                                            [&](const Json& link) { return text_at(link, "name") == name; });
+            if (found == all.end()) throw Failure{"there is no link " + ano::in_quotes(name) + nearest(name, all)};
+            links.push_back(*found);
+        }
+        return links;
+    }
+    static std::string nearest(const std::string& name, const Json& all) {
+        std::vector<std::string> known;
+        for (const Json& link : all) known.push_back(text_at(link, "name"));
+        return ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()});
+    }
+};
+
+}    // namespace
+
+Run add_links(Options& options) {
+    const auto self = std::make_shared<Links>();
+    options.push_back({"names", &self->names, "[LINK...]", "These links only"});
+    GatewayOptions::add(options, self->gateway);
+    options.push_back({"--json", &self->json, "", "One JSON object a link, one a line"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

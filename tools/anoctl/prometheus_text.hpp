@@ -1,0 +1,15 @@
+// Reads the text that a gateway makes for Prometheus.
+#pragma once
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string_view>
+#include <vector>
+
+namespace anoctl {
+
+/// {"name", "labels": {…}, "value"}, one a sample; lines that are none are passed over.
+std::vector<ano::Json> samples_of(std::string_view text);
+
+}    // namespace anoctl

@@ -1,0 +1,105 @@
+// anoctl reload: the gateway reads its configuration again.
+#include "anoctl.hpp"
+#include "gateway.hpp"
+#include "gateway_json.hpp"
+#include "table.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+constexpr unsigned faulty = 422;
+
+void write_lines(const Json& lines, std::ostream& out) {
+    for (const Json& line : lines)
+        if (line.is_string()) out << "    " << without_controls(line.get<std::string>()) << '\n';
+}
+
+void write_difference(const Json& answer, std::ostream& out) {
+    std::size_t same = 0;
+    for (const Json& link : at(answer, "links")) {
+        if (text_at(link, "change") == "same") {
+            ++same;
+            continue;
+        }
+        out << text_at(link, "name") << ": " << text_at(link, "change") << '\n';
+        write_lines(at(link, "differences"), out);
+    }
+    if (!at(answer, "gateway").empty()) out << "gateway: changed\n";
+    write_lines(at(answer, "gateway"), out);
+    if (same > 0) out << same << (same == 1 ? " link stays as it is\n" : " links stay as they are\n");
+}
+
+struct Reload {
+    GatewayOptions gateway;
+    bool dry_run = false, confirm = false, json = false;
+    std::optional<std::string> confirm_within;
+
+    int run(Streams& streams) const {
+        if (confirm) return confirm_it(streams);
+        std::string target = "/reload";
+        if (dry_run) target += "?dry_run";
+        if (confirm_within) target += (dry_run ? "&" : "?") + ("confirm_within=" + percent_encoded(*confirm_within));
+        const anogate::http::Answer answer = gateway.answer("POST", target);
+        if (answer.status == faulty) return refused(answer, streams);
+        if (answer.status / 100 != 2) throw Failure{words_of(answer)};
+        const Json came = parse_answer(answer.body);
+        if (json) streams.out << came.dump() << '\n';
+        else tell(came, streams.out);
+        return fine;
+    }
+
+private:
+    int confirm_it(Streams& streams) const {
+        const std::string body = gateway.ask("POST", "/reload/confirm");
+        if (json) streams.out << parse_answer(body).dump() << '\n';
+        else streams.out << "the new configuration stays\n";
+        return fine;
+    }
+
+    // A configuration with faults: they are the answer.
+    int refused(const anogate::http::Answer& answer, Streams& streams) const {
+        const Json came = parse_answer(answer.body);
+        if (json) streams.out << came.dump() << '\n';
+        else
+            for (const Json& fault : at(came, "faults"))
+                if (fault.is_string()) streams.err << "anoctl: " << without_controls(fault.get<std::string>()) << '\n';
+        throw Failure{words_of(answer)};
+    }
+
+    void tell(const Json& came, std::ostream& out) const {
+        const bool changed = text_at(came, "changed") == "true";
+        if (!changed) {
+            out << "nothing changes\n";
+            return;
+        }
+        write_difference(came, out);
+        if (dry_run) out << "nothing was changed: --dry-run\n";
+        else if (number_at(came, "confirm_within_s") > 0)
+            out << "the old configuration comes back in " << time_text(number_at(came, "confirm_within_s"))
+                << ", unless you say: anoctl reload --confirm\n";
+    }
+};
+
+}    // namespace
+
+Run add_reload(Options& options) {
+    const auto self = std::make_shared<Reload>();
+    options.push_back({"--dry-run", &self->dry_run, "", "Says what would change, and changes nothing"});
+    options.push_back({"--confirm-within", &self->confirm_within, "TIME",
+                       "The old configuration comes back after TIME (30s) unless --confirm comes before"});
+    options.push_back({"--confirm", &self->confirm, "", "The new configuration stays", false, {"--dry-run", "--confirm-within"}});
+    GatewayOptions::add(options, self->gateway);
+    options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

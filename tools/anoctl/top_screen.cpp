@@ -1,0 +1,240 @@
+#include "top_screen.hpp"
+
+#include <gateway/frame_record.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+
+namespace anoctl {
+namespace {
+
+using Status = nlohmann::json;
+
+// Of a status: what is missing or of another type counts as nothing.
+const Status& at(const Status& object, std::string_view key) {
+    static const Status nothing;
+    if (!object.is_object()) return nothing;
+    const auto found = object.find(std::string{key});
+    return found != object.end() ? *found : nothing;
+}
+std::string text_at(const Status& object, std::string_view key) {
+    const Status& value = at(object, key);
+    return value.is_string() ? value.get<std::string>() : std::string{};
+}
+std::uint64_t count_at(const Status& object, std::string_view key) {
+    const Status& value = at(object, key);
+    return value.is_number_integer() && value >= 0 ? value.get<std::uint64_t>() : 0;
+}
+std::optional<double> seconds_at(const Status& object, std::string_view key) {
+    const Status& value = at(object, key);
+    return value.is_number() ? std::optional{value.get<double>()} : std::nullopt;
+}
+
+const Status& named(const Status& list, std::string_view key, const std::string& name) {
+    static const Status nothing;
+    if (list.is_array())
+        for (const Status& entry : list)
+            if (text_at(entry, key) == name) return entry;
+    return nothing;
+}
+
+std::string number(double value) {
+    std::array<char, 32> text{};
+    if (value >= 100'000) std::snprintf(text.data(), text.size(), "%.0fk", value / 1000);
+    else std::snprintf(text.data(), text.size(), value >= 100 || value == 0 ? "%.0f" : "%.1f", value);
+    return text.data();
+}
+
+std::string age_text(std::optional<double> age) {
+    if (!age) return "-";
+    if (*age >= 3600) return std::to_string(static_cast<std::uint64_t>(*age / 3600)) + " h";
+    if (*age >= 60) return std::to_string(static_cast<std::uint64_t>(*age / 60)) + " min";
+    return number(*age) + " s";
+}
+
+double rate(const Status& before, const Status& now, std::string_view counter, double seconds) {
+    if (!before.is_object() || seconds <= 0) return 0;
+    const std::uint64_t then = count_at(before, counter), since = count_at(now, counter);
+    return since >= then ? static_cast<double>(since - then) / seconds : 0;
+}
+
+void add_rates(TopChannel& row, const Status& before, const Status& now, double seconds) {
+    row.in = rate(before, now, "frames_in", seconds);
+    row.out = rate(before, now, "frames_out", seconds);
+    row.waiting = count_at(now, "waiting");
+    for (const std::string_view cause : anogate::frame_causes().subspan(1)) {
+        const double of_it = rate(before, now, cause, seconds);
+        if (of_it == 0) continue;
+        row.dropped += of_it;
+        row.causes.append(row.causes.empty() ? "" : ", ").append(cause).append(" ").append(number(of_it));
+    }
+}
+
+void add_link(TopView& view, const Status& before, const Status& now, double seconds) {
+    const std::string name = text_at(now, "name");
+    const Status& channels = at(now, "channels");
+    if (!channels.is_array() || channels.empty()) {
+        TopChannel row{name, "-"};
+        add_rates(row, before, now, seconds);
+        if (row.causes.empty()) row.causes = text_at(now, "error");
+        view.channels.push_back(std::move(row));
+        return;
+    }
+    for (const Status& channel : channels) {
+        TopChannel row{name, text_at(channel, "peer")};
+        add_rates(row, named(at(before, "channels"), "peer", row.peer), channel, seconds);
+        row.age = seconds_at(channel, "heard_s");
+        if (text_at(now, "state") == "waiting" && row.causes.empty()) row.causes = text_at(now, "error");
+        view.channels.push_back(std::move(row));
+    }
+}
+
+void add_address(TopView& view, const Status& route, double seconds, const HeardFrames& heard) {
+    TopAddress row{text_at(route, "address"), text_at(route, "who"), {}};
+    const Status& links = at(route, "links");
+    if (links.is_array())
+        for (const Status& link : links)
+            if (link.is_string()) row.links.append(row.links.empty() ? "" : ", ").append(link.get<std::string>());
+    const auto value = std::strtoul(row.address.c_str(), nullptr, 16);
+    if (value < heard.size() && seconds > 0) row.rate = static_cast<double>(heard[value]) / seconds;
+    row.age = seconds_at(route, "age_s");
+    view.addresses.push_back(std::move(row));
+}
+
+// A character of UTF-8 may have several bytes.
+bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+
+std::string printable_text(std::string_view text) {
+    std::string shown;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        const bool c1 = byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+        if (c1) ++i;
+        shown += byte < 0x20 || byte == 0x7F || c1 ? '?' : text[i];
+    }
+    return shown;
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+    std::string shown;
+    std::size_t characters = 0;
+    for (const char c : printable_text(text)) {
+        if (begins_character(c) && characters++ == width) break;
+        shown += c;
+    }
+    return shown;
+}
+
+std::string column(std::string_view text, std::size_t width, bool is_number = false) {
+    std::string shown = cut(text, width);
+    const auto characters = static_cast<std::size_t>(std::count_if(shown.begin(), shown.end(), begins_character));
+    const std::string space(width - characters, ' ');
+    return is_number ? space + shown : shown + space;
+}
+
+constexpr std::size_t name_width = 10, peer_width = 21, number_width = 6, queue_width = 6, age_width = 6;
+
+std::string channel_line(const TopChannel& row) {
+    return column(row.link, name_width) + ' ' + column(row.peer, peer_width) + column(number(row.in), number_width, true) +
+           column(number(row.out), number_width, true) + column(number(row.dropped), number_width + 1, true) +
+           column(std::to_string(row.waiting), queue_width, true) + column(age_text(row.age), age_width, true) + "  " +
+           row.causes;
+}
+
+std::string address_line(const TopAddress& row) {
+    return column(row.address, 5) + column(row.who, 19) + column(number(row.rate), number_width, true) +
+           column(age_text(row.age), age_width + 1, true) + "  " + row.links;
+}
+
+/// The first of `lines` that fit in `room`, the last of which says how many do not.
+void put(std::vector<std::string>& screen, const std::vector<std::string>& lines, std::size_t room) {
+    const std::size_t shown = lines.size() <= room ? lines.size() : room == 0 ? 0 : room - 1;
+    screen.insert(screen.end(), lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(shown));
+    if (shown < lines.size() && room > 0) screen.push_back("... and " + std::to_string(lines.size() - shown) + " more");
+}
+
+}    // namespace
+
+std::string_view text(TopSort sort) noexcept {
+    switch (sort) {
+    case TopSort::name: return "name";
+    case TopSort::in: return "in";
+    case TopSort::out: return "out";
+    case TopSort::dropped: return "dropped";
+    case TopSort::age: return "age";
+    }
+    return "";
+}
+
+TopSort next(TopSort sort) noexcept {
+    return sort == TopSort::age ? TopSort::name : static_cast<TopSort>(static_cast<std::uint8_t>(sort) + 1);
+}
+
+TopView top_view(const Status& before, const Status& now, double seconds, const HeardFrames& heard) {
+    TopView view;
+    const Status& gateway = at(now, "gateway");
+    const Status& links = at(now, "links");
+    if (links.is_array())
+        for (const Status& link : links) add_link(view, named(at(before, "links"), "name", text_at(link, "name")), link, seconds);
+    const Status& routes = at(now, "routes");
+    if (routes.is_array())
+        for (const Status& route : routes) add_address(view, route, seconds, heard);
+    double in = 0, out = 0, dropped = 0;
+    for (const TopChannel& channel : view.channels) {
+        in += channel.in;
+        out += channel.out;
+        dropped += channel.dropped;
+    }
+    view.title = text_at(gateway, "name") + " " + text_at(gateway, "version") + ", up " +
+                 age_text(seconds_at(gateway, "uptime_s")) + "; frames/s: " + number(in) + " in, " + number(out) + " out, " +
+                 number(dropped) + " dropped";
+    return view;
+}
+
+void sort(TopView& view, TopSort by) {
+    const auto key = [by](const TopChannel& row) {
+        switch (by) {
+        case TopSort::in: return -row.in;
+        case TopSort::out: return -row.out;
+        case TopSort::dropped: return -row.dropped;
+        case TopSort::age: return row.age.value_or(HUGE_VAL);
+        case TopSort::name: return 0.0;
+        }
+        return 0.0;
+    };
+    std::stable_sort(view.channels.begin(), view.channels.end(), [&](const TopChannel& a, const TopChannel& b) {
+        return std::tuple{key(a), a.link, a.peer} < std::tuple{key(b), b.link, b.peer};
+    });
+    std::stable_sort(view.addresses.begin(), view.addresses.end(), [by](const TopAddress& a, const TopAddress& b) {
+        if (by == TopSort::name) return a.address < b.address;
+        if (by == TopSort::age) return a.age.value_or(HUGE_VAL) < b.age.value_or(HUGE_VAL);
+        return a.rate > b.rate;
+    });
+}
+
+std::vector<std::string> top_screen(const TopView& view, TopSort by, std::size_t width, std::size_t height) {
+    constexpr std::size_t fixed = 5;    // the title, two heads, an empty line, the keys
+    const std::size_t room = height > fixed ? height - fixed : 0;
+    const std::size_t for_addresses = std::min(view.addresses.size(),
+                                               std::max(room / 3, room - std::min(room, view.channels.size())));
+    std::vector<std::string> channels, addresses;
+    for (const TopChannel& row : view.channels) channels.push_back(channel_line(row));
+    for (const TopAddress& row : view.addresses) addresses.push_back(address_line(row));
+    std::vector<std::string> screen{view.title, column("LINK", name_width) + ' ' + column("PEER", peer_width) +
+                                                    "  IN/s OUT/s LOST/s QUEUE   AGE  LOST BY CAUSE"};
+    put(screen, channels, room - for_addresses);
+    screen.emplace_back();
+    screen.push_back(column("ADDR", 5) + column("WHO", 19) + "SENT/s    AGE  LINKS");
+    put(screen, addresses, for_addresses);
+    if (height > 0) screen.resize(height - 1);
+    screen.push_back("q quit   s sort, now by " + std::string{text(by)});
+    screen.resize(height);
+    for (std::string& line : screen) line = cut(line, width);
+    return screen;
+}
+
+}    // namespace anoctl

@@ -1,0 +1,161 @@
+#include "watch.hpp"
+
+#include "gateway.hpp"
+
+#include <gateway/frame_record.hpp>
+#include <http/client.hpp>
+#include <link/asio.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+namespace asio = anogate::asio;
+namespace http = anogate::http;
+using anogate::FrameRecord;
+using Told = nlohmann::json;
+
+// The names of numbers that the gateway told.
+class Names {
+public:
+    void set(const Told& list) {
+        names_.clear();
+        if (!list.is_array()) return;
+        for (const Told& name : list) names_.push_back(name.is_string() ? name.get<std::string>() : "");
+    }
+    std::string of(std::size_t number) const { return number < names_.size() ? names_[number] : ""; }
+
+private:
+    std::vector<std::string> names_;
+};
+
+class FrameWatcher {
+public:
+    FrameWatcher(const Watching& watching, Streams& streams)
+        : watching_{watching}, streams_{streams}, printer_{streams, watching.frames}, client_{io_, watching.socket} {}
+
+    int run() {
+        asio::signal_set signals{io_, SIGINT, SIGTERM};
+        signals.async_wait([this](anogate::error_code ec, int) {
+            if (!ec) io_.stop();
+        });
+        http::Request request;
+        request.method = "GET";
+        request.target = "/frames?format=binary" + watching_.query;
+        client_.open(std::move(request), std::make_unique<User>(*this), [this](http::Outcome outcome) {
+            outcome_ = std::move(outcome);
+            io_.stop();
+        });
+        io_.run();
+        client_.cancel();
+        streams_.out.flush();
+        if (outcome_ && outcome_->answer.status != 101) {
+            if (outcome_->answer.status == 400) throw UsageError{words_of(outcome_->answer)};
+            throw Failure{outcome_->answer.status == 0 ? outcome_->fault : words_of(outcome_->answer)};
+        }
+        streams_.err << "anoctl: " << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown";
+        if (lost_ > 0) streams_.err << ", " << lost_ << " were not: the gateway had no room for them";
+        streams_.err << '\n';
+        if (outcome_) throw Failure{outcome_->fault.empty() ? "the gateway ended it" : outcome_->fault};
+        return fine;
+    }
+
+private:
+    class User final : public http::WebSocketUser {
+    public:
+        explicit User(FrameWatcher& watcher) : watcher_{watcher} {}
+        void opened(http::WebSocket&) override {}
+        void heard(std::string_view message, http::WebSocket::Kind kind) override {
+            if (watcher_.done_) return;
+            if (kind == http::WebSocket::Kind::text) watcher_.hear(message);
+            else watcher_.show(message);
+            if (!watcher_.streams_.out.flush()) watcher_.finish();
+        }
+
+    private:
+        FrameWatcher& watcher_;
+    };
+
+    // What the numbers mean, or what was lost.
+    void hear(std::string_view text) {
+        const Told told = Told::parse(text, nullptr, false);
+        if (!told.is_object()) return;
+        if (told.contains("lost") && told["lost"].is_object()) return tell_lost(told, text);
+        links_.set(told.value("links", Told{}));
+        peers_.set(told.value("channels", Told{}));
+        causes_.set(told.value("causes", Told{}));
+    }
+
+    void tell_lost(const Told& told, std::string_view text) {
+        std::string words;
+        std::uint64_t count = 0;
+        for (const auto& [name, number] : told["lost"].items()) {
+            if (!number.is_number_unsigned()) continue;
+            words += (words.empty() ? "" : ", ") + name + " " + number.dump();
+            count += number.get<std::uint64_t>();
+        }
+        lost_ += count;
+        if (watching_.frames.json) {
+            streams_.out << text << '\n';
+            return;
+        }
+        streams_.out.flush();
+        streams_.err << "anoctl: " << count << " frames are not shown, the gateway had no room for them: " << words << std::endl;
+    }
+
+    void show(std::string_view records) {
+        while (const auto record = anogate::take_record(records)) {
+            anoctl::Passage passage{links_.of(record->link), static_cast<double>(record->time_ns / 1000) / 1e6};
+            if (record->channel != FrameRecord::no_channel) passage.peer = peers_.of(record->channel);
+            passage.direction = text(record->direction);
+            if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);
+            printer_.print(record->frame, passage);
+            if (++shown_ == watching_.count) return finish();
+        }
+    }
+
+    void finish() {
+        done_ = true;
+        io_.stop();
+    }
+
+    const Watching& watching_;
+    Streams& streams_;
+    FramePrinter printer_;
+    Names links_, peers_, causes_;
+    std::uint64_t shown_ = 0, lost_ = 0;
+    bool done_ = false;
+    asio::io_context io_{1};
+    http::Client client_;
+    std::optional<http::Outcome> outcome_;
+};
+
+}    // namespace
+
+int watch(const Watching& watching, Streams& streams) { return FrameWatcher{watching, streams}.run(); }
+
+std::string filter_words(const std::string& name, const std::vector<std::string>& words) {
+    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~";
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string all;
+    for (const std::string& word : words) {
+        all += all.empty() ? "&" + name + "=" : ",";
+        for (const char c : word) {
+            const auto byte = static_cast<unsigned char>(c);
+            if (plain.find(c) != plain.npos) all += c;
+            else all.append({'%', digits[byte >> 4], digits[byte & 15]});
+        }
+    }
+    return all;
+}
+
+}    // namespace anoctl
