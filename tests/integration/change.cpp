@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
 namespace {
 
@@ -483,6 +484,29 @@ TEST_F(Change, an_end_while_links_go_is_an_end) {
     gateway->run_for(20ms);
     gateway->stop(50ms);
     EXPECT_FALSE(changed);
+}
+
+// The port can be read and written when the link goes: one of these calls stands behind the change.
+TEST_F(Change, a_call_that_the_loop_holds_already_finds_its_link) {
+    PtyDevice device{dir / "fc"};
+    auto port = serial("fc", device.path());
+    port.as<anogate::SerialSettings>().pace = anogate::Pace::off;
+    UdpPeer peer;
+    Settings settings = settings_of({port, udp_listen("ground")});
+    start(settings);
+    ASSERT_TRUE(gateway->until_up("fc") && gateway->until_up("ground"));
+    ASSERT_TRUE(gateway->until([&] {
+        for (int i = 0; i < 20; ++i) peer.send(gateway->port("ground"), frame(host, 0xFF, 0xF1, Bytes(200, 1)));
+        return gateway->count("fc", "waiting") > 0;
+    }));
+    settings.links.erase(settings.links.begin());
+    begin_change(settings, 0ms);
+    device.heard();
+    device.write(numbered(fc, host, 1));
+    std::this_thread::sleep_for(30ms);    // until the change is due as well
+    EXPECT_TRUE(gateway->until([this] { return changed; }));
+    gateway->run_for(5ms);
+    EXPECT_EQ(names(), std::vector<std::string>{"ground"});
 }
 
 // What the loop still holds of a link that was removed must find nothing that is gone: everything comes at once.
