@@ -68,7 +68,11 @@ public:
     LinkId add_link(const ForwarderLink& link);
     /// Closes its channels and forgets all that is known of it: another that gets its number starts anew.
     void remove_link(LinkId link);
+    /// Other settings from now on; what was learned stays. set_unknown_link() is to be called anew.
+    void set(const GatewaySettings& settings) { router_.set(settings); }
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
+    /// But for the aliases of the link, which stay pinned.
+    void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
     /// Where `address` was heard, and who claimed it. False: it was nowhere.
     bool forget(std::uint8_t address) {
         claimants_.erase(address);
@@ -76,7 +80,7 @@ public:
     }
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
-    /// removed.
+    /// removed. Called again, it changes what is carried.
     void set_tunnel(LinkId link, LinkSet carried, TunnelPort& port);
 
     /// nullptr: all 64 are in use. It lives until close_channel(), or until its link is removed; its outbox starts closed.

@@ -18,11 +18,24 @@ bool may_bring_control(ano::FrameView tunnel_frame) noexcept;
 /// Inhibit switches and the links they block. A switch is on until it is set off: one that can't be read is on.
 class Inhibit {
 public:
-    /// Returns its index.
+    /// Returns its index, the lowest that is free.
     std::size_t add(LinkSet links) {
-        switches_.push_back({links, true});
+        std::size_t place = 0;
+        while (place < switches_.size() && switches_[place].used) ++place;
+        if (place == switches_.size()) switches_.emplace_back();
+        switches_[place] = {links, true, true};
         gather();
-        return switches_.size() - 1;
+        return place;
+    }
+    /// There is no such switch any more: it blocks nothing.
+    void remove(std::size_t place) noexcept {
+        switches_[place] = {};
+        gather();
+    }
+    /// It blocks other links from now on, if it is on.
+    void set_links(std::size_t place, LinkSet links) noexcept {
+        switches_[place].links = links;
+        gather();
     }
     void set(std::size_t place, bool on) noexcept {
         switches_[place].on = on;
@@ -45,8 +58,9 @@ private:
     }
 
     struct Switch {
-        LinkSet links;
-        bool on;
+        LinkSet links{};
+        bool on = false;
+        bool used = false;
     };
     std::vector<Switch> switches_;
     LinkSet links_;

@@ -56,6 +56,8 @@ public:
     static constexpr Duration group_silence = std::chrono::seconds{1};
 
     explicit Router(const GatewaySettings& settings);
+    /// Other settings from now on. The link for unheard addresses is to be told anew.
+    void set(const GatewaySettings& settings);
 
     /// The lowest number that is free; there is one.
     LinkId add_link(const LinkRule& rule);
@@ -169,9 +171,9 @@ private:
     TimePoint& heard(std::uint8_t address, ChannelId channel) { return heard_[address][index(channel)]; }
     TimePoint heard(std::uint8_t address, ChannelId channel) const { return heard_[address][index(channel)]; }
 
-    Duration forget_after_;
-    std::uint8_t own_id_;
-    Unknown unknown_;
+    Duration forget_after_{};
+    std::uint8_t own_id_ = 0;
+    Unknown unknown_ = Unknown::flood;
     LinkSet unknown_links_;
 
     LinkSet used_;

@@ -153,6 +153,7 @@ std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::stri
 
 std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs) {
     FlexibleLayouts layouts;
+    for (const FlexibleSpec& spec : specs) layouts.add(spec.id, spec.source, spec.fields);
     return read_all(array, pointer, layouts, specs);
 }
 

@@ -16,7 +16,7 @@ namespace ano {
 /// what is on the wire × scale, default 1) and `unit`. Every fault is reported; a layout with a fault is left out.
 std::vector<JsonFault> add_flexible(const nlohmann::json& array, const std::string& pointer, FlexibleLayouts& layouts);
 
-/// The same layouts as they were written, into `specs`.
+/// The same layouts as they were written, behind those that `specs` has.
 std::vector<JsonFault> read_flexible(const nlohmann::json& array, const std::string& pointer, std::vector<FlexibleSpec>& specs);
 
 /// The array again.

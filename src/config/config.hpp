@@ -7,6 +7,7 @@
 #include <config/link_kind.hpp>
 #include <gateway/settings.hpp>
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,8 +34,9 @@ struct Draft {
     Origin tunnel;                                       // where settings.tunnel was said
     Origin control, log;                                 // and these
     ConfigErrors errors;
-    ConfigErrors warnings;        // of what is allowed and may not be meant
-    bool broken_links = false;    // not every link is known: what names one can't be judged
+    ConfigErrors warnings;                         // of what is allowed and may not be meant
+    std::map<std::string, std::string> said_in;    // the file that said a key which only one may: "/gateway/id"
+    bool broken_links = false;                     // not every link is known: what names one can't be judged
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);
@@ -51,7 +53,8 @@ struct NamedPath {
 /// Those of every link whose settings are known.
 std::vector<NamedPath> paths_of_links(const Draft& draft);
 
-/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none.
+/// Adds a configuration in JSON (comments allowed); `file` is put before the pointers, "" for none. To what other files said before,
+/// it adds links, routes, aliases, GPIO lines and flexible messages; any other key may stand in one file alone.
 void read_config(std::string_view json, const std::string& file, Draft& draft);
 
 /// Adds a link: KIND:ADDRESS[,KEY=VALUE...]. `where` is put before the text, "" for none.

@@ -18,14 +18,14 @@ std::string printable(const std::string& text, std::size_t most) {
     return result;
 }
 
-std::string lines(const ConfigErrors& errors) {
+std::string line_of(const ConfigError& error) {
     constexpr std::size_t longest = 1000;
+    return (error.where.empty() ? "" : printable(error.where, longest) + ": ") + printable(error.what, longest);
+}
+
+std::string lines(const ConfigErrors& errors) {
     std::string result;
-    for (const ConfigError& error : errors) {
-        result += "anogated: ";
-        if (!error.where.empty()) result += printable(error.where, longest) + ": ";
-        result += printable(error.what, longest) + "\n";
-    }
+    for (const ConfigError& error : errors) result += "anogated: " + line_of(error) + "\n";
     return result;
 }
 

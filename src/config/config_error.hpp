@@ -13,7 +13,9 @@ struct ConfigError {
 };
 using ConfigErrors = std::vector<ConfigError>;
 
-/// "anogated: WHERE: WHAT", one line an error whatever bytes were given.
+/// "WHERE: WHAT", in one line whatever bytes were given.
+std::string line_of(const ConfigError& error);
+/// "anogated: WHERE: WHAT", a line each.
 std::string lines(const ConfigErrors& errors);
 
 /// `text` as it can be shown in a line: control characters as \xNN, and so what is no UTF-8; long text is cut.

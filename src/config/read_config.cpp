@@ -97,6 +97,7 @@ public:
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
+            if (!is_first(name, value, pointer)) continue;
             if (name == "gateway") gateway(value, pointer);
             else if (name == "links" && !value.is_array()) no_links(value, pointer);
             else if (name == "links")
@@ -109,10 +110,13 @@ public:
             else if (name == "gpio")
                 each(value, pointer, [&](const json& entry, const std::string& where) { gpio(entry, where); });
             else if (name == "flexible") flexible(value, pointer);
-            else if (name == "control")
-                section(value, pointer, control_keys(), draft_.settings.control), draft_.control = {pointer, true};
-            else if (name == "log") section(value, pointer, log_keys(), draft_.settings.log), draft_.log = {pointer, true};
-            else draft_.errors.push_back({pointer, unknown(name, names)});
+            else if (name == "control") {
+                section(value, pointer, control_keys(), draft_.settings.control);
+                note(draft_.control, value, "socket", {pointer, true});
+            } else if (name == "log") {
+                section(value, pointer, log_keys(), draft_.settings.log);
+                note(draft_.log, value, "file", {pointer, true});
+            } else draft_.errors.push_back({pointer, unknown(name, names)});
         }
     }
 
@@ -122,6 +126,26 @@ private:
         if (of_link && find_key(gateway_keys(), name) == nullptr)
             return in_quotes(name) + " is a key of a link: it stands in an object of \"links\"";
         return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
+    }
+
+    /// False: another file has said `tunnel`.
+    bool is_first(const std::string& name, const json& value, const std::string& pointer) {
+        if (name == "tunnel") return is_first("/tunnel", pointer, name);
+        if (value.is_object() && (name == "gateway" || name == "control" || name == "log"))
+            for (const auto& [key, ignored] : value.items())
+                is_first("/" + name + ano::pointer_step(key), pointer + ano::pointer_step(key), key);
+        return true;
+    }
+
+    bool is_first(const std::string& key, const std::string& pointer, const std::string& name) {
+        const auto [said, is_new] = draft_.said_in.emplace(key, file_);
+        if (!is_new) draft_.errors.push_back({pointer, in_quotes(name) + " is given in " + said->second + " too"});
+        return is_new;
+    }
+
+    /// What is found wrong later is told where `key` stands, whichever file has it.
+    static void note(Origin& origin, const json& value, std::string_view key, Origin here) {
+        if (origin.where.empty() || (value.is_object() && value.contains(key))) origin = std::move(here);
     }
 
     template <class Section>
@@ -146,7 +170,7 @@ private:
 
     void gateway(const json& value, const std::string& pointer) {
         section(value, pointer, gateway_keys(), draft_.settings.gateway);
-        draft_.unknown = {pointer + "/unknown"};
+        note(draft_.unknown, value, "unknown", {pointer + "/unknown"});
     }
 
     void link(const json& value, const std::string& pointer) {

@@ -3,7 +3,6 @@
 #include <config/config.hpp>
 #include <config/help.hpp>
 #include <config/keys.hpp>
-#include <config/read_file.hpp>
 #include <daemon/check_paths.hpp>
 #include <daemon/command_line.hpp>
 #include <daemon/service.hpp>
@@ -99,7 +98,7 @@ ConfigErrors missing_values(const Arguments& arguments) {
     return errors;
 }
 
-Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors)}; }
+Exit failure(const ConfigErrors& errors) { return {exit_config, lines(errors), errors}; }
 
 /// Nothing, or why there is no more to do.
 std::optional<Exit> parse(CLI::App& app, int argc, const char* const* argv) {
@@ -141,14 +140,14 @@ void read_options(const Arguments& arguments, Draft& draft) {
     }
 }
 
-void read_config_file(const std::string& path, bool by_default, Draft& draft) {
-    std::error_code error;
-    const std::string text = read_file(path, max_config_size, error);
-    if (!error) return read_config(text, path, draft);
-    draft.broken_links = true;
-    std::string what = error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message();
-    if (by_default) what += std::string{"; write it, or name links, for example: "} + ad_hoc;
-    draft.errors.push_back({path.empty() ? "--config" : path, std::move(what)});
+std::vector<ConfigText> read_files(const std::string& path, bool by_default, Draft& draft) {
+    ConfigErrors errors;
+    std::vector<ConfigText> files = read_config_files(path, errors);
+    if (by_default && files.empty()) errors.front().what += std::string{"; write it, or name links, for example: "} + ad_hoc;
+    if (path.empty() && !errors.empty()) errors.front().where = "--config";
+    draft.broken_links = !errors.empty();
+    draft.errors.insert(draft.errors.end(), errors.begin(), errors.end());
+    return files;
 }
 
 /// A control socket that somebody named must be possible: he will look for it there.
@@ -161,7 +160,8 @@ void check_control(Draft& draft) {
 
 }    // namespace
 
-std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
+std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file,
+                                                   const std::vector<ConfigText>* instead) {
     Arguments arguments;
     CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
     add_all(app, arguments, default_file);
@@ -175,7 +175,10 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
             {"--config", "is given " + std::to_string(arguments.configs.size()) + " times, and a gateway has one file"});
     const bool by_default = arguments.configs.empty() && arguments.links.empty();
     const std::string file = by_default ? default_file : arguments.configs.empty() ? "" : arguments.configs.front();
-    if (by_default || !arguments.configs.empty()) read_config_file(file, by_default, draft);
+    std::vector<ConfigText> files;
+    if (instead) files = *instead;
+    else if (by_default || !arguments.configs.empty()) files = read_files(file, by_default, draft);
+    read_config(files, draft);
     for (const std::string& link : arguments.links) read_link(link, "", draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
@@ -188,8 +191,9 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
         note_open_ports(draft);
     }
     if (!draft.errors.empty()) return failure(draft.errors);
-    return CommandLine{std::move(draft.settings), file, !arguments.links.empty(), lines(draft.warnings), arguments.check,
-                       arguments.print_config};
+    return CommandLine{
+        std::move(draft.settings), file, std::move(files), !arguments.links.empty(), lines(draft.warnings), arguments.check,
+        arguments.print_config};
 }
 
 }    // namespace anogate

@@ -45,46 +45,69 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                  },
                  hello_slack},
       required_check_{alarms_, [this] { check_required(); }},
-      stop_check_{alarms_, [this] { check_stop(); }} {
+      stop_check_{alarms_, [this] { check_stop(); }},
+      change_check_{alarms_, [this] { check_change(); }} {
     links_.reserve(max_links);
-    add_links();
-    if (settings_.tunnel) add_tunnel(*settings_.tunnel);
-    if (is_control_configured(settings_)) add_control();
-    gpio_ = std::make_unique<Gpio>(
-        io_, alarms_, settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); },
-        forwarder_.inhibit());
-    for (const RouteSettings& route : settings_.routes) forwarder_.pin(route.first, route.last, link_named(route.link).id());
-    if (settings_.gateway.unknown == Unknown::link) forwarder_.set_unknown_link(link_named(settings_.gateway.unknown_link).id());
+    LinkSet all;
+    for (const LinkSettings& link : settings_.links) all.insert(add_link(link));
+    if (settings_.tunnel) all.insert(add_tunnel());
+    if (is_control_configured(settings_)) all.insert(add_control());
+    gpio_ = std::make_unique<Gpio>(io_, alarms_, forwarder_.inhibit());
+    gpio_->change(
+        settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); }, all);
+    pin_routes();
 }
 
 Gateway::~Gateway() = default;
 
-void Gateway::add_links() {
-    std::vector<std::string> groups{""};
-    for (const LinkSettings& link : settings_.links) {
-        auto group = std::find(groups.begin(), groups.end(), link.group);
-        if (group == groups.end()) group = groups.insert(group, link.group);
-        const auto number = static_cast<std::uint8_t>(group - groups.begin());
-        const LinkId id = forwarder_.add_link(forwarder_link(link, number, settings_.aliases));
-        add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_}));
-        if (link.kind->carries == Carries::bytes) streams_.insert(id);
-    }
+// Links of one group have one number, as long as there are any.
+std::uint8_t Gateway::group_number(const std::string& group) {
+    const auto is_unused = [this](const std::string& name) {
+        return std::none_of(links_.begin(), links_.end(), [&](const LinkState& s) { return s.link->settings().group == name; });
+    };
+    auto place = std::find(groups_.begin(), groups_.end(), group);
+    if (place == groups_.end()) place = std::find_if(groups_.begin() + 1, groups_.end(), is_unused);
+    if (place == groups_.end()) place = groups_.insert(place, group);
+    *place = group;
+    return static_cast<std::uint8_t>(place - groups_.begin());
 }
 
-void Gateway::add_tunnel(const TunnelSettings& settings) {
-    std::vector<TunnelLink::Target> wrap_to;
-    for (const WrapSettings& rule : settings.wrap) {
-        const Link& to = link_named(rule.link);
-        wrap_to.push_back({to.id(), to.settings().effective_max_data_out()});
-    }
-    LinkSet carried;
-    for (const std::string& name : settings.links) carried.insert(link_named(name).id());
+LinkId Gateway::add_link(const LinkSettings& link) {
+    const LinkId id = forwarder_.add_link(forwarder_link(link, group_number(link.group), settings_.aliases));
+    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_}));
+    if (link.kind->carries == Carries::bytes) streams_.insert(id);
+    return id;
+}
+
+LinkId Gateway::add_tunnel() {
     const LinkId id = forwarder_.add_link(forwarder_link(TunnelLink::link_settings(settings_), 0, {}));
-    auto tunnel = std::make_unique<TunnelLink>(id, settings_, std::move(wrap_to),
-                                               LinkContext{io_, alarms_, *this, batch_, sender_}, forwarder_);
+    auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(), LinkContext{io_, alarms_, *this, batch_, sender_},
+                                               forwarder_);
     tunnel_ = tunnel.get();
-    forwarder_.set_tunnel(id, carried, *tunnel_);
     add(std::move(tunnel));
+    connect_tunnel();
+    return id;
+}
+
+std::vector<TunnelLink::Target> Gateway::wrap_targets() const {
+    std::vector<TunnelLink::Target> targets;
+    for (const WrapSettings& rule : settings_.tunnel->wrap) {
+        const Link& to = link_named(rule.link);
+        targets.push_back({to.id(), to.settings().effective_max_data_out()});
+    }
+    return targets;
+}
+
+void Gateway::connect_tunnel() {
+    LinkSet carried;
+    for (const std::string& name : settings_.tunnel->links) carried.insert(link_named(name).id());
+    tunnel_->set_targets(wrap_targets());
+    forwarder_.set_tunnel(tunnel_->id(), carried, *tunnel_);
+}
+
+void Gateway::pin_routes() {
+    for (const RouteSettings& route : settings_.routes) forwarder_.pin(route.first, route.last, link_named(route.link).id());
+    if (settings_.gateway.unknown == Unknown::link) forwarder_.set_unknown_link(link_named(settings_.gateway.unknown_link).id());
 }
 
 ControlLink* Gateway::control() {
@@ -96,13 +119,14 @@ ControlLink* Gateway::control() {
     return control_;
 }
 
-void Gateway::add_control() {
+LinkId Gateway::add_control() {
     LinkSettings settings = ControlLink::link_settings(settings_);
     const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
     auto control = std::make_unique<ControlLink>(id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_},
                                                  forwarder_);
     control_ = control.get();
     add(std::move(control));
+    return id;
 }
 
 void Gateway::add(std::unique_ptr<Link> link) {
@@ -123,17 +147,20 @@ Link& Gateway::link_named(const std::string& name) const {
 void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
     on_required_missing_ = std::move(on_required_missing);
     started_at_ = turn().now();
-    for (LinkState& s : links_) s.since = started_at_;
+    for (LinkState& s : links_) {
+        s.since = started_at_;
+        s.must_come = s.link->settings().required;
+    }
     gpio_->start();
     for (LinkState& s : links_) s.link->start();
     beat();    // to open them may take long
-    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.link->settings().required; }))
+    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
         required_check_.set(started_at_ + required_within);
 }
 
 void Gateway::check_required() {
     for (const LinkState& s : links_)
-        if (s.link->settings().required && !s.was_up) return on_required_missing_(s.link->name());
+        if (s.must_come && !s.was_up) return on_required_missing_(s.link->name());
 }
 
 void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
@@ -143,6 +170,8 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     }
     on_stopped_ = std::move(on_stopped);
     required_check_.cancel();
+    change_check_.cancel();
+    changing_.reset();
     beat_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
     forwarder_.stop_asking();    // nobody reads an answer any more
@@ -152,16 +181,15 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
 }
 
 void Gateway::check_stop() {
-    if (nothing_waits() || now() >= stop_by_) finish_stop();
+    const bool all_left = std::all_of(links_.begin(), links_.end(), [this](const LinkState& s) { return nothing_waits(s); });
+    if (all_left || now() >= stop_by_) finish_stop();
     else stop_check_.set(now_ + stop_look);
 }
 
-bool Gateway::nothing_waits() const {
-    for (const ChannelId id : forwarder_.channels())
+bool Gateway::nothing_waits(const LinkState& state) const {
+    for (const ChannelId id : forwarder_.traffic(state.link->id()).channels)
         if (!channel(id).outbox.empty()) return false;
-    for (const LinkState& s : links_)
-        if (s.up && s.link->unsent() > 0) return false;
-    return true;
+    return !state.up || state.link->unsent() == 0;
 }
 
 void Gateway::finish_stop() {
@@ -194,6 +222,8 @@ bool Gateway::streams_speak() const {
 }
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
+    const bool waits_for_peers = link.settings().kind->listens;
+    if (!waits_for_peers && forwarder_.channels().size() == max_channels) make_channel_free();
     Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
     if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
     return channel;

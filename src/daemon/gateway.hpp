@@ -1,5 +1,7 @@
 // The program's middle: owns the links, the Forwarder and what they need of the loop: timers, GPIO, log.
 #pragma once
+#include <config/difference.hpp>
+#include <daemon/config_state.hpp>
 #include <daemon/gpio.hpp>
 #include <daemon/loop_beat.hpp>
 #include <daemon/peer_log.hpp>
@@ -11,8 +13,10 @@
 #include <link/link_context.hpp>
 #include <link/tunnel_link.hpp>
 
+#include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,9 +28,10 @@ class ControlLink;
 struct LinkState {
     std::unique_ptr<Link> link;
     bool up = false;
-    bool was_up = false;    // at any time since the start
-    TimePoint since{};      // of `up` or not
-    std::string error;      // why it is not up
+    bool was_up = false;       // at any time since the start
+    bool must_come = false;    // it is `required`, and was there at the start
+    TimePoint since{};         // of `up` or not
+    std::string error;         // why it is not up
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -42,6 +47,12 @@ public:
     /// Reads no more, lets what waits leave for at most `patience`, closes everything and calls `on_stopped`; nothing of the
     /// gateway keeps the loop alive after that. A second call makes an end at once.
     void stop(Duration patience, std::function<void()> on_stopped);
+
+    /// Has other settings from now on, without fault; `difference` is the way there from settings(). Links that stay the same lose
+    /// nothing. What waits in those that go may leave for at most `patience`; then all is changed in one turn, and `on_changed` is
+    /// called. To be called when no call of a link or an alarm of its own is under way, one after the other. Nothing comes of it
+    /// when stop() is called before.
+    void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
     void close_channel(Channel& channel) override;
@@ -76,11 +87,42 @@ public:
     /// When the clock was looked at last.
     TimePoint time() const noexcept { return now_; }
     TimePoint started_at() const noexcept { return started_at_; }
+    /// Whether what runs is what its file says.
+    const ConfigState& config_state() const noexcept { return config_state_; }
+    void set_config_state(ConfigState state) { config_state_ = std::move(state); }
 
 private:
-    void add_links();
-    void add_tunnel(const TunnelSettings& settings);
-    void add_control();
+    // gateway_change.cpp
+    struct Changing {    // waits for links that go
+        Settings settings;
+        Difference difference;
+        std::function<void()> on_changed;
+        TimePoint by{};
+    };
+    struct Retired {
+        Gpio::Lines lines{};
+        std::vector<std::unique_ptr<Link>> links{};    // end first: they may call lines
+    };
+    bool goes(const LinkState& state) const;
+    void check_change();
+    void finish_change();
+    void unpin_routes();
+    void remove_links(Retired& retired);
+    void remove(LinkState& state, Retired& retired);
+    void make_room_for_links(Retired& retired);
+    void add_links(const Difference& difference, LinkSet& fresh);
+    void put_links_in_order();
+    void start_links(LinkSet fresh);
+    void retire(Retired retired);
+    void make_channel_free();
+
+    std::uint8_t group_number(const std::string& group);
+    LinkId add_link(const LinkSettings& settings);
+    LinkId add_tunnel();
+    LinkId add_control();
+    void connect_tunnel();
+    std::vector<TunnelLink::Target> wrap_targets() const;
+    void pin_routes();
     void add(std::unique_ptr<Link> link);
     LinkState& state(const Link& link);
     Link& link_named(const std::string& name) const;
@@ -88,7 +130,7 @@ private:
     bool streams_speak() const;
     void await_forwarder();
     void check_required();
-    bool nothing_waits() const;
+    bool nothing_waits(const LinkState& state) const;
     void check_stop();
     void finish_stop();
 
@@ -102,9 +144,10 @@ private:
     std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // behind everything that a link refers to; in the order of the configuration
     std::array<Link*, max_links> links_by_id_{};
-    TunnelLink* tunnel_ = nullptr;      // one of links_
-    ControlLink* control_ = nullptr;    // as well; nullptr: nobody used it yet
-    LinkSet streams_;                   // serial ports and ptys
+    std::vector<std::string> groups_{""};    // by number
+    TunnelLink* tunnel_ = nullptr;           // one of links_
+    ControlLink* control_ = nullptr;         // as well; nullptr: nobody used it yet
+    LinkSet streams_;                        // serial ports and ptys
     TimePoint now_{};
     TimePoint started_at_{};
     LoopBeat beat_;
@@ -115,6 +158,11 @@ private:
     std::function<void(const std::string&)> on_required_missing_;
     std::function<void()> on_stopped_;
     TimePoint stop_by_{};
+    ConfigState config_state_;
+    std::optional<Changing> changing_;
+    Alarm change_check_;
+    std::deque<Retired> retired_;    // what was removed, as long as the loop may hold calls of it
+    std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 
 }    // namespace anogate

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace anogate {
@@ -39,40 +40,65 @@ std::string Gpio::Line::what() const {
     return "gpio " + text(s.use) + (names.empty() ? "" : " of " + names);
 }
 
-Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find,
-           Inhibit& inhibit)
-    : inhibit_{inhibit}, chips_{io, "gpiochip", [this] {
-                                    for (const auto& line : lines_) line->pin.look();
-                                }} {
-    for (const GpioSettings& s : settings) {
-        Line& line = *lines_.emplace_back(std::make_unique<Line>(*this, s, io, alarms));
-        if (!s.link.empty()) line.links.insert(find(s.link).id());
-        for (const std::string& name : s.links) line.links.insert(find(name).id());
-        if (s.use == GpioUse::inhibit) line.inhibit_place = inhibit_.add(line.links);
-        if (s.use == GpioUse::power) line.pin.set(true);
-        if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
-        if (s.use == GpioUse::rs485) {
-            Link& link = find(s.link);    // of a kind that can: the configuration was checked for it
-            link.settings().kind->rs485->use(link, s.active_low, [&line](bool sending) { line.pin.set(sending); });
-        }
-    }
-}
+Gpio::Gpio(asio::io_context& io, AlarmClock& alarms, Inhibit& inhibit)
+    : io_{io}, alarms_{alarms}, inhibit_{inhibit}, chips_{io, "gpiochip", [this] {
+                                                              for (const auto& line : lines_) line->pin.look();
+                                                          }} {}
 
 Gpio::~Gpio() = default;
 
+Gpio::Lines Gpio::change(const std::vector<GpioSettings>& settings, const FindLink& find, LinkSet fresh) {
+    Lines before = std::exchange(lines_, {});
+    watched_.clear();
+    for (const GpioSettings& s : settings) {
+        const auto same = std::find_if(before.begin(), before.end(), [&](const auto& line) { return line->settings() == s; });
+        if (same == before.end()) {
+            lines_.push_back(std::make_unique<Line>(*this, s, io_, alarms_));
+        } else {
+            lines_.push_back(std::move(*same));
+            before.erase(same);
+        }
+    }
+    for (const auto& line : before) let_go(*line);    // first: a line of the chip may be another's now
+    for (const auto& line : lines_) connect(*line, find, fresh);
+    if (started_) start();
+    return before;
+}
+
+void Gpio::connect(Line& line, const FindLink& find, LinkSet fresh) {
+    const GpioSettings& s = line.settings();
+    line.links.clear();
+    if (!s.link.empty()) line.links.insert(find(s.link).id());
+    for (const std::string& name : s.links) line.links.insert(find(name).id());
+    if (line.inhibit_place) inhibit_.set_links(*line.inhibit_place, line.links);
+    else if (s.use == GpioUse::inhibit) line.inhibit_place = inhibit_.add(line.links);
+    if (s.use == GpioUse::power && !line.started) line.pin.set(true);
+    if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
+    if (s.use == GpioUse::rs485 && fresh.contains(find(s.link).id())) {
+        Link& link = find(s.link);    // of a kind that can: the configuration was checked for it
+        link.settings().kind->rs485->use(link, s.active_low, [&line](bool sending) { line.pin.set(sending); });
+    }
+}
+
 void Gpio::start() {
+    started_ = true;
     if (lines_.empty()) return;
-    chips_.start();
-    for (const auto& line : lines_) line->pin.start();
+    if (!std::exchange(watching_, true)) chips_.start();
+    for (const auto& line : lines_)
+        if (!std::exchange(line->started, true)) line->pin.start();
+}
+
+// Lamps and resets go off; power stays as it is.
+void Gpio::let_go(Line& line) {
+    line.alarm.cancel();
+    if (line.settings().use != GpioUse::inhibit) line.pin.set(line.settings().use == GpioUse::power);
+    else if (line.inhibit_place) inhibit_.remove(*std::exchange(line.inhibit_place, std::nullopt));
+    line.pin.stop();
 }
 
 void Gpio::stop() {
     chips_.stop();
-    for (const auto& line : lines_) {
-        line->alarm.cancel();
-        if (line->settings().use != GpioUse::inhibit) line->pin.set(line->settings().use == GpioUse::power);
-        line->pin.stop();
-    }
+    for (const auto& line : lines_) let_go(*line);
 }
 
 void Gpio::link_state(LinkId link, bool up) {
@@ -162,7 +188,7 @@ void Gpio::changed(Line& line) {
 
 void Gpio::inhibit_changed(Line& line) {
     const bool on = !line.pin.is_held() || line.pin.active();
-    inhibit_.set(line.inhibit_place, on);
+    if (line.inhibit_place) inhibit_.set(*line.inhibit_place, on);
     if (on == std::exchange(line.was_inhibiting, on)) return;
     ++line.untold;
     if (!line.alarm.is_set()) tell_inhibit(line, Clock::now());
@@ -171,7 +197,7 @@ void Gpio::inhibit_changed(Line& line) {
 void Gpio::tell_inhibit(Line& line, TimePoint now) {
     const std::uint64_t changes = std::exchange(line.untold, 0);
     spdlog::warn("{}: {}{}", line.what(),
-                 inhibit_.is_on(line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
+                 inhibit_.is_on(*line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
                  changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
     line.alarm.set(now + telling_apart);
 }

@@ -19,15 +19,19 @@ namespace anogate {
 class Gpio {
 public:
     struct Line;
+    using Lines = std::vector<std::unique_ptr<Line>>;
     using FindLink = std::function<Link&(const std::string& name)>;
 
-    /// `find` knows every link that the settings name; `inhibit` gets the switches. A link with rs485 calls this object, so it must
-    /// be destroyed first.
-    Gpio(asio::io_context& io, AlarmClock& alarms, const std::vector<GpioSettings>& settings, const FindLink& find,
-         Inhibit& inhibit);
+    /// `inhibit` gets the switches. There are no lines before change().
+    Gpio(asio::io_context& io, AlarmClock& alarms, Inhibit& inhibit);
     ~Gpio();
 
-    /// To be called before the links start, so that a switch holds from the first frame on.
+    /// The lines are those of `settings` from now on. What is held already, with the same settings, stays as it is; the rest of what
+    /// there was is let go, and returned: the loop may still hold calls of it, which will not run later than those of a descriptor
+    /// that was closed now. `find` knows every link that the settings name; those in `fresh` have not started. A link with rs485
+    /// calls its line, and must be destroyed first.
+    Lines change(const std::vector<GpioSettings>& settings, const FindLink& find, LinkSet fresh);
+    /// To be called before the links start, so that a switch holds from the first frame on. Lines that come later start at once.
     void start();
     /// Lamps and resets go off; power stays as it is.
     void stop();
@@ -40,7 +44,7 @@ public:
     /// Frames leave by a link that is watched.
     void sends(LinkId link, TimePoint now);
 
-    const std::vector<std::unique_ptr<Line>>& lines() const noexcept { return lines_; }
+    const Lines& lines() const noexcept { return lines_; }
     /// Why a request is refused.
     struct Refusal {
         std::string why;
@@ -50,6 +54,8 @@ public:
     std::optional<Refusal> act(Line& line, TimePoint now);
 
 private:
+    void connect(Line& line, const FindLink& find, LinkSet fresh);
+    void let_go(Line& line);
     void ring(Line& line);
     void blink(Line& line, TimePoint now);
     /// False: the chip has just gone.
@@ -59,10 +65,14 @@ private:
     void inhibit_changed(Line& line);
     void tell_inhibit(Line& line, TimePoint now);
 
+    asio::io_context& io_;
+    AlarmClock& alarms_;
     Inhibit& inhibit_;
     LinkSet watched_;
-    std::vector<std::unique_ptr<Line>> lines_;
+    Lines lines_;
     DeviceWatch chips_;
+    bool started_ = false;
+    bool watching_ = false;    // for chips
 };
 
 /// One GPIO line.
@@ -79,10 +89,11 @@ struct Gpio::Line {
     LinkSet links;
     Blink blink;
     ResetPolicy reset;
-    std::size_t inhibit_place = 0;
-    bool pulsing = false;    // a reset is on, or power is off for a while
+    std::optional<std::size_t> inhibit_place{};    // of an inhibit switch
+    bool pulsing = false;                          // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;
+    bool started = false;
     std::optional<bool> was_inhibiting{};    // nothing: not reported yet
     std::uint64_t untold = 0;                // changes of an inhibit switch
 };

@@ -6,6 +6,8 @@
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
+#include <daemon/reload.hpp>
+#include <daemon/reload_routes.hpp>
 #include <daemon/rooms.hpp>
 #include <daemon/routes.hpp>
 #include <daemon/status.hpp>
@@ -51,9 +53,17 @@ void fill_standard_files() {
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
-    Program(Settings settings, std::string source)
-        : gateway_{io_, std::move(settings)}, source_{std::move(source)}, signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+    Program(const CommandLine& line, std::string source, ReadAgain read_again, ConfigState::Runs runs)
+        : gateway_{io_, line.settings},
+          source_{std::move(source)},
+          reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file)},
+          signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+        gateway_.set_config_state({line.config_file, runs});
+        reload_.on_links_changed([this](const std::vector<std::string>& names) {
+            for (const std::string& name : names) hint_log_.forget(name);
+        });
         add_routes(control_.routes(), gateway_);
+        add_reload_routes(control_.routes(), reload_);
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -84,9 +94,14 @@ private:
             if (ec || stopped_) return;
             wait_for_signal();    // first: a second stop() ends all waits at once, this one too
             if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
-            else if (signal == SIGHUP) spdlog::warn("SIGHUP: the configuration is read at the start only; restart to change it");
+            else if (signal == SIGHUP) reload_soon();
             else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
         });
+    }
+
+    void reload_soon() {
+        spdlog::info("SIGHUP: the configuration is read again");
+        reload_.reload_soon();
     }
 
     void keep_watchdog() {
@@ -106,6 +121,7 @@ private:
         notify_systemd("STOPPING=1");
         watchdog_.stop();
         hints_.stop();
+        reload_.stop();
         control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
@@ -117,6 +133,7 @@ private:
     Gateway gateway_;
     std::string source_;    // where the configuration is from
     std::string why_;       // it ends
+    Reload reload_;
     ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
@@ -129,6 +146,33 @@ private:
 std::string source_of(const CommandLine& line) {
     if (line.config_file.empty()) return "command line";
     return line.config_file + (line.has_links ? " and command line" : "");
+}
+
+// While the file was not confirmed, and is as it was then, a restart runs what ran before it.
+ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
+    const std::string path = kept_config_path(line.config_file);
+    const auto kept = kept_config(path);
+    if (!kept) return ConfigState::Runs::file;
+    if (!have_same_texts(kept->unconfirmed, line.files)) {
+        forget_config(path);
+        return ConfigState::Runs::file;
+    }
+    auto before = parse_command_line(argc, argv, default_config_file(), &kept->confirmed);
+    if (const Exit* exit = std::get_if<Exit>(&before)) {
+        say(Priority::warning, exit->text + "anogated: so " + line.config_file + ", which was not confirmed, is what runs\n");
+        return ConfigState::Runs::file;
+    }
+    line = std::get<CommandLine>(std::move(before));
+    return ConfigState::Runs::not_the_file;
+}
+
+ReadAgain read_again(int argc, char** argv) {
+    return [argc, argv]() -> std::variant<ReadConfig, ConfigErrors> {
+        auto parsed = parse_command_line(argc, argv);
+        if (Exit* exit = std::get_if<Exit>(&parsed)) return std::move(exit->faults);
+        auto& line = std::get<CommandLine>(parsed);
+        return ReadConfig{std::move(line.settings), std::move(line.files)};
+    };
 }
 
 int run(int argc, char** argv) {
@@ -148,8 +192,12 @@ int run(int argc, char** argv) {
     hold_signals(SIG_BLOCK, {SIGTERM});
     std::signal(SIGPIPE, SIG_IGN);
     fill_standard_files();
+    const ConfigState::Runs runs = line.config_file.empty() ? ConfigState::Runs::file : take_kept_config(line, argc, argv);
     start_log(line.settings.log);
-    return Program{std::move(line.settings), source_of(line)}.run();
+    if (runs == ConfigState::Runs::not_the_file)
+        spdlog::warn("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
+                     line.config_file);
+    return Program{line, source_of(line), read_again(argc, argv), runs}.run();
 }
 
 }    // namespace

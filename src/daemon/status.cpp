@@ -103,6 +103,7 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["standstills"] = gateway.loop().standstills();
     json["longest_standstill_s"] = in_seconds(gateway.loop().longest());
     json["own_frames"] = gateway.forwarder().router().own_frames();
+    json["config"] = config_json(gateway.config_state(), now);
     return json;
 }
 
@@ -168,12 +169,11 @@ FrameCount frame_count(const Gateway& gateway) {
 std::vector<std::string> HintLog::news(Gateway& gateway) {
     const TimePoint now = gateway.now();
     std::vector<std::string> lines;
-    told_.resize(gateway.links().size());
-    for (std::size_t i = 0; i < told_.size(); ++i) {
-        const LinkState& state = gateway.links()[i];
-        if (!state.up) told_[i].clear();
+    for (const LinkState& state : gateway.links()) {
+        std::set<std::string>& told = told_[state.link->name()];
+        if (!state.up) told.clear();
         std::string hint = hint_of_trouble(report_of(gateway, state, now).figures);
-        if (hint.empty() || !told_[i].insert(hint).second) continue;
+        if (hint.empty() || !told.insert(hint).second) continue;
         lines.push_back(state.link->name() + ": " + std::move(hint));
     }
     return lines;

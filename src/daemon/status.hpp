@@ -1,6 +1,7 @@
 // The state of a gateway as JSON (the shape is part of the interface: README, "Look at it").
 #pragma once
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,9 +31,11 @@ class HintLog {
 public:
     /// One line for each hint that was not written yet.
     std::vector<std::string> news(Gateway& gateway);
+    /// The link of this name is another one now, or gone.
+    void forget(const std::string& link) { told_.erase(link); }
 
 private:
-    std::vector<std::set<std::string>> told_;    // of every link
+    std::map<std::string, std::set<std::string>> told_;    // by link
 };
 
 }    // namespace anogate

@@ -75,6 +75,11 @@ void Forwarder::remove_link(LinkId id) {
     std::erase_if(claimants_, [id](const auto& claimant) { return claimant.second.link == id; });
 }
 
+void Forwarder::unpin(std::uint8_t first, std::uint8_t last, LinkId link) {
+    router_.unpin(first, last, link);
+    for (const AliasRule& rule : entry(link).settings.aliases) router_.pin(rule.as, rule.as, link);
+}
+
 void Forwarder::set_tunnel(LinkId link, LinkSet carried, TunnelPort& port) {
     tunnel_link_ = link;
     carried_ = carried;

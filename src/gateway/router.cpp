@@ -21,8 +21,14 @@ std::string_view text(Via via) noexcept {
     return "";
 }
 
-Router::Router(const GatewaySettings& settings)
-    : forget_after_{settings.forget_after}, own_id_{settings.id}, unknown_{settings.unknown} {}
+Router::Router(const GatewaySettings& settings) { set(settings); }
+
+void Router::set(const GatewaySettings& settings) {
+    forget_after_ = settings.forget_after;
+    own_id_ = settings.id;
+    unknown_ = settings.unknown;
+    unknown_links_.clear();
+}
 
 LinkId Router::add_link(const LinkRule& rule) {
     assert(used_.size() < max_links && rule.port_id <= address::last_port_id && rule.group <= max_links);

@@ -87,6 +87,12 @@ Response try_again(std::string_view words) {
     return response;
 }
 
+Response later(Later promise) {
+    Response response;
+    response.later = std::move(promise);
+    return response;
+}
+
 Response web_socket_fault(const Request& request) {
     constexpr std::size_t key_size = 24;    // 16 bytes in base64
     if (!is_web_socket(request)) {

@@ -4,12 +4,19 @@
 #include <http/request.hpp>
 #include <http/web_socket.hpp>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace anogate::http {
+
+struct Response;
+
+/// Is given a function that it calls once, from the loop, with the response; who has gone meanwhile is not told. It must not say `later`
+/// again.
+using Later = std::function<void(std::function<void(Response)> say)>;
 
 struct Response {
     unsigned status = 200;
@@ -18,6 +25,7 @@ struct Response {
     std::vector<Field> headers;                   // more of them
     std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
+    Later later;                                  // it comes later, in the place of all this; within SessionLimits::patience
 };
 
 /// In a word for programs, what an answer of this status says: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
@@ -31,6 +39,9 @@ Response try_again(std::string_view words);
 
 /// Why a WebSocket can't be made of this request, as the answer to it; its status is 200 when it can.
 Response web_socket_fault(const Request& request);
+
+/// One that is not known yet.
+Response later(Later promise);
 
 /// How a response is sent.
 struct Sending {

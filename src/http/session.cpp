@@ -132,9 +132,16 @@ void Session::answer(Request request) {
         }
         response = std::move(fault);
     }
-    if (response.producer && request.version == 10)
+    if (!response.later) return send(std::move(response), head_only);
+    response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
+        if (self->stream_) self->send(std::move(known), head_only);
+    });
+}
+
+void Session::send(Response response, bool head_only) {
+    if (response.producer && sending_.version == 10)
         sending_.keep_alive = false;    // the end of the body is that of the connection
-    sending_.chunked = response.producer && request.version != 10;
+    sending_.chunked = response.producer && sending_.version != 10;
     head_ = head_of(response, sending_);
     if (!head_only) {
         body_ = std::move(response.body);

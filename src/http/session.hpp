@@ -60,7 +60,7 @@ private:
     void input_ended();
     void hear();
     void answer(Request request);
-    void send(Response response);
+    void send(Response response, bool head_only);
     void write();
     void wrote();
     void next_part();

@@ -79,6 +79,8 @@ public:
     virtual void stop() = 0;
     /// Frames wait in the outbox of `channel`: sends what the wire takes, and the rest when it takes more.
     virtual void flush(Channel& channel) = 0;
+    /// Its channel goes, to make room for one of another link. Of a link that has one for each peer; else nothing is done.
+    virtual void forget_peer(ChannelId) {}
     /// Bytes the kernel has taken and not yet put on the wire, where it can be known: stop() would lose them.
     virtual std::size_t unsent() const { return 0; }
     /// The UDP port it listens on; 0: none.

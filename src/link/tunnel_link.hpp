@@ -20,6 +20,8 @@ public:
     /// `settings` has a tunnel; `wrap_to`: one for each of its rules.
     TunnelLink(LinkId id, const Settings& settings, std::vector<Target> wrap_to, const LinkContext& context,
                Forwarder& forwarder);
+    /// The links of the wrap rules are others now, or have other numbers.
+    void set_targets(std::vector<Target> wrap_to) { wrap_to_ = std::move(wrap_to); }
     /// Its own settings, as if it stood among the links.
     static LinkSettings link_settings(const Settings& settings);
 

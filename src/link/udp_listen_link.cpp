@@ -334,6 +334,11 @@ void UdpListenLink::forget(Peer& peer) {
     context_.host.close_channel(channel);
 }
 
+void UdpListenLink::forget_peer(ChannelId channel) {
+    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == channel; });
+    if (found != peers_.end()) forget(**found);
+}
+
 void UdpListenLink::forget_overdue_peers() {
     const LoopWatch& loop = context_.host.turn();
     const TimePoint now = loop.now();

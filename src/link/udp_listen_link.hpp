@@ -22,6 +22,7 @@ public:
     void stop_reading() override;
     void stop() override;
     void flush(Channel& channel) override;
+    void forget_peer(ChannelId channel) override;
     LinkFacts facts() const override;
     std::string trouble() const override;
     UnassignedTraffic unassigned_traffic() const override {

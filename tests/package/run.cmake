@@ -21,8 +21,8 @@ foreach(file bin/anogated lib/systemd/system/anogated.service lib/sysusers.d/ano
 endforeach()
 
 # Under a prefix of its own the unit starts this program with this configuration, and that is the one the program looks for.
-file(STRINGS ${prefix}/lib/systemd/system/anogated.service command REGEX "^ExecStart=")
-if(NOT command STREQUAL "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/anogate.json")
+file(STRINGS ${prefix}/lib/systemd/system/anogated.service command REGEX "^Exec(Start|Reload)=")
+if(NOT command STREQUAL "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/anogate.json;ExecReload=${prefix}/bin/anoctl reload")
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 run(${prefix}/bin/anogated --check)
@@ -33,8 +33,8 @@ endif()
 
 # Under the system's it is in /etc.
 run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix /usr)
-file(STRINGS ${BUILD}/package/root/usr/lib/systemd/system/anogated.service command REGEX "^ExecStart=")
-if(NOT command STREQUAL "ExecStart=/usr/bin/anogated --config /etc/anogate/anogate.json")
+file(STRINGS ${BUILD}/package/root/usr/lib/systemd/system/anogated.service command REGEX "^Exec(Start|Reload)=")
+if(NOT command STREQUAL "ExecStart=/usr/bin/anogated --config /etc/anogate/anogate.json;ExecReload=/usr/bin/anoctl reload")
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 if(NOT EXISTS ${BUILD}/package/root/etc/anogate/anogate.json)
@@ -45,8 +45,8 @@ run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --ins
 if(NOT output MATCHES "systemctl link /opt/my anogate/lib/systemd/system/anogated.service")
   message(FATAL_ERROR "nobody is told of systemctl link:\n${output}")
 endif()
-file(STRINGS "${BUILD}/package/root/opt/my anogate/lib/systemd/system/anogated.service" command REGEX "^ExecStart=")
-if(NOT command STREQUAL "ExecStart=\"/opt/my anogate/bin/anogated\" --config \"/opt/my anogate/etc/anogate/anogate.json\"")
+file(STRINGS "${BUILD}/package/root/opt/my anogate/lib/systemd/system/anogated.service" command REGEX "^Exec(Start|Reload)=")
+if(NOT command STREQUAL "ExecStart=\"/opt/my anogate/bin/anogated\" --config \"/opt/my anogate/etc/anogate/anogate.json\";ExecReload=\"/opt/my anogate/bin/anoctl\" reload")
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 file(STRINGS ${BUILD}/install_manifest.txt manifest)

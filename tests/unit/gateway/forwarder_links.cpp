@@ -189,3 +189,40 @@ TEST_F(Removed, a_channel_that_was_to_be_flushed_is_not) {
     EXPECT_EQ(forwarder.traffic(LinkId{1}).gone_sent.link_down, 1u);
     EXPECT_EQ(forwarder.traffic(LinkId{1}).gone_sent.offered, 1u);
 }
+
+// Settings that change while frames pass.
+
+TEST_F(Removed, a_route_ends_without_its_link) {
+    Channel& ground = add();
+    Channel& device = add_with([](ForwarderLink& link) { link.aliases = {{0xDE, 31}}; });
+    add();
+    forwarder.pin(30, 41, device.link);
+    forwarder.unpin(30, 41, device.link);
+    EXPECT_EQ(told(ground, frame(host, 40, 0xC0, {1})), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(told(ground, frame(host, 31, 0xC0, {1})), (Lines{"received 0", "offered 1"})) << "its alias stays";
+}
+
+TEST_F(Removed, the_gateway_has_other_settings_and_forgets_nobody) {
+    Channel& ground = add();
+    Channel& device = add();
+    add();
+    receive(device, telemetry);
+    GatewaySettings settings;
+    settings.id = 199;
+    settings.unknown = Unknown::drop;
+    forwarder.set(settings);
+    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(told(ground, frame(host, 199, 0xC0, {1})), (Lines{"received 0"})) << "ends here";
+    EXPECT_EQ(forwarder.router().own_frames(), 1u);
+    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {1})), (Lines{"received 0", "dropped 0 no_route"}));
+    settings.unknown = Unknown::link;
+    forwarder.set(settings);
+    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {2})), (Lines{"received 0", "dropped 0 no_route"})) << "no link was named yet";
+    forwarder.set_unknown_link(device.link);
+    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {3})), (Lines{"received 0", "offered 1"}));
+    settings.id = 0;
+    settings.forget_after = 1s;
+    forwarder.set(settings);
+    now += 2s;
+    EXPECT_TRUE(forwarder.router().learned(fc, now).links.empty());
+}

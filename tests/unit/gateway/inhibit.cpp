@@ -91,3 +91,18 @@ TEST(Inhibit, a_link_that_is_removed_leaves_its_switch_to_the_others) {
     inhibit.set(place, true);
     EXPECT_EQ(inhibit.links(), LinkSet{LinkId{2}}) << "what gets its number is not kept off";
 }
+
+TEST(Inhibit, switches_come_and_go_and_are_for_other_links) {
+    constexpr LinkId a{1}, b{2};
+    Inhibit inhibit;
+    const std::size_t first = inhibit.add(a), second = inhibit.add(b);
+    inhibit.set_links(first, b);
+    EXPECT_EQ(inhibit.links(), LinkSet{b});
+    inhibit.set(second, false);
+    inhibit.set_links(second, a);
+    EXPECT_EQ(inhibit.links(), LinkSet{b}) << "it is off";
+    inhibit.remove(first);
+    EXPECT_TRUE(inhibit.links().empty());
+    EXPECT_EQ(inhibit.add(a), first) << "its place is free";
+    EXPECT_EQ(inhibit.links(), LinkSet{a}) << "and it is on until it is set off";
+}

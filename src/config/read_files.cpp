@@ -1,0 +1,48 @@
+#include <config/read_file.hpp>
+#include <config/read_files.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+namespace anogate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool read_into(std::vector<ConfigText>& files, const std::string& file, ConfigErrors& errors) {
+    std::error_code error;
+    std::string text = read_file(file, max_config_size, error);
+    if (!error) return files.push_back({file, std::move(text)}), true;
+    errors.push_back({file, error == std::errc::file_too_large ? "more than 1 MiB, no configuration" : error.message()});
+    return false;
+}
+
+/// What an editor keeps beside a file does not end in .json, or begins with a dot.
+bool is_part(const fs::path& file) { return file.extension() == ".json" && !file.filename().string().starts_with('.'); }
+
+std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) {
+    std::vector<std::string> parts;
+    std::error_code ec;
+    for (fs::directory_iterator entry{folder, ec}; !ec && entry != fs::directory_iterator{}; entry.increment(ec))
+        if (is_part(entry->path())) parts.push_back(entry->path().string());
+    if (ec && ec != std::errc::no_such_file_or_directory && ec != std::errc::not_a_directory)
+        errors.push_back({folder.string(), ec.message()});
+    std::sort(parts.begin(), parts.end());
+    return parts;
+}
+
+}    // namespace
+
+std::vector<ConfigText> read_config_files(const std::string& file, ConfigErrors& errors) {
+    std::vector<ConfigText> files;
+    if (!read_into(files, file, errors)) return files;
+    for (const std::string& part : parts_in(fs::path{file}.parent_path() / "conf.d", errors)) read_into(files, part, errors);
+    return files;
+}
+
+void read_config(const std::vector<ConfigText>& files, Draft& draft) {
+    for (const ConfigText& file : files) read_config(file.text, file.file, draft);
+}
+
+}    // namespace anogate

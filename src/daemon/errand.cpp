@@ -1,0 +1,81 @@
+#include <daemon/errand.hpp>
+#include <link/asio.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <atomic>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr int patience_at_the_end = 200;    // ms
+
+}    // namespace
+
+/// With the thread, which may be left behind.
+struct Errand::Shared {
+    std::function<void()> work;
+    std::function<void(std::string)> done;    // for the loop alone
+    std::string fault;
+    UniqueFd event;
+    std::atomic<bool> is_done{false};
+    bool is_stopped = false;    // for the loop alone
+};
+
+Errand::Errand(asio::io_context& io) : io_{io}, said_{io} {}
+
+bool Errand::run(std::function<void()> work, std::function<void(std::string)> done) {
+    auto shared = std::make_shared<Shared>();
+    shared->event = UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+    UniqueFd event{shared->event ? ::fcntl(shared->event.get(), F_DUPFD_CLOEXEC, 0) : -1};
+    if (!event) return false;
+    shared->work = std::move(work);
+    shared->done = std::move(done);
+    try {
+        std::thread{[shared] {
+            try {
+                shared->work();
+            } catch (const std::exception& e) {
+                shared->fault = e.what();
+            }
+            shared->is_done.store(true, std::memory_order_release);
+            ::eventfd_write(shared->event.get(), 1);
+        }}.detach();
+    } catch (const std::system_error&) {
+        return false;
+    }
+    shared_ = std::move(shared);
+    said_.open(std::move(event));
+    said_.read_with([this] { look(); });
+    return true;
+}
+
+// `done` may send the next one, which is not to change what calls it.
+void Errand::look() {
+    if (!shared_->is_done.load(std::memory_order_acquire)) return;
+    said_.close();
+    asio::post(io_, [this, shared = shared_] {
+        if (shared->is_stopped) return;
+        shared_.reset();
+        const auto done = std::move(shared->done);
+        done(std::move(shared->fault));
+    });
+}
+
+void Errand::stop() noexcept {
+    said_.close();
+    const auto shared = std::exchange(shared_, nullptr);
+    if (!shared) return;
+    shared->is_stopped = true;
+    shared->done = nullptr;
+    pollfd event{shared->event.get(), POLLIN, 0};
+    ::poll(&event, 1, patience_at_the_end);
+}
+
+}    // namespace anogate

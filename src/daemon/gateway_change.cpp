@@ -1,0 +1,126 @@
+// The gateway has other settings while it runs: links come and go, all else stays.
+#include <config/link_kind.hpp>
+#include <daemon/gateway.hpp>
+#include <link/asio.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr Duration change_look = std::chrono::milliseconds{10};
+
+bool ends(Change change) { return change == Change::changed || change == Change::removed; }
+bool begins(Change change) { return change == Change::changed || change == Change::added; }
+
+}    // namespace
+
+void Gateway::change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed) {
+    if (on_stopped_) return;
+    changing_ = Changing{std::move(settings), std::move(difference), std::move(on_changed), now() + patience};
+    bool any_goes = false;
+    for (LinkState& s : links_) {
+        if (!goes(s)) continue;
+        s.link->stop_reading();
+        any_goes = true;
+    }
+    flush();
+    if (any_goes) change_check_.set(now_ + change_look);    // what was written just now shows a moment later
+    else finish_change();
+}
+
+bool Gateway::goes(const LinkState& state) const { return ends(changing_->difference.of(state.link->name())); }
+
+void Gateway::check_change() {
+    const bool all_left = std::all_of(links_.begin(), links_.end(),
+                                      [this](const LinkState& s) { return !goes(s) || nothing_waits(s); });
+    if (all_left || now() >= changing_->by) finish_change();
+    else change_check_.set(now_ + change_look);
+}
+
+void Gateway::finish_change() {
+    now();
+    unpin_routes();
+    Retired retired;
+    remove_links(retired);
+    Changing change = *std::exchange(changing_, std::nullopt);
+    settings_ = std::move(change.settings);
+    forwarder_.set(settings_.gateway);
+    LinkSet fresh;
+    add_links(change.difference, fresh);
+    put_links_in_order();
+    pin_routes();
+    retired.lines = gpio_->change(
+        settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); }, fresh);
+    start_links(fresh);
+    retire(std::move(retired));
+    change.on_changed();
+}
+
+void Gateway::unpin_routes() {
+    for (const RouteSettings& route : settings_.routes) forwarder_.unpin(route.first, route.last, link_named(route.link).id());
+}
+
+void Gateway::remove_links(Retired& retired) {
+    for (LinkState& s : links_) {
+        if (!goes(s)) continue;
+        const LinkId id = s.link->id();
+        if (s.up) gpio_->link_state(id, false);
+        if (s.link.get() == tunnel_) tunnel_ = nullptr;
+        s.link->stop();
+        forwarder_.remove_link(id);
+        links_by_id_[index(id)] = nullptr;
+        streams_.erase(id);
+        retired.links.push_back(std::move(s.link));
+    }
+    std::erase_if(links_, [](const LinkState& s) { return !s.link; });
+}
+
+void Gateway::add_links(const Difference& difference, LinkSet& fresh) {
+    for (const LinkSettings& link : settings_.links)
+        if (begins(difference.of(link.name))) fresh.insert(add_link(link));
+    if (!settings_.tunnel) return;
+    if (tunnel_) connect_tunnel();
+    else fresh.insert(add_tunnel());
+}
+
+// That of the configuration; those that it does not name come last.
+void Gateway::put_links_in_order() {
+    const auto place = [this](const LinkState& s) {
+        const auto& links = settings_.links;
+        return std::find_if(links.begin(), links.end(), [&](const LinkSettings& l) { return l.name == s.link->name(); });
+    };
+    std::stable_sort(links_.begin(), links_.end(), [&](const LinkState& a, const LinkState& b) { return place(a) < place(b); });
+}
+
+void Gateway::start_links(LinkSet fresh) {
+    for (LinkState& s : links_)
+        if (fresh.contains(s.link->id())) s.since = now_;
+    for (LinkState& s : links_) gpio_->link_state(s.link->id(), s.up);    // for lamps that are new
+    for (LinkState& s : links_)
+        if (fresh.contains(s.link->id())) s.link->start();
+    flush();
+    beat();    // to open them may take long
+}
+
+// The calls that the loop holds of what was closed just now stand before ours.
+void Gateway::retire(Retired retired) {
+    retired_.push_back(std::move(retired));
+    asio::post(io_, [this, alive = std::weak_ptr<bool>{is_alive_}] {
+        if (!alive.expired()) retired_.pop_front();
+    });
+}
+
+// A link that has one channel gets it: the peer that has been silent for longest gives way.
+void Gateway::make_channel_free() {
+    const Channel* silent = nullptr;
+    for (const ChannelId id : forwarder_.channels()) {
+        const Channel& channel = forwarder_.channel(id);
+        const bool is_peer = links_by_id_[index(channel.link)]->settings().kind->listens;
+        if (is_peer && (!silent || channel.heard_at < silent->heard_at)) silent = &channel;
+    }
+    if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
+}
+
+}    // namespace anogate

@@ -1,0 +1,242 @@
+#include <config/values.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/notify.hpp>
+#include <daemon/reload.hpp>
+
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+void log_difference(const Difference& difference) {
+    for (const LinkDifference& link : difference.links) {
+        if (link.change == Change::same) continue;
+        std::string what;
+        for (const std::string& line : link.differences) what += (what.empty() ? ": " : ", ") + line;
+        spdlog::info("reload: {} {}{}", link.name, text(link.change), what);
+    }
+    for (const std::string& line : difference.gateway) spdlog::info("reload: {}", line);
+    for (const std::string& line : difference.needs_restart) spdlog::warn("reload: takes effect at the next start: {}", line);
+}
+
+void log_outcome(const ReloadOutcome& outcome) {
+    if (!outcome.refusal.empty()) return spdlog::error("reload: nothing was changed: {}", outcome.refusal);
+    if (!outcome.faults.empty()) spdlog::error("reload: nothing was changed, the configuration has faults:");
+    for (const ConfigError& fault : outcome.faults) spdlog::error("reload: {}", line_of(fault));
+    if (!outcome.faults.empty() || outcome.dry_run) return;
+    if (outcome.difference.is_none()) spdlog::info("reload: nothing changes");
+    log_difference(outcome.difference);
+    if (outcome.confirm_within)
+        spdlog::warn("reload: the configuration before comes back in {} unless this one is confirmed",
+                     duration_text(*outcome.confirm_within));
+}
+
+std::vector<std::string> names_of_changed(const Difference& difference) {
+    std::vector<std::string> names;
+    for (const LinkDifference& link : difference.links)
+        if (link.change != Change::same) names.push_back(link.name);
+    return names;
+}
+
+}    // namespace
+
+/// What the thread is given, and what it makes of it.
+struct Reload::Job {
+    ReloadRequest request;
+    ReadAgain read_again;
+    Settings running;
+    ReadConfig confirmed;
+    std::string kept_path;
+
+    ReadConfig wanted{};
+    ReloadOutcome outcome{};
+
+    void work();
+    bool prepare_restart();
+};
+
+void Reload::Job::work() {
+    outcome.dry_run = request.dry_run;
+    auto read = read_again();
+    if (auto* faults = std::get_if<ConfigErrors>(&read)) {
+        outcome.faults = std::move(*faults);
+        return;
+    }
+    wanted = std::get<ReadConfig>(std::move(read));
+    outcome.difference = difference(running, wanted.settings);
+    wanted.settings = without_restart(running, std::move(wanted.settings));
+    if (request.confirm_within && !difference(confirmed.settings, wanted.settings).is_none())
+        outcome.confirm_within = request.confirm_within;
+    if (!request.dry_run) prepare_restart();
+}
+
+// Before anything changes: the power may go at any time.
+bool Reload::Job::prepare_restart() {
+    std::string fault;
+    if (!outcome.confirm_within) fault = forget_config(kept_path);
+    else fault = keep_config(kept_path, {wanted.files, confirmed.files});
+    if (!fault.empty()) outcome.refusal = "what a restart is to run can't be written: " + fault;
+    return fault.empty();
+}
+
+Reload::Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path)
+    : gateway_{gateway},
+      confirmed_{std::move(running)},
+      read_again_{std::move(read_again)},
+      kept_path_{std::move(kept_path)},
+      errand_{io},
+      confirm_by_{io, [this] {
+                      if (may_still_be_confirmed()) return;
+                      confirm_by_.stop();
+                      enqueue([this] { roll_back(); });
+                  }} {}
+
+void Reload::reload(const ReloadRequest& request, Done done) {
+    enqueue([this, request, done = std::move(done)] { begin(request, done); });
+}
+
+void Reload::reload_soon() {
+    if (std::exchange(soon_, true)) return;
+    enqueue([this] {
+        soon_ = false;
+        begin({}, [](const ReloadOutcome&) {});
+    });
+}
+
+void Reload::confirm(std::function<void(std::string)> done) {
+    enqueue([this, done = std::move(done)] { begin_confirm(done); });
+}
+
+void Reload::stop() {
+    stopped_ = true;
+    tasks_.clear();
+    confirm_by_.stop();
+    errand_.stop();
+}
+
+void Reload::enqueue(std::function<void()> task) {
+    if (stopped_) return;
+    tasks_.push_back(std::move(task));
+    if (!busy_) next();
+}
+
+void Reload::next() {
+    busy_ = !tasks_.empty();
+    if (!busy_) return;
+    const auto task = std::move(tasks_.front());
+    tasks_.pop_front();
+    task();
+}
+
+void Reload::begin(const ReloadRequest& request, const Done& done) {
+    const auto job = std::make_shared<Job>(Job{request, read_again_, gateway_.settings(), confirmed_, kept_path_});
+    if (!request.dry_run) {
+        const auto now = std::chrono::duration_cast<std::chrono::microseconds>(ano::Clock::now().time_since_epoch());
+        notify_systemd("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(now.count()));
+    }
+    const bool goes = errand_.run([job] { job->work(); },
+                                  [this, job, done](std::string fault) {
+                                      if (!fault.empty()) job->outcome.refusal = std::move(fault);
+                                      carry_out(job, done);
+                                  });
+    if (goes) return;
+    job->outcome.dry_run = request.dry_run;
+    job->outcome.refusal = "no thread can be had to read the files";
+    finish(job->outcome, done);
+}
+
+void Reload::carry_out(const std::shared_ptr<Job>& job, const Done& done) {
+    const ReloadOutcome& outcome = job->outcome;
+    if (outcome.dry_run || !outcome.faults.empty() || !outcome.refusal.empty()) return finish(outcome, done);
+    change_gateway(job->wanted.settings, outcome.difference, [this, job, done] { changed(job, done); });
+}
+
+void Reload::change_gateway(const Settings& settings, const Difference& difference, std::function<void()> done) {
+    if (difference.is_none()) return done();
+    gateway_.change(settings, difference, patience, [this, names = names_of_changed(difference), done = std::move(done)] {
+        spdlog::default_logger()->set_level(spdlog::level::from_str(gateway_.settings().log.level));
+        if (on_links_changed_) on_links_changed_(names);
+        done();
+    });
+}
+
+void Reload::changed(const std::shared_ptr<Job>& job, const Done& done) {
+    const ReloadOutcome& outcome = job->outcome;
+    ConfigState state = gateway_.config_state();
+    state.needs_restart = outcome.difference.needs_restart;
+    confirm_by_.stop();
+    if (outcome.confirm_within) {
+        unconfirmed_ = std::move(job->wanted);
+        state.runs = ConfigState::Runs::unconfirmed;
+        state.confirm_by = ano::Clock::now() + *outcome.confirm_within;
+        confirm_by_.start(*outcome.confirm_within);
+    } else {
+        confirmed_ = std::move(job->wanted);
+        unconfirmed_.reset();
+        state.runs = ConfigState::Runs::file;
+        state.confirm_by.reset();
+    }
+    gateway_.set_config_state(std::move(state));
+    finish(outcome, done);
+}
+
+void Reload::finish(const ReloadOutcome& outcome, const Done& done) {
+    log_outcome(outcome);
+    if (!outcome.dry_run) notify_systemd("READY=1");
+    done(outcome);
+    next();
+}
+
+// What was kept for a restart goes first: until then it is not confirmed.
+void Reload::begin_confirm(const std::function<void(std::string)>& done) {
+    const auto refuse = [this, &done](std::string why) {
+        done(std::move(why));
+        next();
+    };
+    if (!unconfirmed_) return refuse("nothing waits to be confirmed");
+    const auto why = std::make_shared<std::string>();
+    const auto confirmed = [this, done, why](std::string fault) {
+        if (fault.empty()) fault = *why;
+        if (fault.empty()) {
+            confirm_by_.stop();
+            confirmed_ = *std::exchange(unconfirmed_, std::nullopt);
+            ConfigState state = gateway_.config_state();
+            state.runs = ConfigState::Runs::file;
+            state.confirm_by.reset();
+            gateway_.set_config_state(std::move(state));
+            spdlog::info("reload: confirmed");
+        }
+        done(std::move(fault));
+        next();
+    };
+    if (!errand_.run([why, path = kept_path_] { *why = forget_config(path); }, confirmed)) refuse("no thread can be had");
+}
+
+// The time may have been set anew when it was over already.
+bool Reload::may_still_be_confirmed() const {
+    const auto& by = gateway_.config_state().confirm_by;
+    return by && ano::Clock::now() < *by;
+}
+
+void Reload::roll_back() {
+    if (!unconfirmed_ || may_still_be_confirmed()) return next();
+    unconfirmed_.reset();
+    spdlog::warn("reload: not confirmed in time, the configuration before is back; the file stays as it is");
+    const Difference back = difference(gateway_.settings(), confirmed_.settings);
+    change_gateway(confirmed_.settings, back, [this, back] { rolled_back(back); });
+}
+
+void Reload::rolled_back(const Difference& difference) {
+    log_difference(difference);
+    ConfigState state = gateway_.config_state();
+    state.runs = ConfigState::Runs::not_the_file;
+    state.confirm_by.reset();
+    state.needs_restart.clear();
+    gateway_.set_config_state(std::move(state));
+    next();
+}
+
+}    // namespace anogate

@@ -1,0 +1,92 @@
+// Reads the configuration again while the gateway runs, and brings the old one back when nobody confirms the new one.
+#pragma once
+#include <config/config_error.hpp>
+#include <config/difference.hpp>
+#include <daemon/errand.hpp>
+#include <daemon/kept_config.hpp>
+#include <daemon/ticker.hpp>
+#include <gateway/settings.hpp>
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// What the configuration files and the command line say now.
+struct ReadConfig {
+    Settings settings;
+    std::vector<ConfigText> files;
+};
+/// Reads them whole. Called in a thread, where it may block.
+using ReadAgain = std::function<std::variant<ReadConfig, ConfigErrors>()>;
+
+struct ReloadRequest {
+    bool dry_run = false;
+    std::optional<ano::Duration> confirm_within{};    // nothing: it holds
+};
+
+struct ReloadOutcome {
+    ConfigErrors faults{};    // of the configuration; with any, or with a refusal, nothing was changed
+    std::string refusal{};    // why, otherwise
+    Difference difference{};
+    bool dry_run = false;
+    std::optional<ano::Duration> confirm_within{};    // nothing: there is nothing to confirm
+};
+
+/// What is asked is done in its order, one after the other. The files are read, judged and compared in a thread; the gateway is changed
+/// in the loop.
+class Reload {
+public:
+    /// `running`: what the gateway was made of, and that is its last confirmed configuration. `kept_path`: kept_config_path(). The
+    /// gateway outlives this.
+    Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path);
+
+    /// For which frames that wait in a link that goes it is waited so long.
+    static constexpr ano::Duration patience = std::chrono::milliseconds{300};
+
+    using Done = std::function<void(const ReloadOutcome&)>;
+    void reload(const ReloadRequest& request, Done done);
+    /// The same for SIGHUP: those that come while one waits to begin are one.
+    void reload_soon();
+    /// What runs is to stay. `done`: empty, or why it was not confirmed.
+    void confirm(std::function<void(std::string refusal)> done);
+    /// The names of links that were changed, added or removed.
+    void on_links_changed(std::function<void(const std::vector<std::string>&)> call) { on_links_changed_ = std::move(call); }
+    /// Nothing is done or answered any more.
+    void stop();
+
+private:
+    struct Job;
+    void enqueue(std::function<void()> task);
+    void next();
+    void begin(const ReloadRequest& request, const Done& done);
+    void carry_out(const std::shared_ptr<Job>& job, const Done& done);
+    void changed(const std::shared_ptr<Job>& job, const Done& done);
+    void finish(const ReloadOutcome& outcome, const Done& done);
+    void begin_confirm(const std::function<void(std::string)>& done);
+    bool may_still_be_confirmed() const;
+    void roll_back();
+    void rolled_back(const Difference& difference);
+    void change_gateway(const Settings& settings, const Difference& difference, std::function<void()> done);
+
+    Gateway& gateway_;
+    ReadConfig confirmed_;
+    ReadAgain read_again_;
+    std::string kept_path_;
+    Errand errand_;
+    Ticker confirm_by_;
+    std::deque<std::function<void()>> tasks_;
+    std::function<void(const std::vector<std::string>&)> on_links_changed_;
+    std::optional<ReadConfig> unconfirmed_;    // it runs, and waits to be confirmed
+    bool busy_ = false;
+    bool soon_ = false;    // reload_soon() was called, and waits to begin
+    bool stopped_ = false;
+};
+
+}    // namespace anogate

@@ -1,0 +1,14 @@
+// POST /reload and POST /reload/confirm.
+#pragma once
+
+namespace anogate {
+
+class Reload;
+namespace http {
+class Routes;
+}
+
+/// `reload` outlives the routes.
+void add_reload_routes(http::Routes& routes, Reload& reload);
+
+}    // namespace anogate

@@ -1,0 +1,87 @@
+// Answers of the control interface that are not known at once.
+#include <http/server.hpp>
+#include <support/http.hpp>
+#include <support/loop.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace anogate::http;
+using support::Loop;
+
+class LaterAnswers : public testing::Test {
+protected:
+    LaterAnswers() {
+        server.routes().add("POST", "/work", [this](const Request&) {
+            return later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+        });
+        server.routes().add("GET", "/now", [](const Request&) {
+            return later([](const std::function<void(Response)>& say) { say(error(409, "at once")); });
+        });
+        EXPECT_EQ(server.start(dir / "socket").error, "");
+    }
+    ~LaterAnswers() override { server.stop(); }
+
+    int ask(const std::string& request) const {
+        const int fd = support::connect_unix(dir / "socket");
+        EXPECT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+        return fd;
+    }
+    bool heard(int fd, const std::string& words) {
+        std::string& text = heard_[fd];
+        return loop.until([&] {
+            char buffer[4096];
+            if (const ssize_t n = ::recv(fd, buffer, sizeof buffer, MSG_DONTWAIT); n > 0)
+                text.append(buffer, static_cast<std::size_t>(n));
+            return text.find(words) != std::string::npos;
+        });
+    }
+
+    support::TempDir dir;
+    Loop loop;
+    Server server{loop.io};
+    std::vector<std::function<void(Response)>> waiting;
+    std::map<int, std::string> heard_;    // from each
+};
+
+TEST_F(LaterAnswers, are_sent_when_they_are_known_and_others_meanwhile) {
+    const int slow = ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\n\r\nGET /now HTTP/1.1\r\n\r\n");
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
+    const int quick = ask("GET /now HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(heard(quick, "at once"));
+    Response response;
+    response.status = 422;
+    response.body = "faulty";
+    waiting[0](std::move(response));
+    EXPECT_TRUE(heard(slow, "HTTP/1.1 422 Unprocessable Entity\r\n"));
+    EXPECT_TRUE(heard(slow, "at once")) << "what was asked behind it";
+    ::close(slow);
+    ::close(quick);
+}
+
+TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
+    ::close(ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"));
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
+    waiting[0](error(500, "nobody"));
+    const int other = ask("GET /now HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(heard(other, "at once"));
+    const int last = ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 2; }));
+    server.stop();
+    waiting[1](error(500, "the server has gone"));
+    loop.turn();
+    ::close(other);
+    ::close(last);
+}
+
+}    // namespace

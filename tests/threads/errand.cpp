@@ -1,0 +1,75 @@
+// Work that may block, in a thread of its own.
+#include <daemon/errand.hpp>
+#include <support/loop.hpp>
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+namespace {
+
+using anogate::Errand;
+using support::Loop;
+
+TEST(Errand, is_done_in_another_thread_and_taken_up_in_this_one) {
+    Loop loop;
+    Errand errand{loop.io};
+    const auto made = std::make_shared<std::thread::id>();
+    int done = 0;
+    for (int i = 1; i <= 3; ++i) {
+        ASSERT_TRUE(errand.run([made] { *made = std::this_thread::get_id(); },
+                               [&](const std::string& fault) {
+                                   EXPECT_EQ(fault, "");
+                                   EXPECT_FALSE(errand.is_running());
+                                   ++done;
+                               }));
+        EXPECT_TRUE(errand.is_running());
+        ASSERT_TRUE(loop.until([&] { return done == i; }));
+        EXPECT_NE(*made, std::thread::id{});
+        EXPECT_NE(*made, std::this_thread::get_id());
+    }
+}
+
+TEST(Errand, may_send_the_next_and_tells_what_was_thrown) {
+    Loop loop;
+    Errand errand{loop.io};
+    std::string said;
+    ASSERT_TRUE(errand.run([] { throw std::runtime_error{"no disk"}; },
+                           [&](const std::string& fault) {
+                               said = fault;
+                               errand.run([] {}, [&](const std::string& none) { said += "," + none + "done"; });
+                           }));
+    EXPECT_TRUE(loop.until([&] { return said == "no disk,done"; })) << said;
+}
+
+TEST(Errand, that_is_stopped_says_nothing_and_one_that_hangs_is_left) {
+    Loop loop;
+    bool called = false;
+    std::array<int, 2> pipe{};
+    ASSERT_EQ(::pipe(pipe.data()), 0);
+    const auto read = [fd = pipe[0]] {
+        char byte;
+        (void)!::read(fd, &byte, 1);
+    };
+    {
+        Errand errand{loop.io};
+        ASSERT_TRUE(errand.run([] {}, [&](const std::string&) { called = true; }));
+        errand.stop();
+        loop.turn();
+        ASSERT_TRUE(errand.run(read, [&](const std::string&) { called = true; }));
+    }
+    loop.turn();
+    EXPECT_FALSE(called);
+    ASSERT_EQ(::write(pipe[1], "x", 1), 1);
+    EXPECT_FALSE(loop.until([&] { return called; }, std::chrono::milliseconds{50}));
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+}
+
+}    // namespace
