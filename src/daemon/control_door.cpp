@@ -1,4 +1,5 @@
 #include <daemon/control_door.hpp>
+#include <daemon/login_route.hpp>
 #include <daemon/rooms.hpp>
 #include <http/socket_path.hpp>
 #include <http/tcp_door.hpp>
@@ -50,6 +51,11 @@ ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
     : settings_{std::move(settings)}, server_{io, {}, [] { return memory_is_left(request_memory); }}, again_{io, [this] {
                                                                                                                  try_again();
                                                                                                              }} {}
+
+void ControlDoor::add_login_route() {
+    routes().add({"POST", "/login", http::Access::open, "takes a token as {\"token\": ...}, and gives a browser a cookie for it",
+                  [this](const http::Request& request) { return login(server_.admission(), request, ano::Clock::now()); }});
+}
 
 bool ControlDoor::open() {
     if (!open_local()) return false;

@@ -19,6 +19,7 @@ public:
     ControlDoor(asio::io_context& io, ControlSettings settings);
 
     http::Routes& routes() noexcept { return server_.routes(); }
+    void add_login_route();
     /// Reads tokens and certificate. False: there can be no socket at the path that was asked for, which was told; of TCP it is
     /// told, and that door stays shut.
     bool open();

@@ -16,7 +16,8 @@ using Kind = http::WebSocket::Kind;
 
 constexpr std::size_t message_size = 16 * 1024;    // of what leaves at once, but for a frame that is larger
 constexpr std::size_t frames_per_message = 64;
-constexpr std::uint16_t policy_violation = 1008, try_again_later = 1013;    // why a WebSocket is closed (RFC 6455)
+constexpr std::uint16_t going_away = 1001, policy_violation = 1008,
+                        try_again_later = 1013;    // why a WebSocket is closed (RFC 6455)
 constexpr std::size_t longest_name = 64;
 
 // Not one that can be configured as a link.
@@ -61,6 +62,13 @@ public:
         if (skipped > 0) tell(std::to_string(skipped) + " bytes of a message are no whole frame: they went nowhere");
         if (arrival_.is_behind()) look_for_more();
         host().flush();
+    }
+
+    /// The link goes: nothing of it is used any more.
+    void detach() {
+        channel_ = nullptr;
+        alive_.reset();
+        socket_->close(going_away, "the gateway's links were changed: come again");
     }
 
     void sent_all() override {
@@ -129,6 +137,12 @@ ControlLink::ControlLink(LinkId id, LinkSettings settings, const LinkContext& co
     : Link{id, std::move(settings)}, context_{context}, forwarder_{forwarder} {}
 
 ControlLink::~ControlLink() = default;
+
+void ControlLink::stop() {
+    stop_reading();
+    for (LinkSocket*& socket : sockets_)
+        if (LinkSocket* const leaving = std::exchange(socket, nullptr)) leaving->detach();
+}
 
 void ControlLink::flush(Channel& channel) {
     if (LinkSocket* socket = sockets_[index(channel.id)]) socket->flush();

@@ -22,7 +22,7 @@ public:
 
     void start() override { context_.host.link_up(*this); }
     void stop_reading() override { reads_ = false; }
-    void stop() override { stop_reading(); }
+    void stop() override;
     void flush(Channel& channel) override;
     UnassignedTraffic unassigned_traffic() const override;
 

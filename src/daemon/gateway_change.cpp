@@ -1,5 +1,7 @@
 // The gateway has other settings while it runs: links come and go, all else stays.
+#include <config/config.hpp>
 #include <config/link_kind.hpp>
+#include <daemon/control_link.hpp>
 #include <daemon/gateway.hpp>
 #include <link/asio.hpp>
 
@@ -47,6 +49,7 @@ void Gateway::finish_change() {
     Changing change = *std::exchange(changing_, std::nullopt);
     settings_ = std::move(change.settings);
     forwarder_.set(settings_.gateway);
+    make_room_for_links(retired);
     LinkSet fresh;
     add_links(change.difference, fresh);
     put_links_in_order();
@@ -63,23 +66,35 @@ void Gateway::unpin_routes() {
 }
 
 void Gateway::remove_links(Retired& retired) {
-    for (LinkState& s : links_) {
-        if (!goes(s)) continue;
-        const LinkId id = s.link->id();
-        if (s.up) gpio_->link_state(id, false);
-        if (s.link.get() == tunnel_) tunnel_ = nullptr;
-        s.link->stop();
-        forwarder_.remove_link(id);
-        links_by_id_[index(id)] = nullptr;
-        streams_.erase(id);
-        retired.links.push_back(std::move(s.link));
-    }
+    for (LinkState& s : links_)
+        if (goes(s)) remove(s, retired);
+    std::erase_if(links_, [](const LinkState& s) { return !s.link; });
+}
+
+void Gateway::remove(LinkState& state, Retired& retired) {
+    const LinkId id = state.link->id();
+    if (state.up) gpio_->link_state(id, false);
+    if (state.link.get() == tunnel_) tunnel_ = nullptr;
+    if (state.link.get() == control_) control_ = nullptr;
+    state.link->stop();
+    forwarder_.remove_link(id);
+    links_by_id_[index(id)] = nullptr;
+    streams_.erase(id);
+    retired.links.push_back(std::move(state.link));
+}
+
+// The link `control` that nobody configured gives way: who joined by it is told to come again.
+void Gateway::make_room_for_links(Retired& retired) {
+    const std::size_t wanted = settings_.links.size() + (settings_.tunnel ? 1 : 0);
+    if (!control_ || is_control_configured(settings_) || wanted < max_links) return;
+    remove(state(*control_), retired);
     std::erase_if(links_, [](const LinkState& s) { return !s.link; });
 }
 
 void Gateway::add_links(const Difference& difference, LinkSet& fresh) {
     for (const LinkSettings& link : settings_.links)
         if (begins(difference.of(link.name))) fresh.insert(add_link(link));
+    if (is_control_configured(settings_) && !control_) fresh.insert(add_control());
     if (!settings_.tunnel) return;
     if (tunnel_) connect_tunnel();
     else fresh.insert(add_tunnel());

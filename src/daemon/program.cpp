@@ -64,6 +64,7 @@ public:
         });
         add_routes(control_.routes(), gateway_);
         add_reload_routes(control_.routes(), reload_);
+        control_.add_login_route();
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }

@@ -72,20 +72,25 @@ std::variant<ReloadRequest, std::string> read_request(const http::Request& reque
 }    // namespace
 
 void add_reload_routes(http::Routes& routes, Reload& reload) {
-    routes.add("POST", "/reload", [&reload](const http::Request& request) {
+    const auto ask = [&reload](const http::Request& request) {
         const auto read = read_request(request);
         if (const auto* fault = std::get_if<std::string>(&read)) return refused(400, *fault, "invalid");
         return http::later([&reload, asked = std::get<ReloadRequest>(read)](const std::function<void(http::Response)>& say) {
             reload.reload(asked, [say](const ReloadOutcome& outcome) { say(answer_of(outcome)); });
         });
-    });
-    routes.add("POST", "/reload/confirm", [&reload](const http::Request&) {
+    };
+    const auto confirm = [&reload](const http::Request&) {
         return http::later([&reload](const std::function<void(http::Response)>& say) {
             reload.confirm([say](const std::string& refusal) {
                 say(refusal.empty() ? json_response(200, {{"confirmed", true}}) : refused(409, refusal, "refused"));
             });
         });
-    });
+    };
+    routes.add({"POST", "/reload", http::Access::control,
+                "reads the configuration again (dry_run: only says what would change; confirm_within=30s: unless confirmed, the "
+                "one before comes back), and says what became of each link",
+                ask});
+    routes.add({"POST", "/reload/confirm", http::Access::control, "what runs since the last reload is to stay", confirm});
 }
 
 }    // namespace anogate

@@ -6,8 +6,6 @@
 namespace anogate::http {
 namespace {
 
-constexpr std::string_view where_tokens_are = "; the gateway's token file (control.token_file) has it";
-
 std::string lower(std::string_view text) {
     std::string all{text};
     for (char& c : all) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -81,12 +79,6 @@ bool is_plain_data(std::string_view type) {
 }
 
 }    // namespace
-
-Response needs_token(std::string_view words) {
-    Response response = error(401, std::string{words}.append(where_tokens_are));
-    response.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
-    return response;
-}
 
 bool Admission::is_own_name(std::string_view host, const Door& door) const {
     const std::string own = lower(rules_.host_name);

@@ -49,7 +49,4 @@ private:
     Attempts attempts_;
 };
 
-/// 401: a token is needed, or another one.
-Response needs_token(std::string_view words);
-
 }    // namespace anogate::http

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace anogate::http {
 
@@ -11,6 +12,9 @@ enum class Access : std::uint8_t {
     view,       // look
     control,    // everything
 };
+
+/// "open", "view", "control"
+std::string_view text(Access access) noexcept;
 
 struct Door {
     bool is_network = false;    // TCP: a browser that another page misuses may be behind it

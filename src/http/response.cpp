@@ -81,6 +81,12 @@ Response error(unsigned status, std::string_view words) {
     return response;
 }
 
+Response needs_token(std::string_view words) {
+    Response response = error(401, std::string{words} + "; the gateway's token file (control.token_file) has it");
+    response.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
+    return response;
+}
+
 Response try_again(std::string_view words) {
     Response response = error(503, words);
     response.headers.push_back({"Retry-After", "1"});

@@ -34,6 +34,9 @@ std::string_view what_of(unsigned status) noexcept;
 /// {"error": words, "what": what_of(status)}
 Response error(unsigned status, std::string_view words);
 
+/// 401: a token is needed, or another one.
+Response needs_token(std::string_view words);
+
 /// 503: it may be asked again in a second.
 Response try_again(std::string_view words);
 

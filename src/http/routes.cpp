@@ -66,9 +66,17 @@ Response not_allowed(const std::string& allowed) {
     return response;
 }
 
+Response not_permitted(Access given, Access needed) {
+    if (given == Access::open) return needs_token("this path needs a token");
+    return error(403, "the token may not do this: it needs one for '" + std::string{text(needed)} + "'");
+}
+
 }    // namespace
 
-std::string_view text(Access access) noexcept { return access == Access::view ? "view" : "control"; }
+std::string_view text(Access access) noexcept {
+    constexpr std::string_view names[] = {"open", "view", "control"};
+    return names[static_cast<std::size_t>(access)];
+}
 
 Response Routes::answer(Request request) const {
     const Target target = split(request.target);
@@ -79,6 +87,7 @@ Response Routes::answer(Request request) const {
             allowed += (allowed.empty() ? "" : ", ") + row.method + (row.method == "GET" ? ", HEAD" : "");
             continue;
         }
+        if (request.access < row.access) return not_permitted(request.access, row.access);
         if (!read_parameters(row.pattern, target.path, request.parameters))
             return error(400, "the path has a % that is not followed by two hex digits of a byte");
         auto query = parse_query(target.query);

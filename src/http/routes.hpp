@@ -3,7 +3,6 @@
 #include <http/request.hpp>
 #include <http/response.hpp>
 
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -12,19 +11,15 @@
 
 namespace anogate::http {
 
-/// What the token of a client must allow, at a door that asks for one.
-enum class Access : std::uint8_t { view, control };
-std::string_view text(Access access) noexcept;
-
-/// Rows of method, pattern and function, and what there is to say of them. A pattern is a path such as /links/{name}, where {name} stands for any one segment that is
-/// not empty. Where several patterns fit, the one that was added first counts. Who answers GET answers HEAD as well.
+/// Rows of method, pattern and function, and what there is to say of them. A pattern is a path such as /links/{name}, where {name}
+/// stands for any one segment that is not empty. Where several patterns fit, the one that was added first counts. Who answers GET answers HEAD as well.
 class Routes {
 public:
     using Function = std::function<Response(const Request& request)>;
     struct Row {
         std::string method, pattern;
-        Access access = Access::control;
-        std::string answers;    // with what, in a clause for people
+        Access access = Access::control;    // what a client must be allowed
+        std::string answers;                // with what, in a clause for people
         Function function;
     };
 
@@ -36,7 +31,7 @@ public:
     const std::vector<Row>& rows() const noexcept { return rows_; }
 
     /// What the function of the row that fits says, or, in words: 400 for a path or query with a bad encoding, 404 with the nearest
-    /// pattern, 405 with what the path does answer.
+    /// pattern, 405 with what the path does answer, 401 or 403 for a client who may not ask this.
     Response answer(Request request) const;
 
 private:
