@@ -78,14 +78,15 @@ TEST(Messages, bad_input_gets_words) {
 TEST(Anoctl, a_command_that_is_none_is_named) {
     const auto ran = anoctl({"mesages"});
     EXPECT_EQ(ran.exit, 2);
-    EXPECT_EQ(
-        ran.err,
-        "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor\n");
+    EXPECT_EQ(ran.err,
+              "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, "
+              "monitor, ports\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
-    EXPECT_EQ(anoctl({}).err,
-              "anoctl: no command; the commands are decode, encode, messages, monitor, and anoctl COMMAND --help says more\n");
+    EXPECT_EQ(
+        anoctl({}).err,
+        "anoctl: no command; the commands are decode, encode, messages, monitor, ports, and anoctl COMMAND --help says more\n");
 }
 
 }    // namespace
