@@ -161,6 +161,20 @@ void check_control(Draft& draft) {
 
 }    // namespace
 
+std::vector<OptionText> option_texts(const std::string& default_file) {
+    Arguments arguments;
+    CLI::App app;
+    add_all(app, arguments, default_file);
+    std::vector<OptionText> texts;
+    for (const CLI::Option* option : app.get_options()) {
+        OptionText text{{}, option->get_type_name(), option->get_description()};
+        for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
+        texts.push_back(std::move(text));
+    }
+    return texts;
+}
+
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file) {
     Arguments arguments;
     CLI::App app{"Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network.", "anogated"};
