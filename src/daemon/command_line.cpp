@@ -194,7 +194,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     validate(draft);
-    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft);
+    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft, file);
     else if (!arguments.print_config) check_control(draft);
     if (arguments.check) {
         warn_of_paths(draft);
