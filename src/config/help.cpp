@@ -17,15 +17,10 @@ std::string usual_text(const KeyFacts& key, const std::string& usual) {
     return address ? address_text(*address) : usual;
 }
 
-/// The help with the default behind it, unless it speaks of that itself.
 template <class Section>
 std::string key_line(const Key<Section>& key, const Section& defaults, std::size_t indent, std::string_view between) {
-    std::string help{key.help};
-    const auto usual = key.text_in(defaults);
-    if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
-        help += " (default " + usual_text(key, *usual) + ")";
     return line(std::string{key.name} + (key.form == Form::limits ? ".MESSAGE" : "") + std::string{between} + placeholder(key),
-                help, indent);
+                help_of(key, key.text_in(defaults)), indent);
 }
 
 template <class Section>
@@ -63,6 +58,13 @@ std::string link_objects(LinkKinds kinds) {
 }
 
 }    // namespace
+
+std::string help_of(const KeyFacts& key, const std::optional<std::string>& usual) {
+    std::string help{key.help};
+    if (!key.required && usual && !usual->empty() && help.find("(default") == help.npos)
+        help += " (default " + usual_text(key, *usual) + ")";
+    return help;
+}
 
 std::string links_and_keys_help(LinkKinds kinds) {
     return "LINK = KIND:ADDRESS[,KEY=VALUE...]; everything before the first comma after KIND: is the address:\n" + links(kinds) +

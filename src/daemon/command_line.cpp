@@ -160,6 +160,20 @@ void check_control(Draft& draft) {
 
 }    // namespace
 
+std::vector<OptionText> option_texts(const std::string& default_file) {
+    Arguments arguments;
+    CLI::App app;
+    add_all(app, arguments, default_file);
+    std::vector<OptionText> texts;
+    for (const CLI::Option* option : app.get_options()) {
+        OptionText text{{}, option->get_type_name(), option->get_description()};
+        for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
+        texts.push_back(std::move(text));
+    }
+    return texts;
+}
+
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv, const std::string& default_file,
                                                    const std::vector<ConfigText>* instead) {
     Arguments arguments;
@@ -183,7 +197,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     validate(draft);
-    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft);
+    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft, file);
     else if (!arguments.print_config) check_control(draft);
     if (arguments.check) {
         warn_of_paths(draft);

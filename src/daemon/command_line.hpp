@@ -27,6 +27,16 @@ struct Exit {
     ConfigErrors faults{};    // of which `text` tells
 };
 
+/// An option as --help shows it; without names: the LINKs.
+struct OptionText {
+    std::vector<std::string> names;    // "-c", "--config"
+    std::string value;                 // "FILE"; empty: a flag
+    std::string help;
+};
+
+/// Every option that there is, in the order of --help.
+std::vector<OptionText> option_texts(const std::string& default_file);
+
 /// Reads the configuration file too. `default_file` is read when neither a file nor a link is named. `instead`, where it is given,
 /// takes the place of what would be read.
 std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* argv,

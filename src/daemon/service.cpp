@@ -17,6 +17,12 @@ namespace fs = std::filesystem;
 constexpr char log_folder[] = "/var/log/anogate";
 constexpr const char* writable[] = {runtime_folder, log_folder, "/dev/shm"};
 
+/// Of anogated@NAME.service, whose configuration is NAME.json: /run/anogate-NAME.
+std::string runtime_folder_for(const std::string& config_file) {
+    const std::string name = fs::path{config_file}.stem().string();
+    return name.empty() || name == "anogate" ? runtime_folder : std::string{runtime_folder} + "-" + name;
+}
+
 bool is_below(const fs::path& path, const fs::path& folder) {
     const fs::path step = path.lexically_relative(folder);
     return !step.empty() && *step.begin() != ".." && step != ".";
@@ -38,14 +44,21 @@ bool is_below_one_of(const fs::path& path, std::span<const char* const> folders)
     return std::any_of(folders.begin(), folders.end(), [&](const char* folder) { return is_below(path, folder); });
 }
 
-void check_writable(const std::string& path, std::string_view key, const std::string& where, const char* better, Draft& draft) {
+struct ServiceFolders {
+    std::string runtime;    // of this instance
+    Draft& draft;
+};
+
+void check_writable(const std::string& path, std::string_view key, const std::string& where, const std::string& better,
+                    const ServiceFolders& service) {
     const fs::path there = looked_up(path);
-    if (path.empty() || is_below_one_of(there, writable)) return;
+    if (path.empty() || is_below_one_of(there, writable) || is_below(there, service.runtime)) return;
     const bool unseen = is_below_one_of(there, private_folders);
-    draft.errors.push_back({where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there" +
-                                       (unseen ? ", and nobody else would see its /tmp; " : "; ") + better + "/" +
-                                       fs::path{path}.filename().string() + " works" +
-                                       (unseen ? "" : " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
+    service.draft.errors.push_back(
+        {where, in_quotes(key) + " " + in_quotes(path) + ": the service may not write there" +
+                    (unseen ? ", and nobody else would see its /tmp; " : "; ") + better + "/" +
+                    fs::path{path}.filename().string() + " works" +
+                    (unseen ? "" : " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)")});
 }
 
 void check_port(const std::string& device, const std::string& where, Draft& draft) {
@@ -69,14 +82,15 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
     return !ec && folder == folder_of(default_file);
 }
 
-void check_for_service(Draft& draft) {
+void check_for_service(Draft& draft, const std::string& config_file) {
+    const ServiceFolders service{runtime_folder_for(config_file), draft};
     for (const auto& [path, key, origin] : paths_of_links(draft)) {
-        if (path.is_made) check_writable(path.path, key, origin.key(key), runtime_folder, draft);
+        if (path.is_made) check_writable(path.path, key, origin.key(key), service.runtime, service);
         else check_port(path.path, origin.key(key), draft);
     }
-    check_writable(draft.settings.log.file, "file", draft.log.key("file"), log_folder, draft);
+    check_writable(draft.settings.log.file, "file", draft.log.key("file"), log_folder, service);
     if (draft.settings.control.socket != "none")
-        check_writable(draft.settings.control.socket, "socket", draft.control.key("socket"), runtime_folder, draft);
+        check_writable(draft.settings.control.socket, "socket", draft.control.key("socket"), service.runtime, service);
 }
 
 }    // namespace anogate

@@ -22,6 +22,7 @@ bool is_own(const fs::path& folder) {
 bool is_own_folder(const fs::path& folder, const std::string& runtime_dir) {
     for (const char* const own : {runtime_folder, "/var/log/anogate"})
         if (is_at_or_below(folder, own)) return true;
+    if (folder.lexically_normal().string().starts_with(std::string{runtime_folder} + "-")) return true;
     return !runtime_dir.empty() && (folder == runtime_dir || is_at_or_below(folder, fs::path{runtime_dir} / "anogate"));
 }
 

@@ -10,7 +10,8 @@ namespace anogate {
 /// Of root and of the service: RuntimeDirectory= of the unit.
 inline constexpr char runtime_folder[] = "/run/anogate";
 
-/// /run/anogate, /var/log/anogate, `runtime_dir` ($XDG_RUNTIME_DIR; empty: none) with its anogate, and what is below those.
+/// /run/anogate, /run/anogate-NAME (of anogated@NAME.service), /var/log/anogate, `runtime_dir` ($XDG_RUNTIME_DIR; empty: none) with
+/// its anogate, and what is below those.
 bool is_own_folder(const std::filesystem::path& folder, const std::string& runtime_dir);
 
 /// The folder that `path` is to be made in; "." for a name alone.

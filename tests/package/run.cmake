@@ -14,7 +14,10 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-foreach(file bin/anogated lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf lib/udev/rules.d/60-anogate.rules etc/anogate/anogate.json)
+foreach(file bin/anogated lib/systemd/system/anogated.service lib/systemd/system/anogated@.service lib/sysusers.d/anogate.conf
+    lib/udev/rules.d/60-anogate.rules lib/udev/rules.d/98-anogate-ports.rules etc/anogate/anogate.json share/man/man8/anogated.8
+    share/man/man1/anoctl.1 share/man/man5/anogate.json.5 share/bash-completion/completions/anoctl
+    share/zsh/vendor-completions/_anoctl share/fish/vendor_completions.d/anoctl.fish)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} was not installed")
   endif()
@@ -26,6 +29,14 @@ if(NOT command STREQUAL "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 run(${prefix}/bin/anogated --check)
+
+# So does that of instances, each with its own configuration and runtime folder.
+file(STRINGS ${prefix}/lib/systemd/system/anogated@.service instance REGEX "^(ExecStart|RuntimeDirectory|Environment|EnvironmentFile)=")
+set(expected "EnvironmentFile=-${prefix}/etc/default/anogate" "ExecStart=${prefix}/bin/anogated --config ${prefix}/etc/anogate/%i.json --control /run/anogate-%i/control.sock"
+  "RuntimeDirectory=anogate-%i" "Environment=XDG_RUNTIME_DIR=/run/anogate-%i")
+if(NOT instance STREQUAL expected)
+  message(FATAL_ERROR "the unit of instances has ${instance}")
+endif()
 run(${prefix}/bin/anogated --help)
 if(NOT output MATCHES "${prefix}/etc/anogate/anogate.json")
   message(FATAL_ERROR "anogated looks elsewhere for its configuration:\n${output}")
@@ -42,7 +53,7 @@ if(NOT EXISTS ${BUILD}/package/root/etc/anogate/anogate.json)
 endif()
 # What remains to be done by hand is said where the system does not look, and the manifest has all that is to be removed one day.
 run(${CMAKE_COMMAND} -E env DESTDIR=${BUILD}/package/root ${CMAKE_COMMAND} --install ${BUILD} --prefix "/opt/my anogate")
-if(NOT output MATCHES "systemctl link /opt/my anogate/lib/systemd/system/anogated.service")
+if(NOT output MATCHES "systemctl link /opt/my anogate/lib/systemd/system/anogated.service ")
   message(FATAL_ERROR "nobody is told of systemctl link:\n${output}")
 endif()
 file(STRINGS "${BUILD}/package/root/opt/my anogate/lib/systemd/system/anogated.service" command REGEX "^Exec(Start|Reload)=")
@@ -50,7 +61,7 @@ if(NOT command STREQUAL "ExecStart=\"/opt/my anogate/bin/anogated\" --config \"/
   message(FATAL_ERROR "the unit has ${command}")
 endif()
 file(STRINGS ${BUILD}/install_manifest.txt manifest)
-foreach(file bin/anogated bin/anoctl lib/systemd/system/anogated.service lib/sysusers.d/anogate.conf)
+foreach(file bin/anogated bin/anoctl lib/systemd/system/anogated.service lib/systemd/system/anogated@.service lib/sysusers.d/anogate.conf)
   if(NOT "/opt/my anogate/${file}" IN_LIST manifest)
     message(FATAL_ERROR "${file} is not in the manifest")
   endif()

@@ -19,11 +19,12 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 11> all{{
+    static constexpr std::array<Subcommand, 12> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
         {"monitor", "Shows the frames of the gateway that runs, or those that come in by a link", add_monitor},
+        {"ports", "Shows serial ports and CAN interfaces, and who has them; finds the rate of a device", add_ports},
         {"status", "Shows how a running gateway is", add_status},
         {"links", "Shows its links and what they count", add_links},
         {"routes", "Shows where each address leads", add_routes},

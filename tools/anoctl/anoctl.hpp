@@ -48,6 +48,7 @@ Run add_decode(Options& options);
 Run add_encode(Options& options);
 Run add_messages(Options& options);
 Run add_monitor(Options& options);
+Run add_ports(Options& options);
 Run add_send(Options& options);
 Run add_top(Options& options);
 Run add_status(Options& options);

@@ -8,10 +8,10 @@ namespace anogate {
 namespace {
 
 /// The parts of a configuration that the service can't do, one for each line.
-std::string faults(std::string_view json) {
+std::string faults(std::string_view json, const std::string& config_file = {}) {
     Draft draft = parse_config(json, "a.json");
     EXPECT_EQ(lines(draft.errors), "");
-    check_for_service(draft);
+    check_for_service(draft, config_file);
     std::string text;
     for (const ConfigError& error : draft.errors) text += error.where + ": " + error.what + "\n";
     return text;
@@ -41,6 +41,14 @@ TEST(Service, writes_nowhere_else) {
     EXPECT_EQ(faults(R"({"control": {"socket": "/tmp/c"}})"),
               "a.json: /control/socket: 'socket' '/tmp/c': the service may not write there, and nobody else would see its /tmp; "
               "/run/anogate/c works\n");
+}
+
+TEST(Service, of_an_instance_has_a_runtime_folder_of_its_own) {
+    const char* const json = R"({"links": ["pty:/run/anogate-left/app"], "control": {"socket": "/run/anogate-left/c.sock"}})";
+    EXPECT_EQ(faults(json, "/etc/anogate/left.json"), "");
+    EXPECT_NE(faults(json, "/etc/anogate/right.json"), "");
+    EXPECT_NE(faults(json, "/etc/anogate/anogate.json"), "");
+    EXPECT_NE(faults(R"({"links": ["pty:/home/pi/fc"]})", "left.json").find("; /run/anogate-left/fc works"), std::string::npos);
 }
 
 TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {

@@ -40,9 +40,11 @@ TEST(SocketPath, a_client_looks_where_a_gateway_of_his_would_be) {
 }
 
 TEST(SocketPath, only_folders_of_its_own_are_made) {
-    for (const char* own : {"/run/anogate", "/run/anogate/more", "/var/log/anogate", "/run/user/1000", "/run/user/1000/anogate"})
+    for (const char* own : {"/run/anogate", "/run/anogate/more", "/run/anogate-left", "/run/anogate-left/x", "/var/log/anogate",
+                            "/run/user/1000", "/run/user/1000/anogate"})
         EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;
-    for (const char* other : {"/run/user/1000/anogaet", "/run/anogaet", "/run", "/tmp/anogate", "/run/anogate/../x", "."})
+    for (const char* other :
+         {"/run/anogate-left/../x", "/run/user/1000/anogaet", "/run/anogaet", "/run", "/tmp/anogate", "/run/anogate/../x", "."})
         EXPECT_FALSE(is_own_folder(other, "/run/user/1000")) << other;
     EXPECT_FALSE(is_own_folder("/run/user/1000", ""));
 }

@@ -1,0 +1,61 @@
+# What bash offers behind anoctl. Made from its tables of options and commands.
+_anoctl_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
+_anoctl_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
+_anoctl_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }
+_anoctl_messages() { COMPREPLY=($(compgen -W 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind' -- "$cur")); }
+# A colon ends a word of bash: behind one, the address of the link.
+_anoctl_links() {
+    local kind=$cur
+    if [[ $cur == *:* ]]; then
+        kind=${cur%%:*} cur=${cur#*:}
+    elif [[ $prev == : ]]; then
+        kind=${COMP_WORDS[COMP_CWORD - 2]}
+    elif [[ $cur == : ]]; then
+        kind=$prev cur=
+    else
+        compopt -o nospace 2>/dev/null
+        _anoctl_words 'serial: udp-listen: udp: can: pty: sim:'
+        return
+    fi
+    case $kind in
+        serial) _anoctl_ports ;;
+        pty) _anoctl_files ;;
+        can) COMPREPLY=($(compgen -W "$(ls /sys/class/net 2>/dev/null | grep can)" -- "$cur")) ;;
+    esac
+}
+_anoctl() {
+    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
+    COMPREPLY=()
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports help --help --version'; return; fi
+    command=${COMP_WORDS[1]}
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports'; return; fi
+    case "$command $prev" in
+        'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
+        'decode --config') _anoctl_files; return ;;
+        'encode --from') :; return ;;
+        'encode --to') :; return ;;
+        'encode --data') :; return ;;
+        'encode --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'encode --value-type-7') _anoctl_words 'f32 u64'; return ;;
+        'encode --config') _anoctl_files; return ;;
+        'messages --config') _anoctl_files; return ;;
+        'monitor --id') _anoctl_messages; return ;;
+        'monitor --from') :; return ;;
+        'monitor --to') :; return ;;
+        'monitor --count') :; return ;;
+        'monitor --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'monitor --value-type-7') _anoctl_words 'f32 u64'; return ;;
+        'monitor --config') _anoctl_files; return ;;
+        'ports --detect') _anoctl_ports; return ;;
+    esac
+    case $command in
+        'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
+        'encode') options='--from --to --data --raw --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
+        'monitor') options='--id --from --to --count --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
+        'ports') options='--detect --json -h --help'; operands=':' ;;
+    esac
+    if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi
+}
+complete -F _anoctl anoctl

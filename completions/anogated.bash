@@ -1,0 +1,43 @@
+# What bash offers behind anogated. Made from its tables of options and commands.
+_anogated_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
+_anogated_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
+_anogated_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }
+_anogated_messages() { COMPREPLY=($(compgen -W 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind' -- "$cur")); }
+# A colon ends a word of bash: behind one, the address of the link.
+_anogated_links() {
+    local kind=$cur
+    if [[ $cur == *:* ]]; then
+        kind=${cur%%:*} cur=${cur#*:}
+    elif [[ $prev == : ]]; then
+        kind=${COMP_WORDS[COMP_CWORD - 2]}
+    elif [[ $cur == : ]]; then
+        kind=$prev cur=
+    else
+        compopt -o nospace 2>/dev/null
+        _anogated_words 'serial: udp-listen: udp: can: pty: sim:'
+        return
+    fi
+    case $kind in
+        serial) _anogated_ports ;;
+        pty) _anogated_files ;;
+        can) COMPREPLY=($(compgen -W "$(ls /sys/class/net 2>/dev/null | grep can)" -- "$cur")) ;;
+    esac
+}
+_anogated() {
+    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
+    COMPREPLY=()
+    case "$command $prev" in
+        ' -c') _anogated_files; return ;;
+        ' --config') _anogated_files; return ;;
+        ' --id') :; return ;;
+        ' --unknown') _anogated_words 'flood drop'; return ;;
+        ' --control') _anogated_files; return ;;
+        ' --log-level') _anogated_words 'trace debug info warn error'; return ;;
+        ' --route') :; return ;;
+    esac
+    case $command in
+        '') options='-h --help --version -c --config --id --unknown --control --log-level --route --check --print-config'; operands='_anogated_links' ;;
+    esac
+    if [[ $cur == -* ]]; then _anogated_words "$options"; else eval "$operands"; fi
+}
+complete -F _anogated anogated

@@ -1,0 +1,13 @@
+# What fish offers behind anogated. Made from its tables of options and commands.
+complete -c anogated -f
+complete -c anogated -s h -l help -d 'Says what there is, and exits'
+complete -c anogated -l version -d 'print the version'
+complete -c anogated -s c -l config -r -F -d 'JSON file'
+complete -c anogated -l id -x -d 'the gateway\'s own hardware id '
+complete -c anogated -l unknown -x -a 'flood drop' -d 'frames to an address that nobody has used'
+complete -c anogated -l control -r -F -d 'path of the control socket, or none '
+complete -c anogated -l log-level -x -a 'trace debug info warn error' -d 'what is logged'
+complete -c anogated -l route -x -d 'pin an address or range '
+complete -c anogated -l check -d 'check the configuration'
+complete -c anogated -l print-config -d 'print the configuration that results, as a file to use'
+complete -c anogated -a 'serial: udp-listen: udp: can: pty: sim:'

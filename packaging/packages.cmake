@@ -1,0 +1,62 @@
+# The Debian packages anogate and libano-dev; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
+# version, changelog and sbom.spdx.json.
+file(READ ${ANOGATE_PACKAGE}/version package_version)
+string(STRIP "${package_version}" package_version)
+
+foreach(package anogate libano-dev)
+  install(FILES ${PROJECT_SOURCE_DIR}/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
+    DESTINATION share/doc/${package} COMPONENT ${package})
+endforeach()
+install(FILES ${ANOGATE_PACKAGE}/sbom.spdx.json DESTINATION share/doc/anogate COMPONENT anogate)
+
+# Debian has manual pages compressed.
+install(CODE [[
+  foreach(page man8/anogated.8 man1/anoctl.1 man5/anogate.json.5)
+    execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/${page}" COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
+]] COMPONENT anogate)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_OUTPUT_FILE_PREFIX ${ANOGATE_PACKAGE})
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL anogate libano-dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")    # each package has its own, in its first line
+set(CPACK_PACKAGE_CONTACT "anogate developers <anogate@users.noreply.github.com>")
+set(CPACK_DEBIAN_PACKAGE_VERSION ${package_version})
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${CPACK_PACKAGE_CONTACT})
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+if(ANOGATE_PACKAGE_ARCHITECTURE)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${ANOGATE_PACKAGE_ARCHITECTURE})
+endif()
+
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_NAME anogate)
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_SECTION comm)
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_SUGGESTS "can-utils, gpiod, wireguard-tools")
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_CONTROL_EXTRA
+  ${PROJECT_SOURCE_DIR}/packaging/conffiles ${PROJECT_SOURCE_DIR}/packaging/preinst ${PROJECT_SOURCE_DIR}/packaging/postinst
+  ${PROJECT_SOURCE_DIR}/packaging/prerm ${PROJECT_SOURCE_DIR}/packaging/postrm)
+set(CPACK_COMPONENT_ANOGATE_DESCRIPTION "gateway for the ANO V8 protocol
+Joins everything that speaks ANO V8 into one network: serial ports, CAN buses
+and UDP peers. Each frame goes to where its destination address is, and
+frames of devices without a network are carried over IP.
+.
+With anoctl, which shows and makes frames, and a service for systemd that is
+not started before somebody enables it.")
+
+set(CPACK_DEBIAN_LIBANO-DEV_PACKAGE_NAME libano-dev)
+set(CPACK_DEBIAN_LIBANO-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_LIBANO-DEV_DESCRIPTION "library for the ANO V8 protocol
+Finds, reads and makes frames of ANO V8, and knows its messages by name. In
+C++20, with the standard library alone. A static library with headers and
+what find_package(ano) of CMake needs.")
+include(CPack)

@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+#include <reference/completions.hpp>
+#include <reference/manual.hpp>
+#include <reference/page.hpp>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <support/files.hpp>
+
+namespace {
+
+using namespace reference;
+
+/// The file of the repository is what the tables make; with ANOGATE_UPDATE=1 it becomes that.
+void is_current(const std::string& file, const std::string& made) {
+    const auto path = support::source_file(file);
+    if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << made;
+    EXPECT_EQ(support::text_of(path), made) << "run this test with ANOGATE_UPDATE=1 and commit " << file;
+}
+
+TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
+    is_current("man/anogated.8", anogated_page());
+    is_current("man/anoctl.1", anoctl_page());
+    is_current("man/anogate.json.5", configuration_page());
+}
+
+TEST(Completions, in_the_repository_are_those_that_the_tables_make) {
+    for (const Program& program : {anogated_program(), anoctl_program()}) {
+        is_current("completions/" + program.name + ".bash", bash_completion(program));
+        is_current("completions/_" + program.name, zsh_completion(program));
+        is_current("completions/" + program.name + ".fish", fish_completion(program));
+    }
+}
+
+TEST(Page, takes_no_words_for_commands) {
+    Page page{"a-b", 7, "nothing"};
+    page.section("S");
+    page.text(".Sh it is not. A --flag and a \\n");
+    page.begin_list();
+    page.item("\"name\"", "Ar Xr", "'x");
+    page.end_list();
+    EXPECT_NE(page.str().find("\n\\&.Sh it is not.\nA \\-\\-flag and a \\en\n"), std::string::npos) << page.str();
+    EXPECT_NE(page.str().find(".It Cm \"\\&\"\"name\"\"\" Ar \"\\&Ar Xr\"\n\\&'x\n"), std::string::npos) << page.str();
+}
+
+TEST(Page, has_a_sentence_a_line) {
+    Page page{"x", 7, "nothing"};
+    page.text("One. Two at 1.5 s, e. g. here. Three");
+    EXPECT_NE(page.str().find("\nOne.\nTwo at 1.5 s, e. g. here.\nThree\n"), std::string::npos) << page.str();
+}
+
+TEST(Programs, know_what_a_shell_offers_for_a_value) {
+    const auto of = [](const char* value) { return Argument{{}, value, ""}; };
+    EXPECT_EQ(of("utf8|gbk").words(), (std::vector<std::string>{"utf8", "gbk"}));
+    EXPECT_EQ(of("flood|drop|LINK").words(), (std::vector<std::string>{"flood", "drop"}));
+    EXPECT_EQ(of("[HEX|FILE|-]").offer(), Offer::files);
+    EXPECT_EQ(of("LINK...").offer(), Offer::links);
+    EXPECT_EQ(of("ID...").offer(), Offer::messages);
+    EXPECT_EQ(of("N").offer(), Offer::nothing);
+}
+
+}    // namespace

@@ -1,0 +1,235 @@
+#include "completions.hpp"
+
+#include <algorithm>
+
+namespace reference {
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string all;
+    for (const std::string& word : words) all += (all.empty() ? "" : " ") + word;
+    return all;
+}
+
+/// In single quotation marks, as bash and zsh read them.
+std::string quoted(std::string_view text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string{"'\\''"} : std::string{c};
+    return out + "'";
+}
+
+std::string first_clause(const std::string& help) { return help.substr(0, help.find_first_of(";:(")); }
+
+// --- bash -------------------------------------------------------------------------------------------------------------
+
+/// A call of the function that offers these values.
+std::string offered_by_bash(const Program& program, const Argument& argument) {
+    const std::string prefix = "_" + program.name + "_";
+    switch (argument.offer()) {
+    case Offer::words: return prefix + "words " + quoted(joined(argument.words()));
+    case Offer::files: return prefix + "files";
+    case Offer::messages: return prefix + "messages";
+    case Offer::links: return prefix + "links";
+    case Offer::ports: return prefix + "ports";
+    case Offer::nothing: break;
+    }
+    return ":";
+}
+
+/// The lines of a case statement: what is offered behind each option of a command.
+std::string values_for_bash(const Program& program, const Command& command) {
+    std::string text;
+    for (const Argument& option : command.options)
+        for (const std::string& name : option.names)
+            if (!option.value.empty())
+                text += "        " + quoted(command.name + " " + name) + ") " + offered_by_bash(program, option) +
+                        "; return ;;\n";
+    return text;
+}
+
+std::string options_of(const Command& command) {
+    std::vector<std::string> all;
+    for (const Argument& option : command.options) all.insert(all.end(), option.names.begin(), option.names.end());
+    return joined(all);
+}
+
+std::string operands_for_bash(const Program& program, const Command& command) {
+    std::string offer = ":";
+    for (const Argument& operand : command.operands)
+        if (offer == ":") offer = offered_by_bash(program, operand);
+    return "        " + quoted(command.name) + ") options=" + quoted(options_of(command)) + "; operands=" + quoted(offer) +
+           " ;;\n";
+}
+
+constexpr char bash_common[] = R"bash(_%P_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
+_%P_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
+_%P_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }
+_%P_messages() { COMPREPLY=($(compgen -W '%MESSAGES%' -- "$cur")); }
+# A colon ends a word of bash: behind one, the address of the link.
+_%P_links() {
+    local kind=$cur
+    if [[ $cur == *:* ]]; then
+        kind=${cur%%:*} cur=${cur#*:}
+    elif [[ $prev == : ]]; then
+        kind=${COMP_WORDS[COMP_CWORD - 2]}
+    elif [[ $cur == : ]]; then
+        kind=$prev cur=
+    else
+        compopt -o nospace 2>/dev/null
+        _%P_words '%LINKS%'
+        return
+    fi
+    case $kind in
+        serial) _%P_ports ;;
+        pty) _%P_files ;;
+        can) COMPREPLY=($(compgen -W "$(ls /sys/class/net 2>/dev/null | grep can)" -- "$cur")) ;;
+    esac
+}
+)bash";
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) text.replace(at, from.size(), to);
+}
+
+bool has_commands(const Program& program) { return !program.commands.front().name.empty(); }
+
+// --- zsh --------------------------------------------------------------------------------------------------------------
+
+/// In a description of _arguments.
+std::string described(const std::string& help) {
+    std::string text = first_clause(help);
+    for (const char c : {'[', ']'}) std::replace(text.begin(), text.end(), c, ' ');
+    return text;
+}
+
+std::string offered_by_zsh(const Program& program, const Argument& argument) {
+    switch (argument.offer()) {
+    case Offer::words: return "(" + joined(argument.words()) + ")";
+    case Offer::files: return "_files";
+    case Offer::messages: return "_" + program.name + "_messages";
+    case Offer::links: return "_" + program.name + "_links";
+    case Offer::ports: return "_files -g \"/dev/tty*\"";
+    case Offer::nothing: break;
+    }
+    return "";
+}
+
+/// The arguments of _arguments for a command.
+std::string specs_for_zsh(const Program& program, const Command& command) {
+    std::string text;
+    const auto add = [&](const std::string& spec) { text += " \\\n            " + quoted(spec); };
+    for (const Argument& option : command.options)
+        for (const std::string& name : option.names) {
+            const std::string value = option.value.empty() ? "" : ":value:" + offered_by_zsh(program, option);
+            add((option.is_repeated() ? "*" : "") + name + "[" + described(option.help) + "]" + value);
+        }
+    for (std::size_t i = 0; i < command.operands.size(); ++i)
+        add((i + 1 == command.operands.size() ? "*" : std::to_string(i + 1)) +
+            ":operand:" + offered_by_zsh(program, command.operands[i]));
+    return text;
+}
+
+// --- fish -------------------------------------------------------------------------------------------------------------
+
+std::string quoted_for_fish(std::string_view text) {
+    std::string out = "'";
+    for (const char c : text) out += (c == '\'' || c == '\\' ? "\\" : "") + std::string{c};
+    return out + "'";
+}
+
+std::string offered_by_fish(const Argument& argument) {
+    switch (argument.offer()) {
+    case Offer::words: return " -x -a " + quoted_for_fish(joined(argument.words()));
+    case Offer::files: return " -r -F";
+    case Offer::messages: return " -x -a " + quoted_for_fish(joined(message_names()));
+    case Offer::links: return " -x -a " + quoted_for_fish(joined(link_prefixes()));
+    case Offer::ports: return " -x -a '(__fish_complete_suffix /dev/tty)'";
+    case Offer::nothing: break;
+    }
+    return " -x";
+}
+
+std::string for_fish(const Program& program, const Command& command) {
+    const std::string start = "complete -c " + program.name +
+                              (command.name.empty() ? "" : " -n '__fish_seen_subcommand_from " + command.name + "'");
+    std::string text;
+    for (const Argument& option : command.options) {
+        text += start;
+        for (const std::string& name : option.names)
+            text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+        text += (option.value.empty() ? "" : offered_by_fish(option)) + " -d " + quoted_for_fish(first_clause(option.help)) +
+                "\n";
+    }
+    for (const Argument& operand : command.operands)
+        if (operand.offer() != Offer::nothing) {
+            const std::string offer = offered_by_fish(operand);
+            text += start + (operand.offer() == Offer::files ? " -F" : offer.substr(3)) +
+                    "\n";    // of operands there is no -r, -x
+        }
+    return text;
+}
+
+}    // namespace
+
+std::string bash_completion(const Program& program) {
+    std::string text = "# What bash offers behind " + program.name + ". Made from its tables of options and commands.\n";
+    std::string common = bash_common;
+    replace_all(common, "%MESSAGES%", joined(message_names()));
+    replace_all(common, "%LINKS%", joined(link_prefixes()));
+    text += common +
+            "_%P() {\n    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:\n"
+            "    COMPREPLY=()\n";
+    std::string names, values, operands;
+    for (const Command& command : program.commands) {
+        names += (names.empty() ? "" : " ") + command.name;
+        values += values_for_bash(program, command);
+        operands += operands_for_bash(program, command);
+    }
+    if (has_commands(program))
+        text += "    if ((COMP_CWORD == 1)); then _%P_words '" + names +
+                " help --help --version'; return; fi\n    command=${COMP_WORDS[1]}\n"
+                "    if [[ $command == help ]]; then _%P_words '" +
+                names + "'; return; fi\n";
+    text += "    case \"$command $prev\" in\n" + values + "    esac\n    case $command in\n" + operands + "    esac\n" +
+            "    if [[ $cur == -* ]]; then _%P_words \"$options\"; else eval \"$operands\"; fi\n}\ncomplete -F _%P %P\n";
+    replace_all(text, "%P", program.name);
+    return text;
+}
+
+std::string zsh_completion(const Program& program) {
+    std::string text = "#compdef %P\n# What zsh offers behind %P. Made from its tables of options and commands.\n";
+    text += "_%P_messages() { compadd -- " + joined(message_names()) + "; }\n";
+    text +=
+        "_%P_links() {\n    if compset -P 'serial:'; then _files -g '/dev/tty*'; elif compset -P 'pty:'; then _files\n"
+        "    elif ! compset -P '*:'; then compadd -S '' -- " +
+        joined(link_prefixes()) + "; fi\n}\n_%P() {\n";
+    if (!has_commands(program)) {
+        text += "    _arguments" + specs_for_zsh(program, program.commands.front()) + "\n}\n";
+    } else {
+        text += "    local -a commands\n    commands=(\n";
+        for (const Command& command : program.commands)
+            text += "        " + quoted(command.name + ":" + described(command.help)) + "\n";
+        text +=
+            "    )\n    if ((CURRENT == 2)); then _describe command commands; return; fi\n"
+            "    local command=$words[2]\n    shift words\n    ((CURRENT--))\n    case $command in\n";
+        for (const Command& command : program.commands)
+            text += "        " + command.name + ") _arguments" + specs_for_zsh(program, command) + " ;;\n";
+        text += "    esac\n}\n";
+    }
+    text += "_%P \"$@\"\n";
+    replace_all(text, "%P", program.name);
+    return text;
+}
+
+std::string fish_completion(const Program& program) {
+    std::string text = "# What fish offers behind " + program.name +
+                       ". Made from its tables of options and commands.\ncomplete -c " + program.name + " -f\n";
+    if (has_commands(program))
+        for (const Command& command : program.commands)
+            text += "complete -c " + program.name + " -n __fish_use_subcommand -a " + command.name + " -d " +
+                    quoted_for_fish(first_clause(command.help)) + "\n";
+    for (const Command& command : program.commands) text += for_fish(program, command);
+    return text;
+}
+
+}    // namespace reference

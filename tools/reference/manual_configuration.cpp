@@ -1,0 +1,102 @@
+#include "manual.hpp"
+#include "page.hpp"
+
+#include <config/help.hpp>
+#include <config/keys.hpp>
+#include <config/link_kind.hpp>
+#include <link/kinds.hpp>
+
+namespace reference {
+namespace {
+
+using namespace anogate;
+
+template <class Section>
+void put_key(Page& page, const Key<Section>& key, const Section& defaults) {
+    page.item(key.name, (key.form == Form::limits ? "{MESSAGE: NUMBER}" : placeholder(key)) + (key.required ? ", needed" : ""),
+              help_of(key, key.text_in(defaults)));
+}
+
+template <class Section>
+void put_section(Page& page, std::string_view title, std::string_view words, Keys<Section> keys) {
+    page.subsection(title);
+    page.text(words);
+    page.begin_list();
+    for (const Key<Section>& key : keys) put_key(page, key, Section{});
+    page.end_list();
+}
+
+void put_links(Page& page) {
+    page.subsection("links");
+    page.text(
+        "A list of at most 64 links. Each is a LINK text, as anogated(8) takes it, or an object with \"kind\", the address under "
+        "the name that this kind has for it, and these keys, which links of every kind have:");
+    page.begin_list();
+    for (const Key<LinkSettings>& key : common_link_keys())
+        if (key.kinds.empty()) put_key(page, key, LinkSettings{});
+    page.end_list();
+    for (const LinkKind* kind : link_kinds()) {
+        page.subsection("links of the kind \"" + std::string{kind->name} + "\"");
+        page.text(kind->help);
+        page.begin_list();
+        const LinkSettings usual = new_link(*kind);
+        for (const Key<LinkSettings>* key : keys_of(*kind, link_kinds()).keys) {
+            const bool is_common = find_key(common_link_keys(), key->name) == key && key->kinds.empty();
+            if (!is_common) put_key(page, *key, usual);
+        }
+        page.end_list();
+    }
+}
+
+}    // namespace
+
+std::string configuration_page() {
+    Page page{"anogate.json", 5, "configuration of anogated"};
+    page.section("DESCRIPTION");
+    page.text(
+        "JSON with comments (// and /* */). A key that is left out has its default; one that does not exist is an error that "
+        "names it and the nearest one. Durations are written 500ms, 30s, 2m, 1h; addresses (hardware ids) 220 or \"0xDC\". A "
+        "key with a dot in its name stands in an object: \"send.deny\" is {\"send\": {\"deny\": []}}.");
+    page.paragraph();
+    page.text("anogated --check says what is wrong with a file, one fault a line.");
+    page.section("KEYS");
+    put_section<GatewaySettings>(page, "gateway", "An object:", gateway_keys());
+    put_links(page);
+    put_section<RouteSettings>(page, "routes", "A list of objects: addresses that are always behind a certain link.",
+                               route_keys());
+    put_section<AliasSettings>(page, "alias", "A list of objects: a device behind a link appears under another id.",
+                               alias_keys());
+    put_section<TunnelSettings>(page, "tunnel", "An object; without it, tunnel frames (0xB1, 0xB2) are not carried over UDP.",
+                                tunnel_keys());
+    put_section<WrapSettings>(page, "tunnel: wrap",
+                              "A list of objects in tunnel: what comes as plain frames is wrapped for a link.", wrap_keys());
+    put_section<GpioSettings>(page, "gpio", "A list of objects: lines of GPIO chips.", gpio_keys());
+    page.subsection("flexible");
+    page.text(
+        "A list of objects for tools: what the values in the flexible messages 0xF1 to 0xFA are. Each has \"id\", maybe "
+        "\"source\", "
+        "and \"fields\", a list of {\"name\", \"type\", \"scale\", \"unit\"}, where type is u8, i8, u16, i16, u32, i32 or f32.");
+    put_section<ControlSettings>(page, "control", "An object:", control_keys());
+    put_section<LogSettings>(page, "log", "An object:", log_keys());
+    page.section("FILES");
+    page.begin_list();
+    page.item("/usr/share/doc/anogate/config/anogate.json", "", "Every key with its default and a comment");
+    page.item("/usr/share/doc/anogate/config/examples", "", "Whole files to begin with");
+    page.item("/usr/share/doc/anogate/config/anogate.schema.json", "", "The JSON Schema, for editors");
+    page.end_list();
+    page.section("EXAMPLES");
+    page.literal(
+        "{\n"
+        "  \"gateway\": {\"id\": 199},\n"
+        "  \"links\": [\n"
+        "    {\"name\": \"fc\", \"kind\": \"serial\", \"device\": \"/dev/ttyUSB0\", \"baud\": 500000, \"id\": 1},\n"
+        "    {\"name\": \"ground\", \"kind\": \"udp-listen\", \"address\": \"0.0.0.0:12333\"},\n"
+        "    \"serial:/dev/ttyS0,baud=115200,name=flow\"\n"
+        "  ],\n"
+        "  \"routes\": [{\"address\": \"0xDC\", \"link\": \"fc\"}]\n"
+        "}");
+    page.see_also({"anoctl 1", "anogated 8"});
+    return page.str();
+}
+
+}    // namespace reference

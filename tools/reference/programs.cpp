@@ -1,0 +1,82 @@
+#include "programs.hpp"
+
+#include <ano/messages.hpp>
+#include <anoctl/anoctl.hpp>
+#include <config/link_kind.hpp>
+#include <daemon/command_line.hpp>
+#include <link/kinds.hpp>
+
+#include <algorithm>
+#include <cctype>
+
+namespace reference {
+namespace {
+
+constexpr char help_text[] = "Says what there is, and exits";
+
+bool is_word(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '-' || c == '_';
+    });
+}
+
+}    // namespace
+
+Offer Argument::offer() const {
+    if (value.starts_with("LINK")) return Offer::links;
+    if (value.starts_with("PORT")) return Offer::ports;
+    if (value.find("FILE") != value.npos || value.find("PATH") != value.npos) return Offer::files;
+    if (value == "ID..." || value == "NAME" || value == "[NAME...]") return Offer::messages;
+    return words().empty() ? Offer::nothing : Offer::words;
+}
+
+std::vector<std::string> Argument::words() const {
+    std::vector<std::string> all;
+    if (value.find('|') == value.npos) return all;
+    for (const std::string_view word : anogate::split(value, '|'))
+        if (is_word(word)) all.emplace_back(word);
+    return all;
+}
+
+Program anogated_program() {
+    Command command{"", "Joins serial ports, CAN buses and UDP peers that speak ANO V8 into one network", {}, {}};
+    for (anogate::OptionText& option : anogate::option_texts("/etc/anogate/anogate.json")) {
+        const bool is_help = std::find(option.names.begin(), option.names.end(), "--help") != option.names.end();
+        Argument argument{option.names, option.value, is_help ? help_text : option.help};
+        if (!argument.names.empty()) command.options.push_back(std::move(argument));
+        else command.operands.push_back({{}, "LINK...", "What is joined: KIND:ADDRESS[,KEY=VALUE...]"});
+    }
+    return {"anogated", {command}};
+}
+
+Program anoctl_program() {
+    Program program{"anoctl", {}};
+    for (const anoctl::Subcommand& s : anoctl::subcommands()) {
+        anoctl::Options options;
+        s.add(options);
+        Command command{s.name, s.description, {}, {}};
+        for (const anoctl::Option& option : options) {
+            if (option.name.starts_with("-")) command.options.push_back({{option.name}, option.value, option.help});
+            else command.operands.push_back({{}, option.value, option.help});
+        }
+        command.options.push_back({{"-h", "--help"}, "", help_text});
+        program.commands.push_back(std::move(command));
+    }
+    return program;
+}
+
+std::vector<std::string> message_names() {
+    std::vector<std::string> names;
+    for (const ano::Message& row : ano::messages) names.emplace_back(row.name);
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    return names;
+}
+
+std::vector<std::string> link_prefixes() {
+    std::vector<std::string> prefixes;
+    for (const anogate::LinkKind* kind : anogate::link_kinds()) prefixes.push_back(std::string{kind->name} + ":");
+    return prefixes;
+}
+
+}    // namespace reference

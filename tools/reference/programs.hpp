@@ -1,0 +1,42 @@
+// The command lines of anogated and anoctl, read from the tables that their --help is made of.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace reference {
+
+/// What a shell offers for a value.
+enum class Offer { nothing, words, files, messages, links, ports };
+
+struct Argument {
+    std::vector<std::string> names;    // "-c", "--config"; none: it is known by its place
+    std::string value;                 // "FILE"; empty: a flag
+    std::string help;
+
+    Offer offer() const;
+    /// For Offer::words: "utf8", "gbk".
+    std::vector<std::string> words() const;
+    bool is_repeated() const { return value.ends_with("..."); }
+};
+
+struct Command {
+    std::string name;    // empty: the program has no commands
+    std::string help;
+    std::vector<Argument> options;
+    std::vector<Argument> operands;
+};
+
+struct Program {
+    std::string name;
+    std::vector<Command> commands;
+};
+
+Program anogated_program();
+Program anoctl_program();
+
+std::vector<std::string> message_names();
+/// "serial:", "udp-listen:", …
+std::vector<std::string> link_prefixes();
+
+}    // namespace reference
