@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace anogate::http {
 namespace {
@@ -29,7 +30,7 @@ bool same_word(std::string_view one, std::string_view other) {
 unsigned thousandths(std::string_view text) {
     double value = 0;
     std::from_chars(text.data(), text.data() + text.size(), value);
-    return value > 0 && value <= 1 ? static_cast<unsigned>(value * 1000 + 0.5) : 0;
+    return value > 0 && value <= 1 ? static_cast<unsigned>(std::lround(value * 1000)) : 0;
 }
 
 }    // namespace

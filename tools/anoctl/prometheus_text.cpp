@@ -55,7 +55,7 @@ std::optional<Json> take_labels(std::string_view& rest) {
 // NaN and Inf are not numbers of JSON, whole numbers beyond 2^53 not of every program: they stay text.
 Json value_of(const std::string& word) {
     constexpr std::uint64_t max_exact = std::uint64_t{1} << 53;
-    const Json number = Json::parse(word, nullptr, false);
+    Json number = Json::parse(word, nullptr, false);
     if (!number.is_number() || (number.is_number_unsigned() && number.get<std::uint64_t>() > max_exact)) return word;
     return number;
 }
