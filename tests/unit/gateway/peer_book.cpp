@@ -208,6 +208,16 @@ TEST(PeerBook, a_stranger_that_never_stays_away_for_the_timeout_comes_again_each
     EXPECT_EQ(book.place_for(stranger, start + 70s).gives_way, a);
 }
 
+TEST(PeerBook, an_address_that_knocks_at_ever_new_ports_makes_no_other_knock_forgotten) {
+    Book book{60s, 1};
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 1s);
+    const TimePoint silent = start + 62s;
+    EXPECT_FALSE(book.place_for(laptop, silent).free);
+    for (std::uint16_t port = 1; port <= 100; ++port) book.place_for({IpAddress::v4(10, 0, 0, 1), port}, silent + port * 1ms);
+    EXPECT_EQ(book.place_for(laptop, silent + 1s).gives_way, a);
+}
+
 TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {
     Book book{60s, 8, 2};
     book.join(a, phone, host, start);
