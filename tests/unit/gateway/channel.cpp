@@ -36,3 +36,20 @@ TEST(Channel, sent_is_what_the_outbox_and_the_questions_before_it_counted) {
     EXPECT_EQ(channel.sent().offered, InFlight::most + 3);
     EXPECT_EQ(channel.waiting(), InFlight::most + 3);
 }
+
+TEST(Channel, counts_the_bytes_of_no_frame_since_the_last_good_one) {
+    Channel channel{{}, {}, "", {}, {}, {}};
+    const auto bring = [&](const support::Bytes& bytes) {
+        std::copy(bytes.begin(), bytes.end(), channel.parser.prepare().begin());
+        channel.parser.commit(bytes.size(), {});
+        while (channel.parser.next()) channel.hear(ano::TimePoint{std::chrono::hours{1}});
+    };
+    bring(support::Bytes(5, 0x55));
+    EXPECT_EQ(channel.skipped_since_heard(), 5u);
+    bring(support::frame(0xDC, 0xFE, 0x03, {1, 2, 3}));
+    EXPECT_EQ(channel.skipped_since_heard(), 0u);
+    EXPECT_EQ(channel.heard_at, ano::TimePoint{std::chrono::hours{1}});
+    bring(support::Bytes(3, 0x55));
+    channel.beside.skipped_bytes = 2;
+    EXPECT_EQ(channel.skipped_since_heard(), 3u + 2u);
+}
