@@ -68,6 +68,14 @@ TEST(BytesOrText, gives_the_bytes_of_text_that_begins_as_a_frame_at_once) {
     EXPECT_EQ(reader.finish().size(), 0u);
 }
 
+TEST(BytesOrText, holds_no_more_than_a_mebibyte_of_text_that_does_not_begin_as_a_frame) {
+    BytesOrText reader;
+    std::string text;
+    while (text.size() < (1u << 20) - 3) text += "12 ";
+    EXPECT_EQ(reader.read(raw(text)).size(), 0u);
+    EXPECT_EQ(reader.read(raw("12 34 ")).size(), text.size() / 3 + 2);
+}
+
 TEST(BytesOrText, names_the_line_in_which_text_ends_as_something_else) {
     const std::string line = "AB DB FE A0 00 00 24 4E\n";
     for (std::size_t size = 1; size < 60; ++size) {

@@ -54,6 +54,15 @@ TEST(LogQueue, has_one_gap_and_nothing_behind_it_until_all_is_taken) {
     EXPECT_EQ(batch.lost, 0u);
 }
 
+TEST(LogQueue, takes_nothing_more_when_it_is_full_to_the_byte) {
+    LogQueue queue;
+    say(queue, std::string(LogQueue::room - sizeof(LogMessage), 'x'));
+    say(queue, "lost");
+    const LogQueue::Batch batch = queue.take();
+    EXPECT_EQ(batch.messages.size(), 1u);
+    EXPECT_EQ(batch.lost, 1u);
+}
+
 TEST(LogQueue, counts_lines_not_messages) {
     LogQueue queue;
     queue.lose();

@@ -312,6 +312,9 @@ TEST_F(Watch, takes_no_reading_of_two_clocks_for_sleep) {
     EXPECT_EQ(turn().suspended, 0s);
     clocks.boot -= 20us;
     EXPECT_EQ(turn().suspended, 0s);
+    pass(period + 40ms);
+    clocks.boot += 20ms;    // it had to wait between the two
+    EXPECT_EQ(turn().stood, 0s) << "busy";
 }
 
 TEST_F(Watch, does_not_begin_before_the_first_beat) {

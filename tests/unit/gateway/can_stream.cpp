@@ -296,6 +296,31 @@ TEST(CanStreams, the_id_unused_longest_gives_way) {
     EXPECT_EQ(counters.expired, 1000u - 255u);
 }
 
+TEST(CanStreams, an_id_that_goes_on_is_not_the_one_unused_longest) {
+    CanCutter cutter{with_extended()};
+    Receiver receiver{with_extended()};
+    const auto first = sent(cutter, support::frame(1, 1, 0xF1, data_of(17)));
+    const auto second = sent(cutter, support::frame(1, 2, 0xF1, data_of(17)));
+    receiver(first[0]);
+    receiver(second[0]);
+    const std::uint32_t others = CanIds::default_extended_base + 0x1000;
+    for (std::uint32_t i = 2; i < CanStreams::most; ++i) receiver({others + i, {0xAB, 1, 2, 3, 4, 0, 0, 0}});
+    receiver(first[1]);
+    receiver({others, {0xAB, 1, 2, 3, 4, 0, 0, 0}});    // one too many
+    receiver({first.begin() + 2, first.end()});
+    receiver({second.begin() + 1, second.end()});
+    EXPECT_EQ(receiver.frames, std::vector<Bytes>{support::frame(1, 1, 0xF1, data_of(17))});
+}
+
+TEST(CanStreams, an_id_that_is_not_ours_opens_nothing) {
+    Receiver receiver{classic()};
+    const Bytes frame = support::frame(0xDC, 0xFE, 3);
+    receiver({0x5DC, frame});
+    receiver({0x7DC, frame});
+    EXPECT_EQ(receiver.streams.size(), 0u);
+    EXPECT_EQ(receiver.streams.received().skipped_bytes, 2 * frame.size());
+}
+
 TEST(CanStreams, what_never_ends_is_given_up_and_holds_nobody_back) {
     Receiver receiver{classic()};
     EXPECT_FALSE(receiver.streams.deadline());

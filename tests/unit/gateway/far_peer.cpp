@@ -85,6 +85,9 @@ TEST(FarPeer, an_answer_that_comes_too_late_or_unasked_counts_for_nothing) {
     EXPECT_FALSE(far.hears(answer_to(asked_as), start));
     far.ask(start);
     EXPECT_FALSE(far.hears(answer_to(asked_as), start + 3s + 1ns));
+    Far in_time;
+    in_time.ask(start);
+    EXPECT_TRUE(in_time.hears(answer_to(asked_as), start + 3s));
 }
 
 TEST(FarPeer, is_asked_only_within_its_allowance) {
@@ -104,6 +107,16 @@ TEST(FarPeer, is_there_when_it_acknowledges_a_command_that_it_was_sent) {
     far.was_sent(command, start);
     EXPECT_FALSE(far.hears(acknowledged, start + 10s)) << "whoever asked is to get it too";
     EXPECT_TRUE(far.is_there());
+}
+
+TEST(FarPeer, may_acknowledge_any_of_the_last_eight_commands) {
+    for (const int later : {7, 8}) {
+        Far far;
+        far.was_sent(command, start);
+        for (std::uint8_t n = 0; n < later; ++n) far.was_sent(frame(0xFE, 0xDC, 0xC0, {16, 1, n}), start);
+        far.hears(acknowledged, start);
+        EXPECT_EQ(far.is_there(), later < 8) << later;
+    }
 }
 
 TEST(FarPeer, what_it_acknowledges_too_late_or_with_other_checks_proves_nothing) {

@@ -182,6 +182,42 @@ TEST_F(Forwarding, hosts_of_a_group_have_one_address_and_their_answers_come_by_a
     EXPECT_EQ(taken(ground), Frames{frame(fc, user, 0xE1, {5, 0, 1})});
 }
 
+TEST_F(Forwarding, an_answer_is_known_again_as_it_went_to_its_asker) {
+    constexpr std::uint8_t ros = 0xD2;
+    Channel& ground = add();
+    Channel& radio = add_with([](ForwarderLink& link) { link.present_as = host; });
+    add();
+    receive(radio, telemetry);
+    receive(ground, frame(ros, fc, 0xE0, {2, 5, 0}));
+    taken(ground);
+    receive(radio, frame(fc, host, 0xE1, {5, 0, 1}));
+    const Bytes answer = frame(fc, ros, 0xE1, {5, 0, 1});
+    EXPECT_EQ(taken(ground), Frames{answer});
+    EXPECT_EQ(told(ground, answer).back(), "dropped 0 looped");
+}
+
+TEST_F(Forwarding, a_device_on_two_links_of_a_group_is_no_conflict) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    add();
+    Channel& radio = add_with(grouped);
+    Channel& wifi = add_with(grouped);
+    receive(radio, telemetry);
+    now += 100ms;
+    receive(radio, telemetry);
+    now += DuplicateGuard::silence;
+    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 2", "offered 0"})) << "the radio failed";
+    EXPECT_FALSE(forwarder.take_conflict());
+}
+
+TEST_F(Forwarding, what_waits_ages_while_the_machine_sleeps) {
+    Channel& device = add();
+    Channel& ground = add();
+    receive(device, telemetry);
+    forwarder.grow_older(1h);
+    EXPECT_EQ(taken(ground), Frames{});
+    EXPECT_EQ(ground.sent().stale, 1u);
+}
+
 TEST_F(Forwarding, a_group_whose_peer_refuses_goes_by_another_until_it_is_heard) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     Channel& ground = add();

@@ -161,6 +161,18 @@ TEST_F(Removed, a_conflict_ends_with_one_of_its_two_links) {
     EXPECT_TRUE(forwarder.take_conflict()) << "another one";
 }
 
+TEST_F(Removed, a_link_leaves_no_conflict_to_the_next) {
+    const auto cable = [](ForwarderLink& link) { link.takes_probes = false; };
+    Channel& one = add_with(cable);
+    Channel& two = add_with(cable);
+    add_with(cable);
+    receive(one, telemetry);
+    const LinkId gone = remove(one);
+    EXPECT_EQ(add_with(cable).link, gone);
+    receive(two, telemetry);
+    EXPECT_FALSE(forwarder.take_conflict()) << "the next has not said anything";
+}
+
 TEST_F(Removed, what_waits_for_a_verdict_is_counted_looped_and_gone) {
     Channel& a = add();
     Channel& b = add();

@@ -59,6 +59,15 @@ TEST_F(Tunnelled, a_tunnel_frame_of_a_device_ends_at_the_tunnel) {
     EXPECT_EQ(port.carried, 1);
 }
 
+TEST_F(Tunnelled, a_link_that_gets_the_number_of_one_that_was_carried_is_not) {
+    const LinkId number = device.link;
+    forwarder.remove_link(number);
+    Channel& next = add();
+    ASSERT_EQ(next.link, number);
+    EXPECT_EQ(told(next, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(port.carried, 0);
+}
+
 TEST_F(Tunnelled, a_switch_holds_for_what_a_device_sends_inside_a_tunnel_frame) {
     forwarder.inhibit().add(LinkSet{device.link});
     EXPECT_EQ(told(device, around(fc, 0xE6, telemetry + command)), (Lines{"received 0", "dropped 0 inhibited"}));

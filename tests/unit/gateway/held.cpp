@@ -63,7 +63,10 @@ TEST(Held, a_channel_goes_on_when_it_brings_one_more_of_the_same) {
 
 TEST(Held, has_room_for_a_few_short_ones) {
     Held held;
-    EXPECT_FALSE(held.put(a, ano::FrameView{support::frame(1, 2, 3, support::Bytes(Held::largest, 0))}, start));
+    const auto of_size = [](std::size_t size) { return support::frame(1, 2, 3, support::Bytes(size - ano::overhead, 0)); };
+    EXPECT_FALSE(held.put(a, ano::FrameView{of_size(Held::largest + 1)}, start));
+    EXPECT_TRUE(held.put(a, ano::FrameView{of_size(Held::largest)}, start));
+    EXPECT_EQ(taken(held.take(start)), of_size(Held::largest));
     for (std::size_t i = 0; i < Held::most; ++i) EXPECT_TRUE(held.put(i % 2 ? a : b, ano::FrameView{numbered(1)}, start));
     EXPECT_FALSE(held.put(a, ano::FrameView{numbered(1)}, start));
     EXPECT_EQ(held.forget(a), Held::most / 2);

@@ -46,6 +46,18 @@ TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_d
     }
 }
 
+TEST(Hint, damage_and_frames_of_the_previous_version_are_named_when_they_are_more_than_one_in_ten) {
+    LinkFigures link = line_that_sent(100);
+    link.received.bad_check = 60;
+    link.received.expired = 40;
+    link.v7_frames = 100;
+    EXPECT_EQ(hint(link), "");
+    ++link.received.expired;
+    EXPECT_EQ(hint(link), "many damaged frames: check cable, ground and baud rate");
+    ++link.v7_frames;
+    EXPECT_EQ(hint(link), "older V7 frames (0xAA) seen: switch the device to protocol V8");
+}
+
 TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
     LinkFigures link = line_that_sent(1);
     link.sent.limited = link.sent.denied_out = 1000;

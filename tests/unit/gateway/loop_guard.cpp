@@ -293,6 +293,26 @@ TEST_F(Guarded, a_ring_that_began_elsewhere_ends_and_its_last_is_counted) {
     EXPECT_EQ(guard.take_lost(channel(0), now + 2s), 0u);
 }
 
+TEST_F(Guarded, a_command_that_comes_round_as_soon_as_ever_after_three_late_starts_ends) {
+    Said lock = host(1);
+    lock.command = true;
+    int late = 0;
+    auto now = start;
+    for (int turn = 0; turn < 200; ++turn, now += 200ms) {    // the way round
+        const auto judgement = guard.judge(lock, channel(0), now);
+        if (judgement.fate == Fate::ends) break;
+        Said waited = lock;
+        if (judgement.fate == Fate::waits) {
+            now += judgement.wait;
+            waited.waited = true;
+            ASSERT_EQ(fate(waited, 0, now), Fate::passes);
+            ++late;
+        }
+        guard.remember(waited, channel(0), channel(3), now);
+    }
+    EXPECT_EQ(late, LoopGuard::enough);
+}
+
 TEST_F(Guarded, a_thousand_in_a_second_are_a_ring_whatever_the_probe_said) {
     pass(host(1), 0, channels({1}), start);
     pass(host(1), 1, channels({0}), start);

@@ -191,10 +191,31 @@ TEST(PeerBook, who_comes_again_an_exchange_later_drives_out_who_came_once_from_a
 TEST(PeerBook, a_stranger_that_comes_again_after_the_timeout_comes_for_the_first_time) {
     Book book{60s, 1};
     book.join(a, phone, host, start);
+    book.heard(a, host, start + 1s);
     const Endpoint stranger = at("10.0.0.1:1");
-    book.place_for(stranger, start);
-    book.heard(a, host, start + 50s);
+    EXPECT_FALSE(book.place_for(stranger, start).free);
     EXPECT_FALSE(book.place_for(stranger, start + 61s).free);
+    EXPECT_EQ(book.place_for(stranger, start + 62s).gives_way, a);
+}
+
+TEST(PeerBook, a_stranger_that_never_stays_away_for_the_timeout_comes_again_each_time) {
+    Book book{60s, 1};
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 2s);
+    const Endpoint stranger = at("10.0.0.1:1");
+    EXPECT_FALSE(book.place_for(stranger, start + 10s).free);
+    EXPECT_FALSE(book.place_for(stranger, start + 40s).free);
+    EXPECT_EQ(book.place_for(stranger, start + 70s).gives_way, a);
+}
+
+TEST(PeerBook, an_address_that_knocks_at_ever_new_ports_makes_no_other_knock_forgotten) {
+    Book book{60s, 1};
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 1s);
+    const TimePoint silent = start + 62s;
+    EXPECT_FALSE(book.place_for(laptop, silent).free);
+    for (std::uint16_t port = 1; port <= 100; ++port) book.place_for({IpAddress::v4(10, 0, 0, 1), port}, silent + port * 1ms);
+    EXPECT_EQ(book.place_for(laptop, silent + 1s).gives_way, a);
 }
 
 TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {

@@ -81,5 +81,16 @@ TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
     EXPECT_EQ(outbox.counters().stale, 1u);
 }
 
+TEST_F(BusyDevice, a_question_as_large_as_the_room_waits_there_alone) {
+    const Bytes one = question(8), other = question(9);
+    QuestionQueue small{outbox, {.bytes = one.size()}};
+    for (std::uint8_t n = 0; n < InFlight::most; ++n) small.push(ano::FrameView{one}, policy_of(0xE0), start);
+    EXPECT_EQ(small.push(ano::FrameView{one}, policy_of(0xE0), start), nullptr);
+    EXPECT_EQ(small.waiting(), 1u);
+    EXPECT_EQ(small.push(ano::FrameView{other}, policy_of(0xE0), start), nullptr);
+    EXPECT_EQ(small.waiting(), 1u);
+    EXPECT_EQ(small.counters().queue_full, 1u);
+}
+
 }    // namespace
 }    // namespace anogate

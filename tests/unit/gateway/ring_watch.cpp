@@ -124,4 +124,16 @@ TEST(RingWatch, a_cable_that_brings_back_nothing_of_what_devices_say_is_clear) {
     EXPECT_TRUE(rings.is_clear(cable, start + 60s));
     rings.brought_back_ones_own(cable, start + 60s);
     EXPECT_FALSE(rings.is_clear(cable, start + 63s)) << "all of that no longer counts";
+    rings.told(cable, start + 64s);
+    EXPECT_FALSE(rings.is_clear(cable, start + 67s)) << "eight more are needed";
+}
+
+TEST(RingWatch, more_than_a_thousand_in_one_second_are_a_ring) {
+    RingWatch rings = watch(1);
+    for (int second = 0; second < 3; ++second)
+        for (std::uint32_t n = 0; n < RingWatch::storm; ++n)
+            ASSERT_FALSE(rings.brought_back(a, true, start, start + second * 1s)) << second << " s, " << n;
+    EXPECT_FALSE(rings.ring(a, start + 2s));
+    EXPECT_TRUE(rings.brought_back(a, true, start, start + 2s));
+    EXPECT_TRUE(rings.ring(a, start + 2s));
 }

@@ -10,6 +10,7 @@ constexpr std::string_view keys[] = {"baud", "parity", "stop_bits", "flow", "flo
 TEST(Nearest, finds_slips_of_the_finger) {
     EXPECT_EQ(nearest("bauds", keys), "baud");
     EXPECT_EQ(nearest("buad", keys), "baud");
+    EXPECT_EQ(nearest("di", keys), "id") << "two letters swapped are one slip";
     EXPECT_EQ(nearest("stopbits", keys), "stop_bits");
     EXPECT_EQ(nearest("PARITY", keys), "parity");
     EXPECT_EQ(nearest("Bauds", keys), "baud");

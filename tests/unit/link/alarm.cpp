@@ -86,6 +86,24 @@ TEST_F(Alarms, one_that_is_set_later_leaves_the_others_their_time) {
     EXPECT_EQ(rung, "a");
 }
 
+TEST_F(Alarms, one_that_is_gone_leaves_the_others_their_time) {
+    Alarm stays{clock, says('s')};
+    auto gone = std::make_unique<Alarm>(clock, says('g'));
+    stays.set(now + 20ms);
+    gone->set(now + 1h);
+    gone.reset();
+    while (rung.empty() && io.run_one_for(10s) > 0) {}
+    EXPECT_EQ(rung, "s");
+}
+
+TEST_F(Alarms, set_no_later_keeps_an_earlier_time) {
+    Alarm a{clock, says('a')};
+    a.set(now + 10ms);
+    a.set_no_later(now + 1h);
+    while (rung.empty() && io.run_one_for(10s) > 0) {}
+    EXPECT_EQ(rung, "a");
+}
+
 TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
     int times = 0;
     Alarm again{clock, [&] {
