@@ -38,6 +38,7 @@ public:
 
     void opened(http::WebSocket& socket) override {
         socket_ = &socket;
+        if (!link_.reads_) return socket.close(going_away, "the gateway's links were changed: come again");
         if (port_id_ != 0 && !link_.is_free(port_id_))
             return socket.close(policy_violation, "the port id " + std::to_string(port_id_) + " was taken meanwhile");
         host().now();

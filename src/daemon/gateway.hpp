@@ -163,7 +163,8 @@ private:
     ConfigState config_state_;
     std::optional<Changing> changing_;
     Alarm change_check_;
-    std::deque<Retired> retired_;    // what was removed, as long as the loop may hold calls of it
+    std::vector<std::unique_ptr<Link>> former_controls_;    // a program that joins now may still know of one
+    std::deque<Retired> retired_;                           // what was removed, as long as the loop may hold calls of it
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

@@ -88,6 +88,8 @@ void Gateway::make_room_for_links(Retired& retired) {
     const std::size_t wanted = settings_.links.size() + (settings_.tunnel ? 1 : 0);
     if (!control_ || is_control_configured(settings_) || wanted < max_links) return;
     remove(state(*control_), retired);
+    former_controls_.push_back(std::move(retired.links.back()));
+    retired.links.pop_back();
     std::erase_if(links_, [](const LinkState& s) { return !s.link; });
 }
 

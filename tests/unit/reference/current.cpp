@@ -21,16 +21,16 @@ void is_current(const std::string& file, const std::string& made) {
 }
 
 TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
-    is_current("man/anogated.8", anogated_page());
-    is_current("man/anoctl.1", anoctl_page());
-    is_current("man/anogate.json.5", configuration_page());
+    is_current("tools/man/anogated.8", anogated_page());
+    is_current("tools/man/anoctl.1", anoctl_page());
+    is_current("tools/man/anogate.json.5", configuration_page());
 }
 
 TEST(Completions, in_the_repository_are_those_that_the_tables_make) {
     for (const Program& program : {anogated_program(), anoctl_program()}) {
-        is_current("completions/" + program.name + ".bash", bash_completion(program));
-        is_current("completions/_" + program.name, zsh_completion(program));
-        is_current("completions/" + program.name + ".fish", fish_completion(program));
+        is_current("tools/completions/" + program.name + ".bash", bash_completion(program));
+        is_current("tools/completions/_" + program.name, zsh_completion(program));
+        is_current("tools/completions/" + program.name + ".fish", fish_completion(program));
     }
 }
 
