@@ -4,7 +4,7 @@ file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
 foreach(package anogate libano-dev)
-  install(FILES ${PROJECT_SOURCE_DIR}/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
+  install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
 endforeach()
 install(FILES ${ANOGATE_PACKAGE}/sbom.spdx.json DESTINATION share/doc/anogate COMPONENT anogate)
@@ -43,8 +43,8 @@ set(CPACK_DEBIAN_ANOGATE_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_SUGGESTS "can-utils, gpiod, wireguard-tools")
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_CONTROL_EXTRA
-  ${PROJECT_SOURCE_DIR}/packaging/conffiles ${PROJECT_SOURCE_DIR}/packaging/preinst ${PROJECT_SOURCE_DIR}/packaging/postinst
-  ${PROJECT_SOURCE_DIR}/packaging/prerm ${PROJECT_SOURCE_DIR}/packaging/postrm)
+  ${PROJECT_SOURCE_DIR}/tools/packaging/conffiles ${PROJECT_SOURCE_DIR}/tools/packaging/preinst ${PROJECT_SOURCE_DIR}/tools/packaging/postinst
+  ${PROJECT_SOURCE_DIR}/tools/packaging/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/postrm)
 set(CPACK_COMPONENT_ANOGATE_DESCRIPTION "gateway for the ANO V8 protocol
 Joins everything that speaks ANO V8 into one network: serial ports, CAN buses
 and UDP peers. Each frame goes to where its destination address is, and
