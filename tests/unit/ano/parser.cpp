@@ -538,8 +538,10 @@ TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
 TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
     Bytes damaged = numbered(2);
     damaged[10] ^= 1;
+    Bytes of_wrong_add = numbered(2);    // its other check holds, so that it is looked at
+    of_wrong_add.back() ^= 1;
     const Bytes strange = support::frame(stranger, 0xFE, 0x01, Bytes(13));
-    for (const Bytes& second : {damaged, strange}) {
+    for (const Bytes& second : {damaged, of_wrong_add, strange}) {
         HeardLine line;
         line.put(header(1000, stranger) + numbered(1) + second + Bytes(1) + second + numbered(1) + Bytes(1));
         EXPECT_TRUE(line.frames.empty());
