@@ -110,8 +110,6 @@ private:
     void remove_links(Retired& retired);
     void remove(LinkState& state, Retired& retired);
     void make_room_for_links(Retired& retired);
-    void remove(LinkState& state, Retired& retired);
-    void make_room_for_links(Retired& retired);
     void add_links(const Difference& difference, LinkSet& fresh);
     void put_links_in_order();
     void start_links(LinkSet fresh);
