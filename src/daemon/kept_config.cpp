@@ -19,7 +19,6 @@ namespace anogate {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr std::size_t max_kept = 64 << 20;
 
@@ -35,15 +34,16 @@ std::string kept_folder() {
     return {};
 }
 
-json json_of(const std::vector<ConfigText>& files) {
-    json list = json::array();
+nlohmann::json json_of(const std::vector<ConfigText>& files) {
+    nlohmann::json list = nlohmann::json::array();
     for (const ConfigText& file : files) list.push_back({{"file", file.file}, {"text", file.text}});
     return list;
 }
 
-std::vector<ConfigText> files_of(const json& list) {
+std::vector<ConfigText> files_of(const nlohmann::json& list) {
     std::vector<ConfigText> files;
-    for (const json& file : list) files.push_back({file.at("file").get<std::string>(), file.at("text").get<std::string>()});
+    for (const nlohmann::json& file : list)
+        files.push_back({file.at("file").get<std::string>(), file.at("text").get<std::string>()});
     return files;
 }
 
@@ -84,9 +84,9 @@ std::string keep_config(const std::string& path, const KeptConfig& config) {
     fs::create_directories(fs::path{path}.parent_path(), ec);
     if (ec) return error_text(fs::path{path}.parent_path().string(), ec.value());
     const std::string unfinished = path + ".new";
-    const json all{{"unconfirmed", json_of(config.unconfirmed)}, {"confirmed", json_of(config.confirmed)}};
+    const nlohmann::json all{{"unconfirmed", json_of(config.unconfirmed)}, {"confirmed", json_of(config.confirmed)}};
     const UniqueFd file{::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600)};
-    if (file && write_all(file.get(), json::to_cbor(all)) && std::rename(unfinished.c_str(), path.c_str()) == 0 &&
+    if (file && write_all(file.get(), nlohmann::json::to_cbor(all)) && std::rename(unfinished.c_str(), path.c_str()) == 0 &&
         sync_folder(path))
         return {};
     return error_text(path, errno);
@@ -96,9 +96,9 @@ std::optional<KeptConfig> kept_config(const std::string& path) try {
     std::error_code error;
     const std::string bytes = path.empty() ? "" : read_file(path, max_kept, error);
     if (error || bytes.empty()) return std::nullopt;
-    const json all = json::from_cbor(bytes);
+    const nlohmann::json all = nlohmann::json::from_cbor(bytes);
     return KeptConfig{files_of(all.at("unconfirmed")), files_of(all.at("confirmed"))};
-} catch (const json::exception&) {
+} catch (const nlohmann::json::exception&) {
     return std::nullopt;
 }
 

@@ -16,7 +16,8 @@ std::string lower(std::string_view text) {
 bool is_same_token(std::string_view known, std::string_view given) {
     unsigned different = known.size() == given.size() ? 0u : 1u;
     for (std::size_t i = 0; i < given.size(); ++i)
-        different |= static_cast<unsigned char>(known[i % known.size()]) ^ static_cast<unsigned char>(given[i]);
+        different |= static_cast<unsigned>(static_cast<unsigned char>(known[i % known.size()]) ^
+                                           static_cast<unsigned char>(given[i]));
     return different == 0;
 }
 

@@ -29,7 +29,10 @@ Expected<std::uint16_t> Server::start(const Network& network) {
     auto made = listen_tcp(network.address, network.port);
     if (!made) return Unexpected{std::move(made.error())};
     const auto admit_one = [this, network](Socket socket) {
-        Door door{.is_network = true, .is_encrypted = network.tls != nullptr, .needs_token = network.needs_token};
+        Door door{};
+        door.is_network = true;
+        door.is_encrypted = network.tls != nullptr;
+        door.needs_token = network.needs_token;
         prepare_tcp(socket.native_handle(), door);
         admit(network.tls ? network.tls->stream(std::move(socket), std::move(door))
                           : stream_of(std::move(socket), std::move(door)));

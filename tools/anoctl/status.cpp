@@ -66,7 +66,7 @@ void write_gpio(const Json& lines, std::ostream& out) {
     }
 }
 
-struct Status {
+struct StatusView {
     GatewayOptions gateway;
     bool json = false;
 
@@ -89,7 +89,7 @@ struct Status {
 }    // namespace
 
 Run add_status(Options& options) {
-    const auto self = std::make_shared<Status>();
+    const auto self = std::make_shared<StatusView>();
     GatewayOptions::add(options, self->gateway);
     options.push_back({"--json", &self->json, "", "As the gateway says it: one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };

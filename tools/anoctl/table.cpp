@@ -41,7 +41,7 @@ std::size_t cells_of(std::string_view text) noexcept {
     std::size_t cells = 0;
     for (std::size_t at = 0; at < text.size();) {
         const auto [c, size] = character(text, at);
-        cells += is_wide(c) ? 2 : 1;
+        cells += is_wide(c) ? 2u : 1u;
         at += size;
     }
     return cells;

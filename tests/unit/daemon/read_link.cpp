@@ -279,6 +279,10 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("sim:plane"), "'device' must be fc, not 'plane'");
 }
 
+TEST(LinkText, any_network_stands_alone) {
+    EXPECT_TRUE(fault_of("udp-listen:0.0.0.0:1,allow=any+10.0.0.0/8").starts_with("'allow' must be any, or networks"));
+}
+
 TEST(LinkText, a_text_is_no_longer_than_it_may_be) {
     EXPECT_EQ(link_of("sim:fc,name=" + std::string(64, 'x')).name.size(), 64u);
     EXPECT_TRUE(fault_of("sim:fc,name=" + std::string(65, 'x')).starts_with("'name' must be text of 1 to 64 bytes"));
