@@ -144,6 +144,13 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /messages", [this] { messages(); }},
         {"GET /metrics", [this] { metrics(); }},
         {"POST /gpio", [this] { gpio(); }},
+        {"POST /send", [this] { refuses("POST", "/send", 400, "invalid", "hex", R"({"hex": "5"})"); }},      // ControlLink
+        {"GET /frames", [this] { refuses("GET", "/frames?direktion=in", 400, "invalid", "direction"); }},    // Frames
+        {"GET /link", [this] { refuses("GET", "/link", 426, "unsupported", "WebSocket"); }},                 // ControlLink
+        {"POST /reload",
+         [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload
+        {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "nothing waits"); }},
+        {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
     };
     std::set<std::string> tested, there;
     for (const auto& [route, test] : tests) {
