@@ -27,7 +27,8 @@ Json list_of(const std::vector<std::string>& names) {
 
 std::string record_json(const FrameRecord& record, const WatchTables& tables, const ano::FlexibleLayouts& flexible) {
     Json json = ano::frame_to_json(record.frame, {.flexible = &flexible, .encoding = ano::Encoding::automatic});
-    json["time"] = static_cast<double>(record.time_ns / 1000) / 1e6;
+    const std::uint64_t microseconds = record.time_ns / 1000;
+    json["time"] = static_cast<double>(microseconds) / 1e6;
     json["link"] = name_at(tables.links, record.link);
     if (record.channel != FrameRecord::no_channel) json["peer"] = name_at(tables.peers, record.channel);
     json["direction"] = text(record.direction);

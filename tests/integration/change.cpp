@@ -60,8 +60,10 @@ public:
     explicit Stream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
     Bytes next() { return numbered(from_, to_, sent_++); }
     void take(const std::vector<Bytes>& frames) {
-        for (const Bytes& f : frames)
-            if (f[1] == from_ && f[3] == 0xF1) EXPECT_EQ(f, numbered(from_, to_, came_++));
+        for (const Bytes& f : frames) {
+            if (f[1] != from_ || f[3] != 0xF1) continue;
+            EXPECT_EQ(f, numbered(from_, to_, came_++));
+        }
     }
     int sent() const { return sent_; }
     int came() const { return came_; }

@@ -53,7 +53,7 @@ public:
         await_key();
         ask();
         frames_.open(get("/frames?format=binary&direction=in"), std::make_unique<Counter>(heard_),
-                     [](http::Outcome) {});    // without it the rates of addresses are 0
+                     [](const http::Outcome&) {});    // without it the rates of addresses are 0
         io_.run();
         screen_.reset();
         status_.cancel();
@@ -77,7 +77,7 @@ private:
     };
 
     void ask() {
-        status_.ask(get("/status"), [this](http::Outcome outcome) {
+        status_.ask(get("/status"), [this](const http::Outcome& outcome) {
             if (!outcome.fault.empty()) return end(outcome.fault);
             if (outcome.answer.status != 200) return end(words_of(outcome.answer));
             look(nlohmann::json::parse(outcome.answer.body, nullptr, false));

@@ -114,7 +114,8 @@ private:
 
     void show(std::string_view records) {
         while (const auto record = anogate::take_record(records)) {
-            anoctl::Passage passage{links_.of(record->link), static_cast<double>(record->time_ns / 1000) / 1e6};
+            const std::uint64_t microseconds = record->time_ns / 1000;
+            anoctl::Passage passage{links_.of(record->link), static_cast<double>(microseconds) / 1e6};
             if (record->channel != FrameRecord::no_channel) passage.peer = peers_.of(record->channel);
             passage.direction = text(record->direction);
             if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);

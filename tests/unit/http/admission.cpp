@@ -91,7 +91,7 @@ TEST(Admission, a_name_that_is_not_ours_is_refused) {
     EXPECT_EQ(judged(asked({}, network_door(false))), -403) << "none at all";
     EXPECT_EQ(judged(asked({host, host}, network_door(false))), -403) << "which of the two a proxy took is not known";
 
-    Admission named = admission_with({.hosts = {"Vehicle.lan"}});
+    Admission named = admission_with({{}, {}, {"Vehicle.lan"}, {}});
     EXPECT_EQ(judged(named, asked({{"Host", "vehicle.lan:8088"}}, network_door(false))), control);
     Door v6 = network_door(false);
     v6.local = "fe80::1%wlan0";
@@ -109,7 +109,7 @@ TEST(Admission, pages_of_others_may_not_ask) {
     for (const std::string other : {"http://evil.example", "http://192.168.1.5:3000", "http://192.168.1.5", "null",
                                     "192.168.1.5:8088", "http://192.168.1.5:8088.evil.example", "file://"})
         EXPECT_EQ(from(other), -403) << other;
-    Admission friendly = admission_with({.origins = {"https://ground.example"}});
+    Admission friendly = admission_with({{}, {}, {}, {"https://ground.example"}});
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_door(false))), control);
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_door(false))), -403);
 }
