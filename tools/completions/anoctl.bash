@@ -26,9 +26,9 @@ _anoctl_links() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -43,18 +43,43 @@ _anoctl() {
         'monitor --id') _anoctl_messages; return ;;
         'monitor --from') :; return ;;
         'monitor --to') :; return ;;
+        'monitor --link') _anoctl_links; return ;;
+        'monitor --direction') _anoctl_words 'in out'; return ;;
         'monitor --count') :; return ;;
+        'monitor --control') _anoctl_files; return ;;
         'monitor --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'monitor --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'monitor --config') _anoctl_files; return ;;
         'ports --detect') _anoctl_ports; return ;;
+        'status --control') _anoctl_files; return ;;
+        'links --control') _anoctl_files; return ;;
+        'routes --forget') :; return ;;
+        'routes --control') _anoctl_files; return ;;
+        'metrics --control') _anoctl_files; return ;;
+        'reload --confirm-within') :; return ;;
+        'reload --control') _anoctl_files; return ;;
+        'send --from') :; return ;;
+        'send --to') :; return ;;
+        'send --data') :; return ;;
+        'send --control') _anoctl_files; return ;;
+        'send --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'send --value-type-7') _anoctl_words 'f32 u64'; return ;;
+        'send --config') _anoctl_files; return ;;
+        'top --control') _anoctl_files; return ;;
     esac
     case $command in
         'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'encode') options='--from --to --data --raw --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
-        'monitor') options='--id --from --to --count --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
+        'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
+        'status') options='--control --json -h --help'; operands=':' ;;
+        'links') options='--control --json -h --help'; operands=':' ;;
+        'routes') options='--forget --control --json -h --help'; operands=':' ;;
+        'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
+        'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
+        'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'top') options='--control -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi
 }

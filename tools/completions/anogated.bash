@@ -32,11 +32,12 @@ _anogated() {
         ' --id') :; return ;;
         ' --unknown') _anogated_words 'flood drop'; return ;;
         ' --control') _anogated_files; return ;;
+        ' --http') :; return ;;
         ' --log-level') _anogated_words 'trace debug info warn error'; return ;;
         ' --route') :; return ;;
     esac
     case $command in
-        '') options='-h --help --version -c --config --id --unknown --control --log-level --route --check --print-config'; operands='_anogated_links' ;;
+        '') options='-h --help --version -c --config --id --unknown --control --http --log-level --route --check --print-config'; operands='_anogated_links' ;;
     esac
     if [[ $cur == -* ]]; then _anogated_words "$options"; else eval "$operands"; fi
 }
