@@ -11,7 +11,7 @@ install(FILES ${ANOGATE_PACKAGE}/sbom.spdx.json DESTINATION share/doc/anogate CO
 
 # Debian has manual pages compressed.
 install(CODE [[
-  foreach(page man8/anogated.8 man1/anoctl.1 man5/anogate.json.5)
+  foreach(page man8/anogated.8 man1/anoctl.1 man5/anogate.json.5 man7/anogate-api.7)
     execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/${page}" COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
 ]] COMPONENT anogate)

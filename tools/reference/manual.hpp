@@ -1,11 +1,15 @@
 // The manual pages.
 #pragma once
+#include <http/routes.hpp>
+
+#include <span>
 #include <string>
 
 namespace reference {
 
-std::string anogated_page();         // anogated(8)
-std::string anoctl_page();           // anoctl(1)
-std::string configuration_page();    // anogate.json(5)
+std::string anogated_page();                                               // anogated(8)
+std::string anoctl_page();                                                 // anoctl(1)
+std::string configuration_page();                                          // anogate.json(5)
+std::string api_page(std::span<const anogate::http::Routes::Row> rows);    // anogate-api(7)
 
 }    // namespace reference

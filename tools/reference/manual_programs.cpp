@@ -82,7 +82,7 @@ std::string anogated_page() {
     page.literal("anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333");
     page.text("The same as a configuration file:");
     page.literal("anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333 --print-config");
-    page.see_also({"anoctl 1", "anogate.json 5"});
+    page.see_also({"anoctl 1", "anogate.json 5", "anogate-api 7"});
     return page.str();
 }
 
@@ -119,7 +119,7 @@ std::string anoctl_page() {
         "anoctl encode euler rol=1.5 pit=-2 yaw=90 --from 0xDC --to 0xFE\n"
         "anoctl monitor serial:/dev/ttyUSB0,baud=500000 --id euler power\n"
         "anoctl ports --detect /dev/ttyUSB0");
-    page.see_also({"anogate.json 5", "anogated 8"});
+    page.see_also({"anogate.json 5", "anogate-api 7", "anogated 8"});
     return page.str();
 }
 

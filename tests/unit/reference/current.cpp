@@ -1,3 +1,10 @@
+#include <daemon/control_door.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/reload.hpp>
+#include <daemon/reload_routes.hpp>
+#include <daemon/routes.hpp>
+#include <link/asio.hpp>
+
 #include <gtest/gtest.h>
 #include <reference/completions.hpp>
 #include <reference/manual.hpp>
@@ -24,6 +31,15 @@ TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
     is_current("tools/man/anogated.8", anogated_page());
     is_current("tools/man/anoctl.1", anoctl_page());
     is_current("tools/man/anogate.json.5", configuration_page());
+
+    anogate::asio::io_context io;
+    anogate::Gateway gateway{io, {}};
+    anogate::Reload reload{io, gateway, {}, [] { return anogate::ReadConfig{}; }, {}};
+    anogate::ControlDoor door{io, {}};
+    anogate::add_routes(door.routes(), gateway);
+    anogate::add_reload_routes(door.routes(), reload);
+    door.add_login_route();
+    is_current("tools/man/anogate-api.7", api_page(door.routes().rows()));
 }
 
 TEST(Completions, in_the_repository_are_those_that_the_tables_make) {

@@ -1,0 +1,44 @@
+#include "manual.hpp"
+#include "page.hpp"
+
+namespace reference {
+
+std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
+    Page page{"anogate-api", 7, "control interface of anogated"};
+    page.section("DESCRIPTION");
+    page.text(
+        "HTTP/1.1 with JSON over a Unix socket: /run/anogate/control.sock of the service, $XDG_RUNTIME_DIR/anogate.sock of an "
+        "ordinary user, or what --control and \"control\": {\"socket\"} say. The socket of the service is for its group, "
+        "anogate. anoctl(1) asks it for people and scripts. Over TCP only where \"control\": {\"http\"} says so; who asks there "
+        "gives a token, Authorization: Bearer TOKEN, unless a user started the gateway for himself on a loopback address.");
+    page.section("ROUTES");
+    page.text(
+        "Each with what a token must allow where one is asked for: open (none is needed), view or control. Who answers GET "
+        "answers HEAD as well.");
+    page.begin_list();
+    for (const auto& row : rows)
+        page.item(row.method + " " + row.pattern, "", row.answers + " (" + std::string{text(row.access)} + ")");
+    page.end_list();
+    page.section("ERRORS");
+    page.text("An answer other than 200 has {\"error\": \"one clause\", \"what\": \"a word for programs\"}:");
+    page.begin_list();
+    page.item("400", "", "The request can't be meant");
+    page.item("401, 403", "", "A token is needed, or one that allows more; or the Host or Origin is not one of this gateway");
+    page.item("404", "", "There is no such route, link or address; the nearest route is named");
+    page.item("405", "", "The path answers another method: header Allow");
+    page.item("409", "", "What is asked for is not there at the moment");
+    page.item("413", "", "The body is too large");
+    page.item("415", "", "Over TCP a body is application/json or application/octet-stream");
+    page.item("422", "", "The configuration has faults: \"faults\" lists them");
+    page.item("429", "", "Too early, or too many wrong tokens: \"wait_s\" or the header Retry-After says how long to wait");
+    page.item("503", "", "All places are taken: header Retry-After");
+    page.end_list();
+    page.section("EXAMPLES");
+    page.literal(
+        "curl -sS --unix-socket /run/anogate/control.sock http://anogate/status\n"
+        "curl -sS --unix-socket /run/anogate/control.sock http://anogate/gpio -d '{\"link\": \"fc\", \"use\": \"reset\"}'");
+    page.see_also({"anoctl 1", "anogate.json 5", "anogated 8"});
+    return page.str();
+}
+
+}    // namespace reference
