@@ -319,7 +319,9 @@ public:
         address.sun_family = AF_UNIX;
         path.copy(address.sun_path, sizeof address.sun_path - 1);
         EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-        if (type == SOCK_STREAM) EXPECT_EQ(::listen(fd_, 1), 0);
+        if (type == SOCK_STREAM) {
+            EXPECT_EQ(::listen(fd_, 1), 0);
+        }
     }
     ~Stranger() { ::close(fd_); }
     void say(const std::string& words) const {
