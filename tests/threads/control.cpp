@@ -84,8 +84,9 @@ TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
 
 TEST_F(ControlSocket, who_misses_a_path_is_told_the_nearest) {
     EXPECT_EQ(body_of(http(socket, "GET /staus HTTP/1.0\r\n\r\n")),
-              "{\"error\": \"there is nothing at this path (did you mean '/status'?)\"}\n");
-    EXPECT_EQ(body_of(http(socket, "GET / HTTP/1.0\r\n\r\n")), "{\"error\": \"there is nothing at this path; try /status\"}\n");
+              "{\"error\": \"there is nothing at this path (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
+    EXPECT_EQ(body_of(http(socket, "GET /abcdefghijkl HTTP/1.0\r\n\r\n")),
+              "{\"error\": \"there is nothing at this path; try /\", \"what\": \"unknown\"}\n");
 }
 
 TEST_F(ControlSocket, junk_is_told_in_words_and_disturbs_nobody) {

@@ -445,7 +445,8 @@ TEST(Daemon, sleeps_when_there_is_nothing_to_do) {
     EXPECT_LE(daemon.proc_status("voluntary_ctxt_switches") - before, 3 * 5 + 2);
 }
 
-TEST(Daemon, stays_below_12_megabytes) {
+// 1.7 of them are OpenSSL's, which TCP doors need.
+TEST(Daemon, stays_below_14_megabytes) {
     if (sanitized) GTEST_SKIP() << "a sanitizer's own memory is counted too";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=air", "sim:fc"}};
@@ -461,7 +462,7 @@ TEST(Daemon, stays_below_12_megabytes) {
         return daemon.count("air", "frames_in") > 20000;
     }));
     RecordProperty("rss_kb", std::to_string(daemon.proc_status("VmRSS")));
-    EXPECT_LT(daemon.proc_status("VmHWM"), 12 * 1024);
+    EXPECT_LT(daemon.proc_status("VmHWM"), 14 * 1024);
 }
 
 TEST(Daemon, a_peer_that_is_gone_ends_nothing) {

@@ -19,7 +19,7 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     for (const auto& row : rows)
         page.item(row.method + " " + row.pattern, "", row.answers + " (" + std::string{text(row.access)} + ")");
     page.end_list();
-    page.section("ERRORS");
+    page.section("REFUSALS");
     page.text("An answer other than 200 has {\"error\": \"one clause\", \"what\": \"a word for programs\"}:");
     page.begin_list();
     page.item("400", "", "The request can't be meant");
