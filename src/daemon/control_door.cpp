@@ -1,6 +1,7 @@
 #include <daemon/control_door.hpp>
 #include <daemon/login_route.hpp>
 #include <daemon/rooms.hpp>
+#include <daemon/state_folder.hpp>
 #include <http/socket_path.hpp>
 #include <http/tcp_door.hpp>
 #include <http/token_file.hpp>
@@ -8,7 +9,6 @@
 #include <spdlog/spdlog.h>
 
 #include <climits>
-#include <cstdlib>
 #include <utility>
 
 #include <unistd.h>
@@ -19,24 +19,9 @@ namespace {
 constexpr Duration retry = std::chrono::milliseconds{500};
 constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 
-std::string environment(const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr ? value : "";
-}
-
 /// The first user id that people have (login.defs, UID_MIN): below are those of services.
 constexpr uid_t first_person = 1000;
 bool is_service(uid_t user) { return user < first_person; }
-
-std::string token_file_of(const std::string& configured) {
-    if (!configured.empty()) return configured;
-    if (is_service(::geteuid())) {
-        const std::string folder = environment("STATE_DIRECTORY");
-        return (folder.empty() ? "/var/lib/anogate" : folder) + "/token";
-    }
-    const std::string state = environment("XDG_STATE_HOME");
-    return (state.empty() ? environment("HOME") + "/.local/state" : state) + "/anogate/token";
-}
 
 std::string host_name() {
     char name[HOST_NAME_MAX + 1] = {};
@@ -102,7 +87,9 @@ bool ControlDoor::prepare_network() {
     };
     http::AdmissionRules rules{{}, host_name(), settings_.hosts, settings_.origins};
     if (network_.needs_token || !settings_.token_file.empty()) {
-        const std::string file = token_file_of(settings_.token_file);
+        const std::string folder = state_folder();
+        if (settings_.token_file.empty() && folder.empty()) return shut("no folder for the tokens; give control.token_file");
+        const std::string file = settings_.token_file.empty() ? folder + "/token" : settings_.token_file;
         auto tokens = http::read_or_make_tokens(file);
         if (!tokens) return shut("control.token_file: " + tokens.error());
         rules.tokens = std::move(*tokens);

@@ -1,5 +1,6 @@
 #include <config/read_file.hpp>
 #include <daemon/kept_config.hpp>
+#include <daemon/state_folder.hpp>
 #include <link/errors.hpp>
 #include <link/unique_fd.hpp>
 
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 
@@ -21,18 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_kept = 64 << 20;
-
-std::string variable(const char* name) {
-    const char* value = std::getenv(name);
-    return value ? value : "";
-}
-
-std::string kept_folder() {
-    if (const std::string given = variable("STATE_DIRECTORY"); !given.empty()) return given.substr(0, given.find(':'));
-    if (const std::string state = variable("XDG_STATE_HOME"); !state.empty()) return state + "/anogate";
-    if (const std::string home = variable("HOME"); !home.empty()) return home + "/.local/state/anogate";
-    return {};
-}
 
 nlohmann::json json_of(const std::vector<ConfigText>& files) {
     nlohmann::json list = nlohmann::json::array();
@@ -65,7 +53,7 @@ bool sync_folder(const fs::path& file) {
 }    // namespace
 
 std::string kept_config_path(const std::string& config_file) {
-    const std::string folder = kept_folder();
+    const std::string folder = state_folder();
     if (folder.empty() || config_file.empty()) return {};
     std::error_code ec;
     const fs::path absolute = fs::weakly_canonical(fs::absolute(config_file, ec), ec);
