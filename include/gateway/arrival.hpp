@@ -140,6 +140,11 @@ public:
         empty_ = before;
         old_since_.reset();
     }
+    /// What waits on the wire may have come at any time since: nobody has read it.
+    void unread_since(const ClockReading& then) noexcept {
+        empty_ = then;
+        old_since_ = then.boot;
+    }
     /// What is left on the wire is as old as the standstill: read until it is found empty.
     bool is_behind() const noexcept { return old_since_.has_value(); }
 

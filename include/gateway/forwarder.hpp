@@ -78,6 +78,10 @@ public:
         claimants_.erase(address);
         return router_.forget(address);
     }
+    /// As of the Router: what was known of `channel`, which is open, when the program ran before.
+    void restore(std::uint8_t address, const Channel& channel, TimePoint heard_at) {
+        router_.restore(address, channel.id, heard_at);
+    }
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
     /// removed. Called again, it changes what is carried.

@@ -61,6 +61,16 @@ public:
     void clear() { used_.clear(); }
 
     void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
+    /// What is known of a peer beside its endpoint, for the book of a program that goes on with its socket.
+    struct Memory {
+        TimePoint heard_at{};
+        bool is_host = false;
+        bool came_again = false;
+    };
+    Memory memory(ChannelId id) const noexcept;
+    /// Of a peer that was added just now.
+    void remember(ChannelId id, const Memory& memory) noexcept;
+
     /// ICMP reported that nothing listens at the port. Returns whether the peer is overdue now.
     bool refused(ChannelId id, TimePoint now) noexcept;
 

@@ -93,6 +93,11 @@ public:
     /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
+    /// When `address` was heard by `channel`, where it is at home; nothing: it is not.
+    std::optional<TimePoint> heard_at(std::uint8_t address, ChannelId channel) const noexcept;
+    /// `source` was at home there when the program ran before, and was heard at `at`. Not for one that was learned since.
+    void restore(std::uint8_t source, ChannelId channel, TimePoint at);
+
     /// A frame that goes no further is a sign of life all the same, where its source is at home, or was first. True: that is a
     /// conflict.
     bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);

@@ -153,9 +153,32 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     }
     gpio_->start();
     for (LinkState& s : links_) s.link->start();
+    restore_addresses();
+    stored_ = {};
     beat();    // to open them may take long
     if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
         required_check_.set(started_at_ + required_within);
+}
+
+void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
+
+std::optional<StoredLink> Gateway::take_stored(const Link& link) {
+    for (StoredState::OfLink& stored : stored_.links)
+        if (stored.name == link.name() && stored.link.wire) return std::move(stored.link);
+    return std::nullopt;
+}
+
+void Gateway::restore_addresses() {
+    for (const StoredState::OfLink& stored : stored_.links)
+        for (const LinkState& s : links_)
+            if (s.link->name() == stored.name) restore_addresses(*s.link, stored);
+}
+
+void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& stored) {
+    for (const ChannelId id : forwarder_.traffic(link.id()).channels)
+        for (const StoredChannel& was : stored.channels)
+            if (was.peer == channel(id).peer)
+                for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
 }
 
 void Gateway::check_required() {
@@ -174,6 +197,8 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     changing_.reset();
     beat_.cancel();
     for (LinkState& s : links_) s.link->stop_reading();
+    turn();
+    unread_since_ = beat_.loop().clocks();
     forwarder_.stop_asking();    // nobody reads an answer any more
     flush();
     stop_by_ = now() + patience;
@@ -196,6 +221,7 @@ void Gateway::finish_stop() {
     stop_check_.cancel();
     peer_log_.finish();
     beat_.finish();
+    before_closing_();
     for (LinkState& s : links_) s.link->stop();
     forwarder_due_.cancel();
     gpio_->stop();

@@ -5,6 +5,7 @@
 #include <daemon/gpio.hpp>
 #include <daemon/loop_beat.hpp>
 #include <daemon/peer_log.hpp>
+#include <daemon/stored_state.hpp>
 #include <gateway/forwarder.hpp>
 #include <gateway/settings.hpp>
 #include <link/alarm.hpp>
@@ -44,6 +45,10 @@ public:
     /// Opens every link, in the order of the configuration. `on_required_missing` is called with its name when a required
     /// link is not up 10 s later.
     void start(std::function<void(const std::string&)> on_required_missing);
+    /// Before start(): what the program that ran before left. What no link has use for is closed by the end of start().
+    void go_on_from(StoredState stored);
+    /// What the program started next may go on from, when nothing is read any more: `call` is called before the links are closed.
+    void before_closing(std::function<void()> call) { before_closing_ = std::move(call); }
     /// Reads no more, lets what waits leave for at most `patience`, closes everything and calls `on_stopped`; nothing of the
     /// gateway keeps the loop alive after that. A second call makes an end at once.
     void stop(Duration patience, std::function<void()> on_stopped);
@@ -61,6 +66,7 @@ public:
     void link_up(Link& link) override;
     void link_down(Link& link, std::string why) override;
     void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
+    std::optional<StoredLink> take_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
@@ -74,6 +80,8 @@ public:
     /// Whether the loop stood still.
     const LoopWatch& loop() const noexcept { return beat_.loop(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
+    /// When it stopped to read, by stop().
+    const ClockReading& unread_since() const noexcept { return unread_since_; }
     const std::string& name(LinkId link) const { return links_by_id_[index(link)]->name(); }
     /// nullptr when there is none.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -129,6 +137,8 @@ private:
     void beat();
     bool streams_speak() const;
     void await_forwarder();
+    void restore_addresses();
+    void restore_addresses(const Link& link, const StoredState::OfLink& stored);
     void check_required();
     bool nothing_waits(const LinkState& state) const;
     void check_stop();
@@ -156,7 +166,10 @@ private:
     Alarm required_check_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;
+    std::function<void()> before_closing_ = [] {};
     std::function<void()> on_stopped_;
+    StoredState stored_;    // until start() ends
+    ClockReading unread_since_{};
     TimePoint stop_by_{};
     ConfigState config_state_;
     std::optional<Changing> changing_;

@@ -1,29 +1,60 @@
 #include <daemon/notify.hpp>
+#include <link/unique_fd.hpp>
 
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 
 namespace anogate {
 
-bool notify_systemd(std::string_view message) noexcept {
+namespace {
+
+// A queue that is full has room again when systemd has had its turn.
+constexpr timeval patience{0, 200'000};
+
+bool send(std::string_view message, msghdr& header, int flags) noexcept {
     const char* path = std::getenv("NOTIFY_SOCKET");
     sockaddr_un address{};
     if (!path || (path[0] != '/' && path[0] != '@') || std::strlen(path) >= sizeof address.sun_path) return false;
     address.sun_family = AF_UNIX;
     std::strcpy(address.sun_path, path);
     if (path[0] == '@') address.sun_path[0] = '\0';
-    const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return false;
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));
-    const ssize_t sent = ::sendto(fd, message.data(), message.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
-                                  reinterpret_cast<const sockaddr*>(&address), size);
-    ::close(fd);
-    return sent == static_cast<ssize_t>(message.size());
+    const UniqueFd fd{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    if (!fd) return false;
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    iovec text{const_cast<char*>(message.data()), message.size()};
+    header.msg_name = &address;
+    header.msg_namelen = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));
+    header.msg_iov = &text;
+    header.msg_iovlen = 1;
+    return ::sendmsg(fd.get(), &header, MSG_NOSIGNAL | flags) == static_cast<ssize_t>(message.size());
+}
+
+}    // namespace
+
+bool notify_systemd(std::string_view message) noexcept {
+    msghdr header{};
+    return send(message, header, MSG_DONTWAIT);
+}
+
+bool notify_systemd(std::string_view message, int fd) noexcept {
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof fd)> control{};
+    msghdr header{};
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    cmsghdr* const passed = CMSG_FIRSTHDR(&header);
+    passed->cmsg_level = SOL_SOCKET;
+    passed->cmsg_type = SCM_RIGHTS;
+    passed->cmsg_len = CMSG_LEN(sizeof fd);
+    std::memcpy(CMSG_DATA(passed), &fd, sizeof fd);
+    return send(message, header, 0);
 }
 
 std::optional<ano::Duration> watchdog_interval() noexcept {

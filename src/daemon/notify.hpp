@@ -9,6 +9,8 @@ namespace anogate {
 
 /// Sends one message such as "READY=1". False without systemd, or when the message could not be sent.
 bool notify_systemd(std::string_view message) noexcept;
+/// The same with a descriptor, which systemd gets a copy of.
+bool notify_systemd(std::string_view message, int fd) noexcept;
 
 /// How often to send "WATCHDOG=1": half the time of the watchdog. Nothing: there is none for this process.
 std::optional<ano::Duration> watchdog_interval() noexcept;

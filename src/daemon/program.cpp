@@ -3,6 +3,7 @@
 #include <daemon/control_door.hpp>
 #include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/handover.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/program.hpp>
@@ -65,6 +66,8 @@ public:
         add_routes(control_.routes(), gateway_);
         add_reload_routes(control_.routes(), reload_);
         control_.add_login_route();
+        gateway_.go_on_from(take_handover());
+        gateway_.before_closing([this] { hand_over(gateway_); });
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }

@@ -70,6 +70,18 @@ void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept 
     p.is_gone = false;
 }
 
+PeerBook::Memory PeerBook::memory(ChannelId id) const noexcept {
+    const Peer& p = peer(id);
+    return {p.heard_at, p.is_host, p.came_again};
+}
+
+void PeerBook::remember(ChannelId id, const Memory& memory) noexcept {
+    Peer& p = peer(id);
+    p.heard_at = p.exchange_began = memory.heard_at;
+    p.is_host = memory.is_host;
+    p.came_again = memory.came_again;
+}
+
 bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
     Peer& p = peer(id);
     if (p.refusals == 0) p.first_refused_at = now;

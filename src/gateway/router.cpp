@@ -246,6 +246,18 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
     if (claims_.is_under_way(source)) refuse(source, now);
 }
 
+std::optional<TimePoint> Router::heard_at(std::uint8_t address, ChannelId channel) const noexcept {
+    return known_[address].contains(channel) ? std::optional{heard(address, channel)} : std::nullopt;
+}
+
+void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
+    if (source == address::unassigned || source == address::broadcast) return;
+    known_[source].insert(channel);
+    heard(source, channel) = at;
+    TimePoint& heard_link = heard_link_[index(link_of_[index(channel)])];
+    heard_link = std::max(heard_link, at);
+}
+
 // Where it was first, or nobody else is. Who spoke elsewhere just now took its place, and is a conflict.
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;

@@ -26,9 +26,9 @@ bool is_of_transfer(int error) {
 CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
     : CanLink{id, settings, context} {}
 
-Expected<UniqueFd> CanIsotpLink::open_wire() {
+Expected<UniqueFd> CanIsotpLink::open_wire(UniqueFd stored) {
     trouble_.clear();
-    return open_can_isotp(can());
+    return open_can_isotp(can(), std::move(stored));
 }
 
 // The kernel waits in close() until a transfer that has begun ends: for a peer that does not answer, a second.

@@ -37,7 +37,8 @@ void CanLink::start() {
 }
 
 Expected<void> CanLink::open() {
-    auto wire = check_can_interface(can()).and_then([this] { return open_wire(); });
+    auto stored = context_.host.take_stored(*this);
+    auto wire = check_can_interface(can()).and_then([&] { return open_wire(stored ? std::move(stored->wire) : UniqueFd{}); });
     if (!wire) return Unexpected{std::move(wire.error())};
     reconnect_.came_up(context_.host.now());
     if (!errors_.is_open()) {
@@ -47,7 +48,8 @@ Expected<void> CanLink::open() {
     found_room();
     descriptor_.open(std::move(*wire));
     keep_stamps(descriptor_.fd());
-    arrival_.found_empty(context_.host.turn().clocks());
+    const ClockReading clocks = context_.host.turn().clocks();
+    arrival_.found_empty(stored ? stored->unread_since : clocks);
     pacing_.start(settings().rate, settings().latency);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);

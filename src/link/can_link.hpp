@@ -23,9 +23,11 @@ public:
     void flush(Channel&) override { write(); }
     LinkFacts facts() const override;
     std::string trouble() const override;
+    int storable_wire() const override { return descriptor_.fd(); }
 
 protected:
-    virtual Expected<UniqueFd> open_wire() = 0;
+    /// `stored` is used if it is the wire that the settings mean.
+    virtual Expected<UniqueFd> open_wire(UniqueFd stored) = 0;
     virtual void read() = 0;
     virtual void write() = 0;
     /// The wire has gone: what waited for its rest is given up.
@@ -75,7 +77,7 @@ public:
     LinkFacts facts() const override;
 
 private:
-    Expected<UniqueFd> open_wire() override;
+    Expected<UniqueFd> open_wire(UniqueFd stored) override;
     void read() override;
     void write() override;
     void lost() override;
@@ -97,7 +99,7 @@ public:
     std::string trouble() const override;
 
 private:
-    Expected<UniqueFd> open_wire() override;
+    Expected<UniqueFd> open_wire(UniqueFd stored) override;
     void read() override;
     void write() override;
     void lost() override {}

@@ -48,6 +48,22 @@ ifreq request_for(const std::string& interface) {
 
 canid_t with_flag(const CanSettings& can, std::uint32_t id) { return can.extended ? id | CAN_EFF_FLAG : id; }
 
+int protocol_of(int fd) {
+    int protocol = -1, domain = -1;
+    socklen_t size = sizeof protocol;
+    if (::getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &domain, &size) != 0 || domain != PF_CAN) return -1;
+    return ::getsockopt(fd, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 ? protocol : -1;
+}
+
+// What a raw socket is bound to is the interface alone.
+bool is_bound(int fd, const CanSettings& can, int protocol, const sockaddr_can& to) {
+    sockaddr_can address{};
+    socklen_t size = sizeof address;
+    return protocol_of(fd) == protocol && ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+           address.can_ifindex != 0 && address.can_ifindex == static_cast<int>(::if_nametoindex(can.interface.c_str())) &&
+           address.can_addr.tp.tx_id == to.can_addr.tp.tx_id && address.can_addr.tp.rx_id == to.can_addr.tp.rx_id;
+}
+
 Expected<UniqueFd> bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
     ifreq request = request_for(can.interface);
     if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return Unexpected{can_error_text(can, errno)};
@@ -56,6 +72,30 @@ Expected<UniqueFd> bound(UniqueFd fd, const CanSettings& can, sockaddr_can addre
     if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
         return Unexpected{can_error_text(can, errno)};
     return fd;
+}
+
+sockaddr_can isotp_address(const CanSettings& can) {
+    sockaddr_can address{};
+    address.can_addr.tp.tx_id = with_flag(can, can.tx.value_or(0));
+    address.can_addr.tp.rx_id = with_flag(can, can.rx.value_or(0));
+    return address;
+}
+
+can_isotp_ll_options isotp_link_layer(const CanSettings& can) {
+    can_isotp_ll_options link_layer{};
+    link_layer.mtu = static_cast<std::uint8_t>(can.fd ? CANFD_MTU : CAN_MTU);
+    link_layer.tx_dl = can.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN;
+    link_layer.tx_flags = static_cast<std::uint8_t>(can.fd && can.brs ? CANFD_BRS : 0);
+    return link_layer;
+}
+
+// Once it is bound, that of a socket can't be changed.
+bool has_link_layer(int fd, const CanSettings& can) {
+    can_isotp_ll_options has{};
+    const can_isotp_ll_options wanted = isotp_link_layer(can);
+    socklen_t size = sizeof has;
+    return ::getsockopt(fd, SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &has, &size) == 0 && has.mtu == wanted.mtu &&
+           has.tx_dl == wanted.tx_dl && has.tx_flags == wanted.tx_flags;
 }
 
 Expected<UniqueFd> raw_socket() {
@@ -103,17 +143,18 @@ std::string can_error_text(const CanSettings& can, int error) {
     }
 }
 
-Expected<UniqueFd> open_can_stream(const CanSettings& can) {
-    auto socket = raw_socket();
+Expected<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored) {
+    if (stored && !is_bound(stored.get(), can, CAN_RAW, {})) stored = {};
+    auto socket = stored ? Expected<UniqueFd>{std::move(stored)} : raw_socket();
     if (!socket) return socket;
     const int fd = socket->get();
     std::vector<can_filter> filters;
     const canid_t kind = CAN_EFF_FLAG | CAN_RTR_FLAG;
     for (const auto [id, mask] : CanIds{can}.filters()) filters.push_back({with_flag(can, id), mask | kind});
-    const int on = 1;
+    const int is_fd = can.fd;
     const auto size = static_cast<socklen_t>(filters.size() * sizeof filters[0]);
     if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0 ||
-        (can.fd && ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0))
+        (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &is_fd, sizeof is_fd) != 0 && can.fd))
         return Unexpected{can_error_text(can, errno)};
     if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &can_receive_buffer, sizeof can_receive_buffer) != 0)
         ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &can_receive_buffer, sizeof can_receive_buffer);
@@ -121,20 +162,15 @@ Expected<UniqueFd> open_can_stream(const CanSettings& can) {
     return bound(std::move(*socket), can);
 }
 
-Expected<UniqueFd> open_can_isotp(const CanSettings& can) {
+Expected<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored) {
+    const sockaddr_can address = isotp_address(can);
+    if (stored && is_bound(stored.get(), can, CAN_ISOTP, address) && has_link_layer(stored.get(), can)) return stored;
+    stored = {};
     UniqueFd fd{::socket(PF_CAN, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_ISOTP)};
     if (!fd) return Unexpected{no_socket_text(errno, "ISO-TP", "can-isotp")};
-    if (can.fd) {
-        can_isotp_ll_options link_layer{};
-        link_layer.mtu = CANFD_MTU;
-        link_layer.tx_dl = CANFD_MAX_DLEN;
-        link_layer.tx_flags = can.brs ? CANFD_BRS : 0;
-        if (::setsockopt(fd.get(), SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &link_layer, sizeof link_layer) != 0)
-            return Unexpected{can_error_text(can, errno)};
-    }
-    sockaddr_can address{};
-    address.can_addr.tp.tx_id = with_flag(can, can.tx.value_or(0));
-    address.can_addr.tp.rx_id = with_flag(can, can.rx.value_or(0));
+    const can_isotp_ll_options link_layer = isotp_link_layer(can);
+    if (can.fd && ::setsockopt(fd.get(), SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &link_layer, sizeof link_layer) != 0)
+        return Unexpected{can_error_text(can, errno)};
     return bound(std::move(fd), can, address);
 }
 

@@ -13,10 +13,11 @@ Expected<void> check_can_interface(const CanSettings& can);
 /// Whether the bus itself is off: the controller has left it after too many errors.
 bool can_bus_is_off(const std::string& interface);
 
-/// A non-blocking raw socket that gets the frames under the ids of stream framing, our own excepted, and no others.
-Expected<UniqueFd> open_can_stream(const CanSettings& can);
-/// A non-blocking ISO-TP socket: a datagram is one PDU.
-Expected<UniqueFd> open_can_isotp(const CanSettings& can);
+/// A non-blocking raw socket that gets the frames under the ids of stream framing, our own excepted, and no others. `stored` is used
+/// if it is one on this interface.
+Expected<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored = {});
+/// A non-blocking ISO-TP socket: a datagram is one PDU. `stored` is used if it is one with these ids.
+Expected<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored = {});
 /// A non-blocking raw socket that gets error frames only.
 Expected<UniqueFd> open_can_errors(const CanSettings& can);
 

@@ -67,7 +67,7 @@ void CanStreamLink::stop() {
     CanLink::stop();
 }
 
-Expected<UniqueFd> CanStreamLink::open_wire() { return open_can_stream(can()); }
+Expected<UniqueFd> CanStreamLink::open_wire(UniqueFd stored) { return open_can_stream(can(), std::move(stored)); }
 
 void CanStreamLink::read() {
     const int count = batch_->receive(fd());

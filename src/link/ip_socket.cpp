@@ -136,17 +136,70 @@ std::optional<IpAddress> source_towards(const IpAddress& there) {
     return std::nullopt;
 }
 
+std::optional<Endpoint> connected_to(int fd) noexcept {
+    sockaddr_storage storage{};
+    socklen_t size = sizeof storage;
+    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&storage), &size) != 0) return std::nullopt;
+    return endpoint_of(storage);
+}
+
+namespace {
+
+int option(int fd, int name) noexcept {
+    int value = -1;
+    socklen_t size = sizeof value;
+    return ::getsockopt(fd, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
+}
+
+std::string device_of(int fd) {
+    char name[IF_NAMESIZE] = {};
+    socklen_t size = sizeof name;
+    return ::getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, name, &size) == 0 ? name : "";
+}
+
+// A connected one has the address of the way to its peer, whatever it was bound to; of port 0 the kernel made another.
+bool is_udp_at(int fd, const Endpoint& local, const std::string& interface, const std::optional<Endpoint>& peer) {
+    if (option(fd, SO_DOMAIN) != (local.address.v6 ? AF_INET6 : AF_INET) || option(fd, SO_PROTOCOL) != IPPROTO_UDP) return false;
+    const Endpoint bound = local_endpoint(fd);
+    const bool any_address = peer && local.address.is_any();
+    return (any_address || bound.address == local.address) && (local.port == 0 || bound.port == local.port) &&
+           device_of(fd) == interface && connected_to(fd) == peer;
+}
+
+void set_options(int fd) noexcept {
+    const int on = 1;
+    ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &ip_receive_buffer, sizeof ip_receive_buffer);
+    ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);    // Stamp
+}
+
+// As it was made, before a `rate` may have made it small.
+void reset_send_buffer(int fd) noexcept {
+    const UniqueFd fresh{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    const int size = option(fresh.get(), SO_SNDBUF) / 2;    // the kernel doubles what it is given
+    if (size > 0) ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
+}
+
+}    // namespace
+
+UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& written, const std::string& interface,
+                   const std::optional<Endpoint>& peer) {
+    const auto local = endpoint_now(written);
+    if (!stored || !local || !is_udp_at(stored.get(), *local, interface, peer)) return {};
+    set_options(stored.get());
+    reset_send_buffer(stored.get());
+    return stored;
+}
+
 Expected<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
     const auto local = endpoint_now(written);
     if (!local) return Unexpected{no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
     if (!fd) return Unexpected{error_text("no UDP socket", errno)};
+    set_options(fd.get());
     const int on = 1;
     const int off = 0;
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &ip_receive_buffer, sizeof ip_receive_buffer);
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);    // Stamp
     if (share_port) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
     if (!interface.empty() &&

@@ -41,6 +41,11 @@ std::optional<IpAddress> source_towards(const IpAddress& there);
 /// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
 /// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
 Expected<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
+/// `stored`, made as new, if it is such a socket, connected to `peer` or to nobody; else it is closed.
+UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& local, const std::string& interface,
+                   const std::optional<Endpoint>& peer = {});
+/// Whom it is connected to.
+std::optional<Endpoint> connected_to(int fd) noexcept;
 /// For a slow way (a radio): what the kernel holds can't be overtaken by what is urgent.
 void keep_send_buffer_small(int fd) noexcept;
 /// The endpoint it is bound to; port 0 became a real one.

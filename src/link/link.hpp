@@ -3,6 +3,7 @@
 #include <gateway/arrival.hpp>
 #include <gateway/channel.hpp>
 #include <gateway/settings.hpp>
+#include <link/stored_link.hpp>
 
 #include <functional>
 #include <optional>
@@ -35,6 +36,9 @@ public:
 
     /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
     virtual void report_unreachable(Link&) {}
+
+    /// What the program that ran before left of `link`; nothing: nothing, or it was taken already.
+    virtual std::optional<StoredLink> take_stored(const Link&) { return std::nullopt; }
 
     /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }
@@ -85,6 +89,10 @@ public:
     virtual std::size_t unsent() const { return 0; }
     /// The UDP port it listens on; 0: none.
     virtual std::uint16_t local_port() const { return 0; }
+    /// The open descriptor, where the program started next may go on with it; -1: none.
+    virtual int storable_wire() const { return -1; }
+    /// Who that program is to know.
+    virtual std::vector<StoredPeer> peers() const { return {}; }
     virtual LinkFacts facts() const { return {}; }
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
     virtual std::string trouble() const { return {}; }

@@ -49,24 +49,35 @@ std::string open_error_text(const std::string& device, int error) {
 
 }    // namespace
 
-Expected<UniqueFd> SerialLink::open_wire() {
-    const SerialSettings& serial = settings().as<SerialSettings>();
-    UniqueFd fd{::open(serial.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-    if (!fd) return Unexpected{open_error_text(serial.device, errno)};
+Expected<UniqueFd> SerialLink::open_port() {
+    const std::string& device = settings().as<SerialSettings>().device;
+    UniqueFd fd{::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+    if (!fd) return Unexpected{open_error_text(device, errno)};
     // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
-    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return Unexpected{busy_text(serial.device)};
-    terminal::claim(fd.get());
-    if (auto ready = make_ready(fd.get()); !ready) {
-        terminal::give_back(fd.get());
-        return Unexpected{serial.device + ": " + ready.error()};
-    }
-    terminal::discard_input(fd.get());
-    wire_ = fd.get();
+    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return Unexpected{busy_text(device)};
     return fd;
 }
 
-Expected<void> SerialLink::make_ready(int fd) {
-    const auto baud = terminal::configure(fd, settings().as<SerialSettings>());
+// Opened again, a port resets many a board by its DTR line.
+Expected<UniqueFd> SerialLink::open_wire() {
+    const std::string& device = settings().as<SerialSettings>().device;
+    auto stored = context_.host.take_stored(*this);
+    const bool is_stored = stored && terminal::is_port_at(stored->wire.get(), device);
+    auto fd = is_stored ? Expected<UniqueFd>{std::move(stored->wire)} : open_port();
+    if (!fd) return fd;
+    terminal::claim(fd->get());
+    if (auto ready = make_ready(fd->get(), is_stored); !ready) {
+        terminal::give_back(fd->get());
+        return Unexpected{device + ": " + ready.error()};
+    }
+    if (is_stored) go_on_from(std::move(*stored));
+    else terminal::discard_input(fd->get());
+    wire_ = fd->get();
+    return fd;
+}
+
+Expected<void> SerialLink::make_ready(int fd, bool is_stored) {
+    const auto baud = terminal::configure(fd, settings().as<SerialSettings>(), is_stored);
     if (!baud) return Unexpected{baud.error()};
     actual_baud_ = *baud;
     return begin_half_duplex(fd);

@@ -15,12 +15,14 @@ public:
     /// Before start(): the wire is RS-485 with a transceiver that `send` turns to sending and back.
     void half_duplex(bool active_low, std::function<void(bool)> send);
     LinkFacts facts() const override;
+    int storable_wire() const override { return wire_; }
 
 private:
     Expected<UniqueFd> open_wire() override;
     const std::string& peer() const override { return settings().as<SerialSettings>().device; }
     ssize_t write_some(std::span<const iovec> pieces) override;
-    Expected<void> make_ready(int fd);
+    Expected<UniqueFd> open_port();
+    Expected<void> make_ready(int fd, bool is_stored);
     Expected<void> begin_half_duplex(int fd);
     std::uint32_t byte_rate() const;
     std::uint32_t line_rate() const override;

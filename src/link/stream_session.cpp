@@ -1,7 +1,9 @@
 #include <link/stream_session.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 namespace anogate {
 namespace {
@@ -36,8 +38,19 @@ void StreamSession::continue_opening() {
     case Opening::failed: return failed(errno);
     }
     is_opening_ = false;
-    arrival_.found_empty(context_.host.turn().clocks());
+    begin_input();
     opened();
+}
+
+void StreamSession::begin_input() {
+    const ClockReading now = context_.host.turn().clocks();
+    if (!stored_) return arrival_.found_empty(now);
+    const StoredLink stored = *std::exchange(stored_, std::nullopt);
+    arrival_.unread_since(stored.unread_since);
+    const auto room = channel_->parser.prepare();
+    const std::size_t size = std::min(stored.rest.size(), room.size());
+    std::copy_n(stored.rest.begin(), size, room.begin());
+    channel_->parser.commit(size, stored.unread_since.now);
 }
 
 void StreamSession::close() noexcept {

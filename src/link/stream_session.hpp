@@ -4,10 +4,12 @@
 #include <link/descriptor.hpp>
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
+#include <link/stored_link.hpp>
 
 #include <sys/types.h>
 #include <sys/uio.h>
 
+#include <optional>
 #include <span>
 
 namespace anogate {
@@ -25,6 +27,8 @@ public:
 
     /// Takes `fd`, which must be non-blocking. `channel` lives until close().
     void open(UniqueFd fd, Channel& channel);
+    /// Before open(): the descriptor was another program's until now, and this is what that left.
+    void go_on_from(StoredLink stored) { stored_ = std::move(stored); }
     bool is_open() const noexcept { return descriptor_.is_open(); }
     int fd() const noexcept { return descriptor_.fd(); }
     /// Frames wait in the outbox: sends what the wire takes, and the rest when it takes more.
@@ -63,6 +67,7 @@ protected:
 
 private:
     void continue_opening();
+    void begin_input();
     void read();
     void deliver();
 
@@ -72,6 +77,7 @@ private:
     Alarm expiry_;
     Pacing pacing_;
     bool is_opening_ = false;
+    std::optional<StoredLink> stored_;
 };
 
 }    // namespace anogate

@@ -6,6 +6,7 @@
 #include <asm/termbits.h>
 #include <linux/major.h>
 #include <linux/serial.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -31,6 +32,13 @@ void set_line(termios2& t, const SerialSettings& settings) {
     t.c_cc[VTIME] = 0;
 }
 
+bool is_same_line(const termios2& a, const termios2& b) {
+    constexpr tcflag_t rates = CBAUD | CBAUD << IBSHIFT;    // which c_ispeed and c_ospeed say
+    return a.c_iflag == b.c_iflag && a.c_oflag == b.c_oflag && a.c_lflag == b.c_lflag &&
+           (a.c_cflag & ~rates) == (b.c_cflag & ~rates) && a.c_ispeed == b.c_ispeed && a.c_ospeed == b.c_ospeed &&
+           a.c_cc[VMIN] == b.c_cc[VMIN] && a.c_cc[VTIME] == b.c_cc[VTIME];
+}
+
 void set_modem_line(int fd, int line, bool on) noexcept { ::ioctl(fd, on ? TIOCMBIS : TIOCMBIC, &line); }
 
 // Drivers without the notion refuse; nothing is lost.
@@ -54,11 +62,13 @@ std::size_t bytes_in(int fd, unsigned long queue) noexcept {
 
 }    // namespace
 
-Expected<std::uint32_t> configure(int fd, const SerialSettings& settings) {
+// Set once more to what it has, some chips lose what they are receiving.
+Expected<std::uint32_t> configure(int fd, const SerialSettings& settings, bool is_receiving) {
     termios2 t{};
     if (::ioctl(fd, TCGETS2, &t) != 0) return Unexpected{errno == ENOTTY ? "this is not a serial port" : error_text(errno)};
+    const termios2 before = t;
     set_line(t, settings);
-    if (::ioctl(fd, TCSETS2, &t) != 0)
+    if (!(is_receiving && is_same_line(before, t)) && ::ioctl(fd, TCSETS2, &t) != 0)
         return Unexpected{"the driver refuses " + std::to_string(settings.baud) +
                           " baud with these line settings: " + error_text(errno)};
     if (settings.low_latency) ask_for_low_latency(fd);
@@ -72,6 +82,15 @@ void make_raw(int fd) noexcept {
     if (::ioctl(fd, TCGETS2, &t) != 0) return;
     set_line(t, SerialSettings{});
     ::ioctl(fd, TCSETS2, &t);
+}
+
+bool is_port_at(int fd, const std::string& path) noexcept {
+    struct stat open {
+    }, named{};
+    if (::fstat(fd, &open) != 0 || ::stat(path.c_str(), &named) != 0) return false;
+    if (!S_ISCHR(open.st_mode) || !S_ISCHR(named.st_mode) || open.st_rdev != named.st_rdev) return false;
+    pollfd hung_up{fd, 0, 0};
+    return ::poll(&hung_up, 1, 0) >= 0 && (hung_up.revents & (POLLHUP | POLLERR | POLLNVAL)) == 0;
 }
 
 // The kernel forgets TIOCEXCL when the last user has closed a port, but that of a pseudo-terminal with its master: who was killed

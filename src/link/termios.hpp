@@ -9,10 +9,14 @@
 
 namespace anogate::terminal {
 
-/// Raw mode, the line settings, HUPCL cleared. What the driver made of the rate (0: it does not say), or what it refused.
-Expected<std::uint32_t> configure(int fd, const SerialSettings& settings);
+/// Raw mode, the line settings, HUPCL cleared. What the driver made of the rate (0: it does not say), or what it refused. Of a port
+/// that `is_receiving`, what is as it should be is left alone.
+Expected<std::uint32_t> configure(int fd, const SerialSettings& settings, bool is_receiving = false);
 /// Raw mode for the user's side of a pseudo-terminal.
 void make_raw(int fd) noexcept;
+
+/// Whether `fd` is the open port that `path` names now: not one that was unplugged, nor another device.
+bool is_port_at(int fd, const std::string& path) noexcept;
 
 /// Nobody else may open the port (root excepted), until give_back(). Not of a pseudo-terminal, which would outlive us.
 void claim(int fd) noexcept;

@@ -46,6 +46,7 @@ void UdpLink::start() {
 }
 
 Expected<void> UdpLink::open() {
+    arrival_.found_empty(context_.host.turn().clocks());
     auto socket = open_to_peer();
     if (!socket) return Unexpected{std::move(socket.error())};
     const TimePoint now = context_.host.now();
@@ -55,7 +56,6 @@ Expected<void> UdpLink::open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
     descriptor_.open(std::move(*socket));
-    arrival_.found_empty(context_.host.turn().clocks());
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
     if (settings().as<UdpSettings>().peer.address.is_multicast()) rejoin_.set(now + join_again);
@@ -84,14 +84,19 @@ Expected<UniqueFd> UdpLink::open_to_peer() {
         local.address = {local.address.v6, {}, 0};
         local.interface.clear();
     }
-    auto socket = open_udp(local, multicast, settings().as<UdpSettings>().interface);
-    if (!socket) return socket;
     to_ = SocketAddress::of(peer, local.address.v6);
     to_interface_ = peer.address.scope;
     connected_ = !multicast && !is_broadcast(peer.address, own_networks());
+    auto stored = context_.host.take_stored(*this);
+    const std::string& interface = settings().as<UdpSettings>().interface;
+    UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), local, interface, connected_ ? std::optional{peer} : std::nullopt)
+                           : UniqueFd{};
+    if (wire) arrival_.found_empty(stored->unread_since);
+    auto socket = wire ? Expected<UniqueFd>{std::move(wire)} : open_udp(local, multicast, interface);
+    if (!socket) return socket;
     if (multicast) {
         if (auto joined = join_group(socket->get()); !joined) return Unexpected{std::move(joined.error())};
-    } else if (connected_ && ::connect(socket->get(), to_.get(), to_.size) != 0) {
+    } else if (connected_ && !connected_to(socket->get()) && ::connect(socket->get(), to_.get(), to_.size) != 0) {
         return Unexpected{"no way to " + written.text() + " now: " + error_text(errno)};
     }
     return socket;

@@ -22,6 +22,7 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
+    int storable_wire() const override { return descriptor_.fd(); }
     LinkFacts facts() const override;
     std::string trouble() const override;
 

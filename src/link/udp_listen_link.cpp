@@ -86,7 +86,10 @@ UdpListenLink::~UdpListenLink() = default;
 
 Expected<void> UdpListenLink::open() {
     const UdpListenSettings& listen = settings().as<UdpListenSettings>();
-    auto socket = open_udp(listen.local, false, listen.interface);
+    auto stored = context_.host.take_stored(*this);
+    UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), listen.local, listen.interface) : UniqueFd{};
+    const bool is_stored{wire};
+    auto socket = is_stored ? Expected<UniqueFd>{std::move(wire)} : open_udp(listen.local, false, listen.interface);
     if (!socket) return Unexpected{std::move(socket.error())};
     reconnect_.came_up(context_.host.now());
     local_ = local_endpoint(socket->get());
@@ -94,12 +97,38 @@ Expected<void> UdpListenLink::open() {
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
     descriptor_.open(std::move(*socket));
-    arrival_.found_empty(context_.host.turn().clocks());
+    const ClockReading clocks = context_.host.turn().clocks();
+    arrival_.found_empty(is_stored ? stored->unread_since : clocks);
     opened(local_);
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(listen.interface.empty() ? listen.local : EndpointSpec{listen.local, listen.interface});
     context_.host.link_up(*this);
+    if (is_stored) restore_peers(stored->peers, clocks.now);
     return {};
+}
+
+std::vector<StoredPeer> UdpListenLink::peers() const {
+    std::vector<StoredPeer> peers;
+    for (const auto& peer : peers_)
+        if (!peer->is_gateway) peers.push_back({peer->endpoint, book_.memory(peer->channel.id), !peer->far});
+    return peers;
+}
+
+// Or those that only listen would get nothing any more. They are admitted by the settings of now.
+void UdpListenLink::restore_peers(const std::vector<StoredPeer>& peers, TimePoint now) try {
+    for (const StoredPeer& stored : peers) {
+        if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
+        const PeerBook::Place place = book_.place_for(stored.endpoint, now);
+        if (!place.free || place.gives_way) continue;
+        Peer* const peer = make_peer(stored.endpoint, now);
+        if (!peer) return;
+        if (stored.is_proven) peer->far.reset();
+        peer->channel.heard_at = stored.memory.heard_at;
+        book_.remember(peer->channel.id, stored.memory);
+    }
+    if (!peers_.empty()) look_.set(book_.next_look(now));
+} catch (const std::bad_alloc&) {
+    return;    // they come again when they speak
 }
 
 void UdpListenLink::fail(std::string why) {

@@ -25,6 +25,8 @@ public:
     void forget_peer(ChannelId channel) override;
     LinkFacts facts() const override;
     std::string trouble() const override;
+    int storable_wire() const override { return descriptor_.fd(); }
+    std::vector<StoredPeer> peers() const override;
     UnassignedTraffic unassigned_traffic() const override {
         return {unassigned_, probe_.counters().v7_frames, gateways_, no_place_};
     }
@@ -55,6 +57,7 @@ private:
     struct Peer;
 
     Expected<void> open();
+    void restore_peers(const std::vector<StoredPeer>& peers, TimePoint now);
     void fail(std::string why);
     void read();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);

@@ -1,5 +1,6 @@
 // A gateway that is given other settings while frames pass.
 #include <config/difference.hpp>
+#include <support/numbered_frames.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -17,12 +18,6 @@ using namespace support;
 using anogate::Settings;
 
 constexpr std::uint8_t host = 0xFE, fc = 0xDC, gps = 0xDD;
-
-Bytes numbered(std::uint8_t from, std::uint8_t to, int number) {
-    Bytes data(8, 0x55);
-    for (int i = 0; i < 4; ++i) data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> 8 * i);
-    return frame(from, to, 0xF1, data);
-}
 
 class Change : public testing::Test {
 protected:
@@ -54,32 +49,6 @@ protected:
     bool changed = false;
 };
 
-// Of each numbered frame of a stream, whether it came, once and in its order.
-class Stream {
-public:
-    explicit Stream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
-    Bytes next() { return numbered(from_, to_, sent_++); }
-    void take(const std::vector<Bytes>& frames) {
-        for (const Bytes& f : frames) {
-            if (f[1] != from_ || f[3] != 0xF1) continue;
-            EXPECT_EQ(f, numbered(from_, to_, came_++));
-        }
-    }
-    int sent() const { return sent_; }
-    int came() const { return came_; }
-
-private:
-    std::uint8_t from_, to_;
-    int sent_ = 0, came_ = 0;
-};
-
-// A terminal that gives what it has, as whole frames.
-std::vector<Bytes> frames_of(PtyDevice& device, Bytes& rest) {
-    Split got = split(rest + device.read());
-    rest = std::move(got.rest);
-    return std::move(got.frames);
-}
-
 // 10,000 numbered frames each way between a serial port and a listening peer, while everything else changes 50 times.
 TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
     constexpr int frames = 10'000, changes = 50;
@@ -98,11 +67,11 @@ TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
     Bytes rest;
     int changes_begun = 0;
     const auto exchange = [&] {
-        for (int i = 0; i < 20 && up.sent() < frames && up.sent() - up.came() < 100; ++i) {
+        for (int i = 0; i < 20 && up.may_go_on(frames); ++i) {
             const Bytes next = up.next();
             ASSERT_EQ(device.write(next), next.size());
         }
-        for (int i = 0; i < 20 && down.sent() < frames && down.sent() - down.came() < 100; ++i) peer.send(to, down.next());
+        for (int i = 0; i < 20 && down.may_go_on(frames); ++i) peer.send(to, down.next());
         up.take(peer.frames());
         down.take(frames_of(device, rest));
     };

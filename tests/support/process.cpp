@@ -115,8 +115,8 @@ std::vector<std::string> with_control(const std::string& socket, std::vector<std
 }    // namespace
 
 Daemon::Daemon(const std::string& program, const std::string& socket, std::vector<std::string> arguments,
-               const std::vector<std::string>& environment)
-    : Process{program, with_control(socket, std::move(arguments)), environment}, socket_{socket} {}
+               const std::vector<std::string>& environment, const std::function<void()>& in_child)
+    : Process{program, with_control(socket, std::move(arguments)), environment, in_child}, socket_{socket} {}
 
 nlohmann::json Daemon::status() const {
     return nlohmann::json::parse(body_of(http(socket_, "GET /status HTTP/1.0\r\n\r\n")), nullptr, false);

@@ -63,8 +63,9 @@ int run(const std::string& command);
 /// An anogated with a control socket of its own.
 class Daemon : public Process {
 public:
-    Daemon(const std::string& program, const std::string& socket, std::vector<std::string> arguments,
-           const std::vector<std::string>& environment = {});
+    Daemon(
+        const std::string& program, const std::string& socket, std::vector<std::string> arguments,
+        const std::vector<std::string>& environment = {}, const std::function<void()>& in_child = [] {});
 
     /// Null while it does not answer.
     nlohmann::json status() const;

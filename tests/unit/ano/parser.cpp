@@ -156,6 +156,7 @@ TEST(FrameParser, refuses_more_than_max_data_from_the_header_alone) {
     line.put(header(20));
     EXPECT_EQ(line.counters().bad_length, 1u);
     EXPECT_EQ(line.parser.waiting(), 6u);
+    EXPECT_TRUE(std::ranges::equal(line.parser.rest(), header(20)));
 }
 
 TEST(FrameParser, keeps_a_max_data_that_LEN_cannot_say_within_what_it_can) {

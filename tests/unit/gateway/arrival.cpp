@@ -59,6 +59,20 @@ protected:
     Arrival wire;
 };
 
+TEST_F(ArrivalTest, what_waited_while_no_program_ran_is_as_old_as_that) {
+    const ClockReading stopped = clocks;
+    pass(3s);
+    turn();
+    wire.unread_since(stopped);
+    EXPECT_EQ(age(), 3s);
+    pass(1s);
+    EXPECT_EQ(age(), 4s) << "until it is found empty";
+    EXPECT_EQ(age_by(stopped.real + 1s), 3s) << "by its stamp";
+    wire.found_empty(loop.before());
+    pass(10ms);
+    EXPECT_EQ(age(), 0s);
+}
+
 }    // namespace
 
 using Stamped = ArrivalTest;

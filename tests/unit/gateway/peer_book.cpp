@@ -266,5 +266,20 @@ TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer)
         EXPECT_FALSE(can_be_peer(at(bad), own)) << bad;
 }
 
+TEST(PeerBook, what_is_known_of_a_peer_goes_to_another_book) {
+    Book book, next;
+    book.join(a, phone, host, start);
+    book.heard(a, host, start + 2s);
+    book.join(b, laptop, device, start + 1s);
+    for (const ChannelId id : {a, b}) {
+        next.add(id, id == a ? phone : laptop, true, start + 10s);
+        next.remember(id, book.memory(id));
+    }
+    EXPECT_EQ(next.overdue(start + 61s), ChannelSet{b}) << "it was heard at 1 s, and not when it was added";
+    EXPECT_TRUE(next.memory(a).is_host && next.memory(a).came_again);
+    EXPECT_FALSE(next.memory(b).is_host || next.memory(b).came_again);
+    EXPECT_EQ(next.overdue(start + 2s + PeerBook::listener_stays), (ChannelSet{a} | ChannelSet{b}));
+}
+
 }    // namespace
 }    // namespace anogate

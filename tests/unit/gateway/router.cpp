@@ -87,6 +87,34 @@ TEST(Router, forgets_the_conflict_about_an_address_as_well) {
     EXPECT_EQ(left[0].address, 0xDD);
 }
 
+TEST(Router, what_was_heard_by_the_program_before_leads_where_it_did) {
+    Net before, after;
+    before.route(0, 0xDC, 0xFF);
+    before.now += 10s;
+    before.route(1, 0xFE, 0xFF);
+    before.route(2, 0xFE, 0xFF);
+    EXPECT_EQ(before.router->heard_at(0xDC, ChannelId{0}), before.now - 10s);
+    EXPECT_EQ(before.router->heard_at(0xDC, ChannelId{1}), std::nullopt);
+    after.now = before.now + 1s;
+    for (unsigned a = 0; a < 256; ++a)
+        for (unsigned c = 0; c < 4; ++c)
+            if (const auto at = before.router->heard_at(static_cast<std::uint8_t>(a), static_cast<ChannelId>(c)))
+                after.router->restore(static_cast<std::uint8_t>(a), static_cast<ChannelId>(c), *at);
+    EXPECT_EQ(after.route(3, 0xFD, 0xDC).channels, ChannelSet{ChannelId{0}});
+    EXPECT_EQ(after.route(3, 0xFD, 0xFE).channels, (ChannelSet{ChannelId{1}} | ChannelSet{ChannelId{2}}));
+    EXPECT_EQ(after.router->learned(0xDC, after.now).last, before.now - 10s) << "no younger than it is";
+    after.now += 20s;
+    EXPECT_TRUE(after.router->learned(0xDC, after.now).links.empty()) << "30 s since it was heard";
+}
+
+TEST(Router, nobody_and_everybody_are_not_restored) {
+    Net net;
+    net.router->restore(0x00, ChannelId{0}, net.now);
+    net.router->restore(0xFF, ChannelId{0}, net.now);
+    EXPECT_EQ(net.router->heard_at(0x00, ChannelId{0}), std::nullopt);
+    EXPECT_EQ(net.router->heard_at(0xFF, ChannelId{0}), std::nullopt);
+}
+
 }    // namespace
 
 TEST(Router, broadcast_goes_everywhere_but_back) {

@@ -1,0 +1,43 @@
+// What a gateway leaves to the one that is started next: open wires, peers, and where addresses were heard.
+#pragma once
+#include <link/stored_link.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+struct StoredAddress {
+    std::uint8_t address = 0;
+    ano::TimePoint heard_at{};
+};
+
+/// Of a link, by the name that people read.
+struct StoredChannel {
+    std::string peer;
+    std::vector<StoredAddress> addresses{};
+};
+
+struct StoredState {
+    struct OfLink {
+        std::string name;
+        StoredLink link{};
+        std::vector<StoredChannel> channels{};
+    };
+    ClockReading unread_since{};
+    std::vector<OfLink> links{};
+};
+
+/// Of a gateway that reads no more. Its wires are copies: both programs have them until it closes its own.
+StoredState state_of(const Gateway& gateway);
+
+/// All but the descriptors, as text.
+std::string text_of(const StoredState& state);
+/// Nothing: the text is of another version of the program, or what it says was not yet at `now`. The wires are to be put in.
+std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now);
+
+}    // namespace anogate

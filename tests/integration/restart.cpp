@@ -1,0 +1,262 @@
+// A service that is restarted: its wires stay open, and who was behind them stays known.
+#include <support/numbered_frames.hpp>
+#include <support/pty_device.hpp>
+#include <support/service_manager.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+constexpr std::uint8_t host = 0xFE, fc = 0xDC, other = 0xDD;
+
+bool is_open_elsewhere(const std::map<std::string, anogate::UniqueFd>& stored, const std::string& path) {
+    struct stat named {
+    }, open{};
+    if (::stat(path.c_str(), &named) != 0) return false;
+    for (const auto& [name, fd] : stored)
+        if (::fstat(fd.get(), &open) == 0 && open.st_rdev == named.st_rdev && S_ISCHR(open.st_mode)) return true;
+    return false;
+}
+
+class Restart : public testing::Test {
+protected:
+    void configure(const json& links, const json& more = json::object()) {
+        json all = more;
+        all["links"] = links;
+        dir.write("anogate.json", all.dump());
+    }
+    testing::AssertionResult start() {
+        service = manager.start(ANOGATED, dir / "control", {"--config", dir / "anogate.json"},
+                                {"STATE_DIRECTORY=" + (dir / "state")});
+        if (service->until_answers()) return testing::AssertionSuccess();
+        return testing::AssertionFailure() << service->output();
+    }
+    testing::AssertionResult restart() {
+        if (const int status = manager.stop(*service); status != 0)
+            return testing::AssertionFailure() << "it ended with " << status << ": " << service->output();
+        return start();
+    }
+    anogate::Endpoint ground() { return endpoint("127.0.0.1:" + std::to_string(service->port("ground"))); }
+    json route(const std::string& address) const {
+        const json now = service->status();
+        for (const json& route : now.at("routes"))
+            if (route.at("address") == address) return route;
+        return {};
+    }
+    bool knows(const std::string& address) {
+        return wait_until([&] { return !route(address).is_null(); });
+    }
+    static bool hears(PtyDevice& device, const Bytes& bytes) {
+        return wait_until([&] {
+            const Bytes& all = device.heard();
+            return std::search(all.begin(), all.end(), bytes.begin(), bytes.end()) != all.end();
+        });
+    }
+    static bool hears(UdpPeer& peer, const Bytes& bytes) {
+        return wait_until([&] {
+            const Bytes& all = peer.heard();
+            return std::search(all.begin(), all.end(), bytes.begin(), bytes.end()) != all.end();
+        });
+    }
+
+    TempDir dir;
+    ServiceManager manager{dir / "notify"};
+    std::unique_ptr<Daemon> service;
+};
+
+TEST_F(Restart, five_times_loses_none_of_ten_thousand_frames_each_way) {
+    constexpr int frames = 10'000, restarts = 5;
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc,pace=off,queue=1000000,age.rest=1m",
+               "udp-listen:127.0.0.1:0,name=ground,queue=1000000,age.rest=1m"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    const anogate::Endpoint to = ground();
+    UdpPeer peer;
+    Stream up{fc, host}, down{host, fc};
+    Bytes rest;
+    peer.send(to, down.next());    // a peer from here on
+    ASSERT_TRUE(wait_until([&] { return service->count("ground", "frames_in") == 1; }));
+    int restarted = 0;
+    const auto exchange = [&] {
+        for (int i = 0; i < 20 && up.may_go_on(frames); ++i) {
+            const Bytes next = up.next();
+            ASSERT_EQ(device.write(next), next.size());
+        }
+        for (int i = 0; i < 20 && down.may_go_on(frames); ++i) peer.send(to, down.next());
+        up.take(peer.frames());
+        down.take(frames_of(device, rest));
+    };
+    ASSERT_TRUE(wait_until([&] {
+        exchange();
+        if (restarted < restarts && up.came() >= (restarted + 1) * frames / (restarts + 1)) {
+            ++restarted;
+            EXPECT_TRUE(restart());
+            EXPECT_EQ(service->port("ground"), to.port) << "of port 0 the kernel made this one";
+        }
+        return HasFailure() || (up.came() == frames && down.came() == frames);
+    })) << up.came()
+        << " and " << down.came() << " of " << frames << ", " << restarted << " restarts";
+    EXPECT_EQ(restarted, restarts);
+}
+
+TEST_F(Restart, a_peer_that_only_listens_is_still_served) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    UdpPeer listener;
+    listener.send(ground(), frame(host, 0xFF, 0x05));
+    device.write(frame(fc, 0xFF, 0x06));
+    ASSERT_TRUE(knows("0xFE") && knows("0xDC"));
+    ASSERT_TRUE(restart());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    EXPECT_EQ(route("0xDC").at("links"), json{"fc"}) << "before anybody has spoken";
+    EXPECT_EQ(route("0xFE").at("links"), json{"ground"});
+    const Bytes news = frame(fc, host, 0x03, Bytes(7));
+    device.write(news);
+    EXPECT_TRUE(hears(listener, news));
+}
+
+TEST_F(Restart, a_learned_address_is_not_flooded) {
+    PtyDevice device{dir / "fc"}, second{dir / "second"};
+    configure({"serial:" + device.path() + ",name=fc", "serial:" + second.path() + ",name=second",
+               "udp-listen:127.0.0.1:0,name=ground"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("second") && service->until_up("ground"));
+    device.write(frame(fc, 0xFF, 0x06));
+    second.write(frame(other, 0xFF, 0x06));
+    ASSERT_TRUE(knows("0xDC") && knows("0xDD"));
+    ASSERT_TRUE(restart());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("second") && service->until_up("ground"));
+    UdpPeer peer;
+    const Bytes to_first = frame(host, fc, 0xE1, Bytes(6)), to_second = frame(host, other, 0xE1, Bytes(6));
+    peer.send(ground(), to_first);
+    peer.send(ground(), to_second);
+    EXPECT_TRUE(hears(second, to_second));
+    EXPECT_TRUE(hears(device, to_first));
+    const Bytes& all = second.heard();
+    EXPECT_EQ(std::search(all.begin(), all.end(), to_first.begin(), to_first.end()), all.end());
+}
+
+TEST_F(Restart, a_frame_that_was_half_there_is_whole_afterwards) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    UdpPeer peer;
+    peer.send(ground(), frame(host, 0xFF, 0x05));
+    ASSERT_TRUE(knows("0xFE"));
+    const Bytes first = frame(fc, 0xFF, 0x06), whole = frame(fc, host, 0xF1, Bytes(40, 7));
+    device.write(first + Bytes{whole.begin(), whole.begin() + 20});
+    ASSERT_TRUE(hears(peer, first));
+    ASSERT_TRUE(restart());
+    device.write(Bytes{whole.begin() + 20, whole.end()});
+    EXPECT_TRUE(hears(peer, whole));
+}
+
+TEST_F(Restart, what_is_no_longer_configured_is_closed) {
+    PtyDevice device{dir / "fc"};
+    configure(
+        {"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground", "pty:" + (dir / "app") + ",name=app"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    const anogate::Endpoint old = ground();
+    ASSERT_EQ(manager.stop(*service), 0);
+    EXPECT_EQ(manager.stored().size(), 3u) << "a pty is not stored, what is known is";
+    EXPECT_TRUE(is_open_elsewhere(manager.stored(), device.path()));
+    configure({"sim:fc"});
+    ASSERT_TRUE(start());
+    EXPECT_TRUE(manager.stored().empty()) << "taken out, used or not";
+    EXPECT_TRUE(wait_until([&] { return anogate::open_udp(endpoint(old.text()), false).has_value(); }));
+    char byte = 0;
+    EXPECT_TRUE(wait_until([&] { return ::read(device.fd(), &byte, 1) < 0 && errno == EIO; })) << "nobody has the port open";
+}
+
+TEST_F(Restart, a_stored_port_is_not_used_for_another_device) {
+    PtyDevice before{dir / "before"};
+    std::filesystem::create_symlink(before.terminal(), dir / "fc");
+    configure({"serial:" + (dir / "fc") + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    ASSERT_EQ(manager.stop(*service), 0);
+    PtyDevice now{dir / "now"};
+    std::filesystem::remove(dir / "fc");
+    std::filesystem::create_symlink(now.terminal(), dir / "fc");
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    UdpPeer peer;
+    peer.send(ground(), frame(host, 0xFF, 0x05));
+    EXPECT_TRUE(hears(now, frame(host, 0xFF, 0x05)));
+    EXPECT_TRUE(before.heard().empty());
+}
+
+TEST_F(Restart, a_port_that_was_unplugged_meanwhile_is_opened_anew) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc"));
+    ASSERT_EQ(manager.stop(*service), 0);
+    device.unplug();
+    device.plug();
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc"));
+    device.write(frame(fc, 0xFF, 0x06));
+    EXPECT_TRUE(knows("0xDC"));
+}
+
+TEST_F(Restart, settings_are_those_of_now) {
+    PtyDevice device{dir / "fc"};
+    UdpPeer peer;
+    const std::string to_peer = "udp:" + peer.local().text() + ",name=peer";
+    configure({"serial:" + device.path() + ",name=fc,baud=115200", to_peer + ",rate=1000", "udp-listen:127.0.0.1:0,name=ground"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("peer") && service->until_up("ground"));
+    EXPECT_EQ(service->link("fc").at("baud"), 115200);
+    const auto port = service->port("peer");
+    const anogate::Endpoint before = ground();
+    std::uint16_t free_port = 0;
+    { free_port = UdpPeer{}.port(); }
+    configure({"serial:" + device.path() + ",name=fc,baud=57600,stop_bits=2", to_peer,
+               "udp-listen:127.0.0.1:" + std::to_string(free_port) + ",name=ground"});
+    ASSERT_TRUE(restart());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("peer") && service->until_up("ground"));
+    EXPECT_EQ(service->link("fc").at("baud"), 57600);
+    EXPECT_NE(device.settings().c_cflag & CSTOPB, 0u);
+    EXPECT_EQ(service->port("peer"), port) << "the same socket";
+    EXPECT_EQ(service->port("ground"), free_port) << "another one";
+    EXPECT_TRUE(manager.stored().empty());
+    EXPECT_TRUE(anogate::open_udp(endpoint(before.text()), false));
+}
+
+TEST_F(Restart, what_makes_no_sense_is_passed_over) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    for (const char* junk : {"", "null", "[]", R"({"format": 1})", R"({"format": 2, "unread_since": [0, 0, 0], "links": []})",
+                             R"({"format": 1, "unread_since": [0, 0, 0], "links": [{"name": "fc"}]})",
+                             R"({"format": 1, "unread_since": [0, 0, 0], "links": [{"name": "fc", "rest": "zz", "peers": [],
+                                 "channels": [{"peer": "x", "addresses": [[300, -1]]}]}]})"}) {
+        manager.forget();
+        manager.stored()["state"] = anogate::UniqueFd{::open(dir.write("junk", junk).c_str(), O_RDONLY | O_CLOEXEC)};
+        manager.stored()["wire-0"] = anogate::UniqueFd{::open("/dev/null", O_RDWR | O_CLOEXEC)};
+        manager.stored()["wire-1"] = anogate::UniqueFd{::open("/", O_RDONLY | O_CLOEXEC)};
+        manager.stored()["of another program"] = anogate::UniqueFd{::socket(AF_UNIX, SOCK_STREAM, 0)};
+        ASSERT_TRUE(start()) << junk;
+        EXPECT_TRUE(service->until_up("fc") && service->until_up("ground")) << junk;
+        EXPECT_TRUE(manager.stored().empty());
+        EXPECT_EQ(manager.stop(*service), 0);
+    }
+}
+
+}    // namespace

@@ -1,0 +1,46 @@
+// Streams of frames that are known by their numbers: none may be missing, doubled or out of order.
+#pragma once
+#include "bytes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace support {
+
+inline Bytes numbered(std::uint8_t from, std::uint8_t to, int number) {
+    Bytes data(8, 0x55);
+    for (int i = 0; i < 4; ++i) data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> 8 * i);
+    return frame(from, to, 0xF1, data);
+}
+
+/// Of each numbered frame of a stream, whether it came, once and in its order.
+class Stream {
+public:
+    Stream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
+    Bytes next() { return numbered(from_, to_, sent_++); }
+    void take(const std::vector<Bytes>& frames) {
+        for (const Bytes& f : frames) {
+            if (f[1] != from_ || f[3] != 0xF1) continue;
+            EXPECT_EQ(f, numbered(from_, to_, came_++));
+        }
+    }
+    int sent() const { return sent_; }
+    int came() const { return came_; }
+    /// Another may be sent: of `frames`, and few enough are under way.
+    bool may_go_on(int frames) const { return sent_ < frames && sent_ - came_ < 100; }
+
+private:
+    std::uint8_t from_, to_;
+    int sent_ = 0, came_ = 0;
+};
+
+/// The whole frames of a device or terminal that gives what it has; `rest` is kept from call to call.
+template <class Device>
+std::vector<Bytes> frames_of(Device& device, Bytes& rest) {
+    Split got = split(rest + device.read());
+    rest = std::move(got.rest);
+    return std::move(got.frames);
+}
+
+}    // namespace support
