@@ -9,19 +9,17 @@
 #include <link/make_link.hpp>
 #include <link/udp_keys.hpp>
 #include <link/udp_listen_link.hpp>
+#include <link/udp_listen_peer.hpp>
 #include <link/udp_settings.hpp>
 
 #include <algorithm>
-#include <new>
 #include <random>
 
 namespace anogate {
 namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
-constexpr Duration networks_kept = std::chrono::seconds{1};    // a sender outside makes us look again this often
 constexpr Duration look_slack = std::chrono::seconds{1};
-constexpr Duration read_first = std::chrono::seconds{1};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // whether it is time to ask it again
 
 PeerBook::Options book_options(const UdpListenSettings& udp) {
@@ -48,25 +46,6 @@ void remember(FarPeer& far, Outbox& outbox, std::size_t budget, TimePoint now) {
 }
 
 }    // namespace
-
-struct UdpListenLink::Peer {
-    Peer(UdpListenLink& link, const Endpoint& e, Channel& c)
-        : endpoint{e},
-          address{SocketAddress::of(e, link.local_.address.v6)},
-          channel{c},
-          expiry{link.context_.alarms, [&link, this] { link.expire(*this); }},
-          again{link.context_.alarms, [&link, this] { link.flush(channel); }} {}
-
-    Endpoint endpoint;
-    SocketAddress address;
-    Channel& channel;
-    Alarm expiry;
-    Alarm again;                     // after the system had no memory to send
-    std::unique_ptr<FarPeer> far;    // outside our networks, until it has shown that it is there
-    TimePoint ask_at{};              // a suspect, whether it is a listening gateway
-    TimePoint silenced_until{};      // nothing of it is taken before
-    bool is_gateway = false;         // it said so: to be forgotten when what it sent has been read
-};
 
 UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
@@ -105,30 +84,6 @@ Expected<void> UdpListenLink::open() {
     context_.host.link_up(*this);
     if (is_stored) restore_peers(stored->peers, clocks.now);
     return {};
-}
-
-std::vector<StoredPeer> UdpListenLink::peers() const {
-    std::vector<StoredPeer> peers;
-    for (const auto& peer : peers_)
-        if (!peer->is_gateway) peers.push_back({peer->endpoint, book_.memory(peer->channel.id), !peer->far});
-    return peers;
-}
-
-// Or those that only listen would get nothing any more. They are admitted by the settings of now.
-void UdpListenLink::restore_peers(const std::vector<StoredPeer>& peers, TimePoint now) try {
-    for (const StoredPeer& stored : peers) {
-        if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
-        const PeerBook::Place place = book_.place_for(stored.endpoint, now);
-        if (!place.free || place.gives_way) continue;
-        Peer* const peer = make_peer(stored.endpoint, now);
-        if (!peer) return;
-        if (stored.is_proven) peer->far.reset();
-        peer->channel.heard_at = stored.memory.heard_at;
-        book_.remember(peer->channel.id, stored.memory);
-    }
-    if (!peers_.empty()) look_.set(book_.next_look(now));
-} catch (const std::bad_alloc&) {
-    return;    // they come again when they speak
 }
 
 void UdpListenLink::fail(std::string why) {
@@ -242,140 +197,6 @@ void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& no
 
 void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
     if (notice) send(to, frame_of(*notice));
-}
-
-UdpListenLink::Peer* UdpListenLink::find(const Endpoint& endpoint) noexcept {
-    if (latest_ && latest_->endpoint == endpoint) return latest_;
-    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->endpoint == endpoint; });
-    return found == peers_.end() ? nullptr : found->get();
-}
-
-// A stranger must be allowed, must say something in V8, and may take the place of another.
-UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now) try {
-    if (!allowed(endpoint, now) || !can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
-    if (!is_welcome(endpoint, datagram, now)) return nullptr;
-    if (check_.is_refused(endpoint)) {    // it does not know yet
-        say(endpoint, check_.question_back(endpoint, now));
-        return refuse(datagram), nullptr;
-    }
-    if (check_.is_suspended(endpoint, now)) return refuse(datagram), nullptr;
-    const PeerBook::Place place = book_.place_for(endpoint, now);
-    if (!place.free) {
-        ++no_place_;
-        return refuse(datagram), nullptr;
-    }
-    if (place.gives_way)
-        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.gives_way; }));
-    Peer* peer = make_peer(endpoint, now);
-    if (!peer) refuse(datagram);
-    return peer;
-} catch (const std::bad_alloc&) {
-    return refuse(datagram), nullptr;    // nobody is worth the end of the program
-}
-
-void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
-    ++unassigned_.denied_in;
-    unassigned_.bytes_in += datagram.size();
-}
-
-// What a peer needs is some 100 KB: memory may be too short for it.
-UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now) {
-    const bool near = is_near(endpoint.address, now), far = is_far(endpoint.address, now);
-    Channel* channel = context_.host.open_channel(*this, endpoint.text());
-    if (!channel) return nullptr;
-    try {
-        auto peer = std::make_unique<Peer>(*this, endpoint, *channel);
-        if (far) peer->far = std::make_unique<FarPeer>(now);
-        peers_.push_back(std::move(peer));
-    } catch (const std::bad_alloc&) {
-        context_.host.close_channel(*channel);
-        throw;
-    }
-    channel->heard_at = now;         // the frame it is here for may wait behind a false header
-    context_.host.link_up(*this);    // for the new channel
-    book_.add(channel->id, endpoint, near, now);
-    look_.set_no_later(book_.next_look(now));
-    return peers_.back().get();
-}
-
-// Our own socket is no peer either, nor is that of another link of ours.
-bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
-    const bool near = is_near(sender.address, now);    // looks at our networks, if need be
-    if (!anogate::can_be_peer(sender, networks_)) return false;
-    if (!near || !context_.host.is_own_port(sender.port)) return true;
-    return !sender.address.is_loopback() && std::none_of(networks_.begin(), networks_.end(), [&](const Network& network) {
-        return network.address == sender.address;
-    });
-}
-
-bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
-    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
-    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !is_near(address, now);
-}
-
-bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
-    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
-    if (udp.allow_any || contains(udp.allow, sender.address)) return true;
-    return udp.allow.empty() && is_near(sender.address, now);
-}
-
-bool UdpListenLink::is_near(const IpAddress& address, TimePoint now) {
-    if (contains(networks_, address)) return true;
-    // Interfaces come and go: what was true when we opened need not be true now.
-    if (networks_read_at_ != TimePoint{} && now - networks_read_at_ < networks_kept) return false;
-    networks_read_at_ = now;
-    networks_ = own_networks();
-    return contains(networks_, address);
-}
-
-bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now) {
-    const ano::ParserCounters before = probe_.counters();
-    bool found = false;
-    std::uint64_t unwelcome = 0;
-    bool is_notice = false;
-    const auto look = [&](ano::FrameView frame) {
-        if (const auto notice = listening_notice(frame)) {
-            is_notice = true;
-            if (!joins_gateways()) heard_notice(sender, *notice, now);
-        } else if (found || welcomes(sender, frame)) found = true;
-        else ++unwelcome;
-    };
-    feed_datagram(probe_, datagram, now, look);
-    probe_.finish();
-    while (const auto frame = probe_.next()) look(*frame);
-    if (found && !is_notice) return true;
-    unassigned_.denied_in += unwelcome;
-    const ano::ParserCounters& after = probe_.counters();
-    unassigned_.bytes_in += datagram.size();
-    unassigned_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
-    unassigned_.bad_check += after.bad_check - before.bad_check;
-    unassigned_.bad_length += after.bad_length - before.bad_length;
-    unassigned_.expired += after.expired - before.expired;
-    return false;
-}
-
-void UdpListenLink::forget(Peer& peer) {
-    if (latest_ == &peer) latest_ = nullptr;
-    Channel& channel = peer.channel;
-    book_.remove(channel.id);
-    check_.forget(peer.endpoint);
-    std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
-    context_.host.close_channel(channel);
-}
-
-void UdpListenLink::forget_peer(ChannelId channel) {
-    const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == channel; });
-    if (found != peers_.end()) forget(**found);
-}
-
-void UdpListenLink::forget_overdue_peers() {
-    const LoopWatch& loop = context_.host.turn();
-    const TimePoint now = loop.now();
-    if (now < loop.last_standstill() + read_first) return look_.set(now + read_first);    // what they said meanwhile may wait
-    const ChannelSet overdue = book_.overdue(now);
-    for (std::size_t i = peers_.size(); i-- > 0;)
-        if (overdue.contains(peers_[i]->channel.id) || peers_[i]->is_gateway) forget(*peers_[i]);
-    if (!peers_.empty()) look_.set(book_.next_look(now));
 }
 
 // Nobody is forgotten here: frames of the one it is about may be on their way out.
