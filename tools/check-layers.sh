@@ -20,7 +20,7 @@ forbid "config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" inc
 forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side.
-if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi
+if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi
 forbid "http/|daemon/|spdlog/|CLI/" src/link
 forbid "gateway/|config/|daemon/|spdlog/|nlohmann/|CLI/" src/http
 forbid "boost/beast" --include='*.hpp' src/http

@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include <climits>
+#include <filesystem>
 #include <utility>
 
 #include <unistd.h>
@@ -26,6 +27,13 @@ bool is_service(uid_t user) { return user < first_person; }
 std::string host_name() {
     char name[HOST_NAME_MAX + 1] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+/// For who runs in another folder.
+std::string whole_path(const std::string& path) {
+    std::error_code ec;
+    const std::filesystem::path whole = std::filesystem::absolute(path, ec);
+    return ec ? path : whole.lexically_normal().string();
 }
 
 }    // namespace
@@ -77,29 +85,42 @@ void ControlDoor::open_network() {
 }
 
 // Without tokens or certificate it stays shut: an open door is worse than none.
+bool ControlDoor::shut(std::string why) {
+    spdlog::error("control.http stays shut: {}", why);
+    network_door_.state = NetworkDoor::State::shut;
+    network_door_.error = std::move(why);
+    return false;
+}
+
 bool ControlDoor::prepare_network() {
     network_ = {settings_.http->address.text(), settings_.http->port};
     if (!settings_.http->interface.empty()) network_.address += "%" + settings_.http->interface;
     network_.needs_token = network_needs_token(network_.address, ::geteuid());
-    const auto shut = [](const std::string& why) {
-        spdlog::error("control.http stays shut: {}", why);
-        return false;
-    };
+    network_door_.address = network_.address;
+    network_door_.port = network_.port;
+    network_door_.needs_token = network_.needs_token;
+    network_door_.hosts = settings_.hosts;
     http::AdmissionRules rules{{}, host_name(), settings_.hosts, settings_.origins};
-    if (network_.needs_token || !settings_.token_file.empty()) {
-        const std::string folder = state_folder();
-        if (settings_.token_file.empty() && folder.empty()) return shut("no folder for the tokens; give control.token_file");
-        const std::string file = settings_.token_file.empty() ? folder + "/token" : settings_.token_file;
-        auto tokens = http::read_or_make_tokens(file);
-        if (!tokens) return shut("control.token_file: " + tokens.error());
-        rules.tokens = std::move(*tokens);
-        spdlog::info("control.http: the tokens are in {}", file);
-    }
+    if ((network_.needs_token || !settings_.token_file.empty()) && !prepare_tokens(rules)) return false;
     server_.admission().set(std::move(rules));
     if (settings_.tls.key.empty()) return true;
     auto tls = http::Tls::load(settings_.tls.certificate, settings_.tls.key);
     if (!tls) return shut("control.tls: " + tls.error());
     network_.tls = std::move(*tls);
+    network_door_.is_encrypted = true;
+    network_door_.certificate = whole_path(settings_.tls.certificate);
+    return true;
+}
+
+bool ControlDoor::prepare_tokens(http::AdmissionRules& rules) {
+    const std::string folder = state_folder();
+    if (settings_.token_file.empty() && folder.empty()) return shut("no folder for the tokens; give control.token_file");
+    const std::string file = settings_.token_file.empty() ? folder + "/token" : settings_.token_file;
+    auto tokens = http::read_or_make_tokens(file);
+    if (!tokens) return shut("control.token_file: " + tokens.error());
+    rules.tokens = std::move(*tokens);
+    network_door_.token_file = whole_path(file);
+    spdlog::info("control.http: the tokens are in {}", file);
     return true;
 }
 
@@ -121,15 +142,18 @@ void ControlDoor::try_local() {
 void ControlDoor::try_network() {
     const auto port = server_.start(network_);
     if (!port) {
-        if (port.error() != network_trouble_) spdlog::warn("control.http: {}; waiting for it", port.error());
-        network_trouble_ = port.error();
+        if (port.error() != network_door_.error) spdlog::warn("control.http: {}; waiting for it", port.error());
+        network_door_.state = NetworkDoor::State::waiting;
+        network_door_.error = port.error();
         return;
     }
     awaits_network_ = false;
+    network_door_.state = NetworkDoor::State::up;
+    network_door_.error.clear();
+    network_door_.port = *port;
     Endpoint where = *settings_.http;
     where.port = *port;
-    network_address_ = (network_.tls ? "https://" : "http://") + where.text();
-    spdlog::info("{}: up", network_address_);
+    spdlog::info("{}{}: up", network_.tls ? "https://" : "http://", where.text());
 }
 
 }    // namespace anogate

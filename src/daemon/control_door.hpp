@@ -1,5 +1,6 @@
 // The doors of the control interface: its Unix socket, and TCP where that is asked for.
 #pragma once
+#include <daemon/network_door.hpp>
 #include <daemon/ticker.hpp>
 #include <gateway/settings.hpp>
 #include <http/server.hpp>
@@ -25,13 +26,15 @@ public:
     bool open();
     void close();
 
-    /// "http://127.0.0.1:8088"; empty: it does not listen.
-    const std::string& network_address() const noexcept { return network_address_; }
+    /// How it is with that of TCP just now.
+    const NetworkDoor& network_door() const noexcept { return network_door_; }
 
 private:
     bool open_local();
     void open_network();
     bool prepare_network();
+    bool prepare_tokens(http::AdmissionRules& rules);
+    bool shut(std::string why);
     void try_again();
     void try_local();
     void try_network();
@@ -42,8 +45,7 @@ private:
     std::string socket_;
     bool awaits_local_ = false, awaits_network_ = false;
     http::Server::Network network_;
-    std::string network_address_;
-    std::string network_trouble_;
+    NetworkDoor network_door_;
 };
 
 }    // namespace anogate

@@ -125,7 +125,11 @@ std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Fi
 }
 
 FrameFilter::FrameFilter(const FrameFilterSettings& settings)
-    : ids_{settings.ids}, from_{settings.from}, to_{settings.to}, directions_{settings.directions} {
+    : ids_{settings.ids},
+      from_{settings.from},
+      to_{settings.to},
+      takes_all_{settings == FrameFilterSettings{}},
+      directions_{settings.directions} {
     if (settings.limit.empty()) return;
     limits_ = std::make_unique<std::array<Limit, 3>>();
     for (Limit& limit : *limits_)

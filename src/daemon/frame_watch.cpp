@@ -93,10 +93,11 @@ void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause caus
 
 // Without memory for it, the frame counts as lost for all who would have seen it.
 void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
-    try {
-        look_at_links();
-    } catch (const std::bad_alloc&) {    // the old names stand until the next frame
-    }
+    if (has_other_links()) [[unlikely]]
+        try {
+            look_at_links();
+        } catch (const std::bad_alloc&) {    // the old names stand until the next frame
+        }
     for (const auto& stream : streams_) {
         if (!stream->filter.takes(event.direction, static_cast<std::uint8_t>(event.link), frame, at)) continue;
         try {
@@ -118,13 +119,20 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
         read_clocks();
         due_.set(Clock::now() + batch_time);
     }
-    if (!stream.batch) stream.batch = std::make_shared<std::string>();
+    if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
     append(*stream.batch, {time + real_ns_, time + boot_ns_, static_cast<std::uint8_t>(event.link), event.direction, event.cause,
                            event.channel, frame});
     if (stream.batch->size() < batch_size) return;
     end_batch(stream);
     due_.set(Clock::now());
+}
+
+// Room for as much as the last one had: it need not grow step by step, and many small ones that wait take no more than they hold.
+void FrameWatch::begin_batch(Stream& stream) {
+    auto batch = std::make_shared<std::string>();
+    batch->reserve(stream.usual + stream.usual / 8);
+    stream.batch = std::move(batch);
 }
 
 void FrameWatch::read_clocks() {
@@ -134,9 +142,11 @@ void FrameWatch::read_clocks() {
     boot_ns_ = nanoseconds(clocks.boot) - now;
 }
 
+bool FrameWatch::has_other_links() const noexcept { return !tables_ || version_ != gateway_.forwarder().version(); }
+
 // What was recorded before means what the numbers meant then.
 void FrameWatch::look_at_links() {
-    if (tables_ && version_ == gateway_.forwarder().version()) return;
+    if (!has_other_links()) return;
     tables_ = tables_of(gateway_);
     version_ = gateway_.forwarder().version();
     for (const auto& stream : streams_) {
@@ -149,6 +159,7 @@ void FrameWatch::look_at_links() {
 void FrameWatch::end_batch(Stream& stream) {
     const WatchQueue::Batch batch = std::exchange(stream.batch, nullptr);
     if (!batch) return;
+    stream.usual = batch->size();
     for (Watcher* watcher : stream.watchers) {
         if (watcher->queue.push(batch)) continue;
         std::string_view rest = *batch;

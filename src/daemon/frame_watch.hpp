@@ -31,7 +31,7 @@ protected:
 class FrameWatch final : private Forwarder::Observer {
 public:
     static constexpr ano::Duration batch_time = std::chrono::milliseconds{10};
-    static constexpr std::size_t batch_size = 32 * 1024;
+    static constexpr std::size_t batch_size = 64 * 1024;
 
     /// `gateway` outlives it.
     explicit FrameWatch(Gateway& gateway);
@@ -52,6 +52,7 @@ private:
         FrameFilter filter;
         std::vector<Watcher*> watchers;
         std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last
+        std::size_t usual = 0;                 // bytes of a batch
     };
     struct Event {
         Direction direction;
@@ -69,7 +70,9 @@ private:
 
     void note(const Event& event, ano::FrameView frame, TimePoint at) noexcept;
     void record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at);
+    void begin_batch(Stream& stream);
     void read_clocks();
+    bool has_other_links() const noexcept;
     void look_at_links();
     void end_batch(Stream& stream);
     void deliver();

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <memory>
+#include <utility>
 
 namespace anogate {
 namespace {
@@ -81,10 +82,11 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 
 }    // namespace
 
-void add_routes(http::Routes& routes, Gateway& gateway) {
+void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door) {
     routes.add({"GET", "/", Access::view, "this list", [&routes](const Request&) { return list_of(routes); }});
-    routes.add({"GET", "/status", Access::view, "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines",
-                [&gateway](const Request&) { return json(status_json(gateway)); }});
+    routes.add({"GET", "/status", Access::view,
+                "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
+                [&gateway, door = std::move(door)](const Request&) { return json(status_json(gateway, door())); }});
     routes.add({"GET", "/links", Access::view, "the links of the status alone",
                 [&gateway](const Request&) { return json(links_json(gateway)); }});
     routes.add({"GET", "/routes", Access::view, "where each address leads: the routes of the status alone",

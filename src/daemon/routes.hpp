@@ -1,5 +1,8 @@
 // What the gateway answers on its control interface.
 #pragma once
+#include <daemon/network_door.hpp>
+
+#include <functional>
 
 namespace anogate {
 
@@ -8,7 +11,9 @@ namespace http {
 class Routes;
 }
 
-/// Every row says what it answers: `GET /` and the reference are made of that. The gateway outlives the routes.
-void add_routes(http::Routes& routes, Gateway& gateway);
+/// Every row says what it answers: `GET /` and the reference are made of that. The gateway outlives the routes. `door` tells
+/// where HTTP is served, when it is asked.
+void add_routes(
+    http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door = [] { return NetworkDoor{}; });
 
 }    // namespace anogate

@@ -107,6 +107,21 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
+Json http_json(const NetworkDoor& door) {
+    Json json;
+    json["state"] = text(door.state);
+    if (door.state == NetworkDoor::State::off) return json;
+    json["error"] = door.error;
+    json["address"] = door.address;
+    json["port"] = door.port;
+    json["tls"] = door.is_encrypted;
+    if (door.is_encrypted) json["certificate"] = door.certificate;
+    json["token_needed"] = door.needs_token;
+    if (!door.token_file.empty()) json["token_file"] = door.token_file;
+    json["hosts"] = door.hosts;
+    return json;
+}
+
 Json tunnel_json(const Gateway& gateway) {
     Json json = Json::object();
     if (const TunnelLink* tunnel = gateway.tunnel())
@@ -122,7 +137,7 @@ Json links_array(const Gateway& gateway, TimePoint now) {
 
 }    // namespace
 
-std::string status_json(Gateway& gateway) {
+std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     const TimePoint now = gateway.now();
     Json json;
     json["gateway"] = gateway_json(gateway, now);
@@ -131,6 +146,7 @@ std::string status_json(Gateway& gateway) {
     json["conflicts"] = conflicts_json(gateway, now);
     json["tunnel"] = tunnel_json(gateway);
     json["gpio"] = gpio_json(gateway.gpio(), now);
+    json["http"] = http_json(door);
     return line_of(json);
 }
 

@@ -1,5 +1,7 @@
 // The state of a gateway as JSON (the shape is part of the interface: README, "Look at it").
 #pragma once
+#include <daemon/network_door.hpp>
+
 #include <cstdint>
 #include <map>
 #include <set>
@@ -10,8 +12,8 @@ namespace anogate {
 
 class Gateway;
 
-/// GET /status: one JSON text.
-std::string status_json(Gateway& gateway);
+/// GET /status: one JSON text. `door`: where it serves HTTP.
+std::string status_json(Gateway& gateway, const NetworkDoor& door = {});
 /// GET /links, GET /routes: these two arrays of it alone.
 std::string links_json(Gateway& gateway);
 std::string routes_json(Gateway& gateway);

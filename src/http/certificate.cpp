@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <memory>
 
 namespace anogate::http {
@@ -29,6 +30,7 @@ struct Free {
 using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, Free<X509_free>>;
 using Text = std::unique_ptr<BIO, Free<BIO_free>>;
+using File = std::unique_ptr<std::FILE, Free<std::fclose>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
 
 constexpr long day = 24L * 60 * 60, valid_days = 824;
@@ -102,6 +104,23 @@ Expected<void> make_certificate(const CertificateNames& names, const std::string
     auto written = write_new(certificate, *certificate_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
     if (!written) ::unlink(key.c_str());
     return written;
+}
+
+Expected<std::string> fingerprint(const std::string& certificate) {
+    const File file{::fopen(certificate.c_str(), "re")};
+    if (!file) return Unexpected{error_text(certificate, errno)};
+    const Certificate read{PEM_read_X509(file.get(), nullptr, nullptr, nullptr)};
+    if (!read) return Unexpected{certificate + ": is no certificate in PEM"};
+    unsigned char bytes[EVP_MAX_MD_SIZE];
+    unsigned size = 0;
+    if (X509_digest(read.get(), EVP_sha256(), bytes, &size) != 1) return openssl_fault();
+    constexpr char digits[] = "0123456789ABCDEF";
+    std::string text;
+    for (unsigned i = 0; i < size; ++i) {
+        if (i > 0) text += ':';
+        text.append({digits[bytes[i] >> 4], digits[bytes[i] & 15]});
+    }
+    return text;
 }
 
 }    // namespace anogate::http

@@ -16,4 +16,7 @@ struct CertificateNames {
 /// differ, for 824 days: more is not trusted by some browsers. Files that exist are never written over.
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key);
 
+/// Of the first certificate in a PEM file, SHA-256 as browsers show it: "AB:CD:…", 32 bytes.
+Expected<std::string> fingerprint(const std::string& certificate);
+
 }    // namespace anogate::http

@@ -19,6 +19,8 @@ public:
 
     nlohmann::json link(const std::string& name) const;
     std::uint16_t port(const std::string& link_name) const { return link(link_name).at("port").get<std::uint16_t>(); }
+    /// The path of its control socket.
+    std::string control() const { return folder_ / "control"; }
     pid_t pid() const noexcept { return process_.pid(); }
 
 private:

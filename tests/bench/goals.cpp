@@ -20,7 +20,7 @@ constexpr Goals all[]{
     {"parser", bench::measure_parser},   {"messages", bench::measure_messages}, {"udp", bench::measure_udp},
     {"packed", bench::measure_packed},   {"pty", bench::measure_pty},           {"broadcast", bench::measure_broadcast},
     {"latency", bench::measure_latency}, {"ports", bench::measure_ports},       {"line", bench::measure_line},
-    {"idle", bench::measure_idle},       {"calls", bench::measure_calls},
+    {"idle", bench::measure_idle},       {"calls", bench::measure_calls},       {"watchers", bench::measure_watchers},
 };
 
 int usage(const char* program) {

@@ -20,5 +20,6 @@ void measure_ports(Run& run);
 void measure_line(Run& run);
 void measure_idle(Run& run);
 void measure_calls(Run& run);
+void measure_watchers(Run& run);
 
 }    // namespace bench

@@ -11,9 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include <grp.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -177,6 +181,39 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
     EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket + ": one that ended left its socket\n");
+}
+
+TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
+    const Result devices = anoctl({"__complete", "devices", "monitor", "--control", socket, "--from", ""});
+    EXPECT_EQ(devices.exit, 0);
+    EXPECT_NE(devices.said.find("0xFE\thost, ground\n"), std::string::npos) << devices.said;
+    const Result links = anoctl({"__complete", "links", "links", "--control=" + socket});
+    EXPECT_NE(links.said.find("fc\tserial, up\n"), std::string::npos) << links.said;
+    EXPECT_NE(links.said.find("absent\tserial, waiting\n"), std::string::npos) << links.said;
+    EXPECT_EQ(anoctl({"__complete", "links", "links", "--control", "=", socket}).said, links.said);    // as bash cuts it
+    EXPECT_EQ(anoctl({"--help"}).said.find("__complete"), std::string::npos);
+}
+
+TEST(AnoctlComplete, says_nothing_where_no_gateway_answers) {
+    const TempDir dir;
+    const std::string silent = dir / "silent.sock";
+    const int listening = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    silent.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(listening, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    ASSERT_EQ(::listen(listening, 1), 0);
+    const auto before = std::chrono::steady_clock::now();
+    for (const std::string& socket : {silent, dir / "none.sock", std::string{"none"}})
+        for (const char* what : {"devices", "links"}) {
+            const Result nothing = anoctl({"__complete", what, "top", "--control", socket});
+            EXPECT_EQ(nothing.exit, 0) << socket;
+            EXPECT_EQ(nothing.said, "") << socket;
+        }
+    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{8}) << "0.3 s each, not the 10 s of other commands";
+    EXPECT_EQ(anoctl({"__complete"}).said, "");
+    EXPECT_EQ(anoctl({"__complete", "what", "--control"}).said, "");
+    ::close(listening);
 }
 
 /// A gateway that answers to reload as the test says.

@@ -1,5 +1,7 @@
 #include "anoctl.hpp"
 
+#include "complete.hpp"
+
 #include <ano_json/frame_json.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
@@ -10,6 +12,7 @@
 #include <exception>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,7 +22,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 12> all{{
+    static constexpr std::array<Subcommand, 13> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -32,6 +35,7 @@ std::span<const Subcommand> subcommands() noexcept {
         {"reload", "Has it read its configuration again", add_reload},
         {"send", "Sends a frame by the gateway that runs", add_send},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
+        {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
     }};
     return all;
 }
@@ -133,6 +137,8 @@ bool wants_color(const char* no_color, const char* term) noexcept {
 }
 
 int run(int argc, const char* const* given, Streams& streams) {
+    if (argc > 1 && std::string_view{given[1]} == complete_command)
+        return complete(std::span{given, static_cast<std::size_t>(argc)}.subspan(2), streams);
     const std::vector<const char*> words = as_meant(argc, given);
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};

@@ -56,6 +56,7 @@ Run add_links(Options& options);
 Run add_routes(Options& options);
 Run add_metrics(Options& options);
 Run add_reload(Options& options);
+Run add_web(Options& options);
 
 std::span<const Subcommand> subcommands() noexcept;
 

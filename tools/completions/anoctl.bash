@@ -23,28 +23,31 @@ _anoctl_links() {
         can) COMPREPLY=($(compgen -W "$(ls /sys/class/net 2>/dev/null | grep can)" -- "$cur")) ;;
     esac
 }
+_anoctl_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
+_anoctl_addresses() { _anoctl_words "power_unit ros_2_bridge vendor_mcu flight_controller imu optical_flow openmv_camera data_radio protocol_simulator host broadcast $(_anoctl_known devices)"; }
+_anoctl_link_names() { _anoctl_words "$(_anoctl_known links)"; }
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'decode --config') _anoctl_files; return ;;
-        'encode --from') :; return ;;
-        'encode --to') :; return ;;
+        'encode --from') _anoctl_addresses; return ;;
+        'encode --to') _anoctl_addresses; return ;;
         'encode --data') :; return ;;
         'encode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'encode --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'encode --config') _anoctl_files; return ;;
         'messages --config') _anoctl_files; return ;;
         'monitor --id') _anoctl_messages; return ;;
-        'monitor --from') :; return ;;
-        'monitor --to') :; return ;;
-        'monitor --link') _anoctl_links; return ;;
-        'monitor --direction') _anoctl_words 'in out'; return ;;
+        'monitor --from') _anoctl_addresses; return ;;
+        'monitor --to') _anoctl_addresses; return ;;
+        'monitor --link') _anoctl_link_names; return ;;
+        'monitor --direction') _anoctl_words 'in out dropped'; return ;;
         'monitor --count') :; return ;;
         'monitor --control') _anoctl_files; return ;;
         'monitor --encoding') _anoctl_words 'utf8 gbk'; return ;;
@@ -53,19 +56,21 @@ _anoctl() {
         'ports --detect') _anoctl_ports; return ;;
         'status --control') _anoctl_files; return ;;
         'links --control') _anoctl_files; return ;;
-        'routes --forget') :; return ;;
+        'routes --forget') _anoctl_addresses; return ;;
         'routes --control') _anoctl_files; return ;;
         'metrics --control') _anoctl_files; return ;;
         'reload --confirm-within') :; return ;;
         'reload --control') _anoctl_files; return ;;
-        'send --from') :; return ;;
-        'send --to') :; return ;;
+        'send --from') _anoctl_addresses; return ;;
+        'send --to') _anoctl_addresses; return ;;
         'send --data') :; return ;;
         'send --control') _anoctl_files; return ;;
         'send --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'send --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'send --config') _anoctl_files; return ;;
         'top --control') _anoctl_files; return ;;
+        'web --into') :; return ;;
+        'web --control') _anoctl_files; return ;;
     esac
     case $command in
         'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
@@ -74,12 +79,13 @@ _anoctl() {
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
         'status') options='--control --json -h --help'; operands=':' ;;
-        'links') options='--control --json -h --help'; operands=':' ;;
+        'links') options='--control --json -h --help'; operands='_anoctl_link_names' ;;
         'routes') options='--forget --control --json -h --help'; operands=':' ;;
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
         'top') options='--control -h --help'; operands=':' ;;
+        'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi
 }

@@ -31,6 +31,8 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     case Offer::messages: return prefix + "messages";
     case Offer::links: return prefix + "links";
     case Offer::ports: return prefix + "ports";
+    case Offer::addresses: return prefix + "addresses";
+    case Offer::link_names: return prefix + "link_names";
     case Offer::nothing: break;
     }
     return ":";
@@ -87,6 +89,28 @@ _%P_links() {
 }
 )bash";
 
+// The gateway is asked by the program as it was called, with the words so far: --control may be among them.
+constexpr char bash_known[] =
+    R"bash(_%P_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
+_%P_addresses() { _%P_words "%ADDRESSES% $(_%P_known devices)"; }
+_%P_link_names() { _%P_words "$(_%P_known links)"; }
+)bash";
+
+constexpr char zsh_known[] = R"zsh(_%P_known() {
+    local -a known
+    known=(${(f)"$(command $program __complete $1 $words 2>/dev/null)"})
+    compadd -- ${known%%$'\t'*}
+}
+_%P_addresses() { compadd -- %ADDRESSES%; _%P_known devices; }
+_%P_link_names() { _%P_known links; }
+)zsh";
+
+constexpr char fish_known[] = R"fish(function __%P_known
+    set -l words (commandline -opc)
+    command $words[1] __complete $argv[1] $words[2..-1] 2>/dev/null
+end
+)fish";
+
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
     for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) text.replace(at, from.size(), to);
 }
@@ -109,6 +133,8 @@ std::string offered_by_zsh(const Program& program, const Argument& argument) {
     case Offer::messages: return "_" + program.name + "_messages";
     case Offer::links: return "_" + program.name + "_links";
     case Offer::ports: return "_files -g \"/dev/tty*\"";
+    case Offer::addresses: return "_" + program.name + "_addresses";
+    case Offer::link_names: return "_" + program.name + "_link_names";
     case Offer::nothing: break;
     }
     return "";
@@ -144,6 +170,8 @@ std::string offered_by_fish(const Argument& argument) {
     case Offer::messages: return " -x -a " + quoted_for_fish(joined(message_names()));
     case Offer::links: return " -x -a " + quoted_for_fish(joined(link_prefixes()));
     case Offer::ports: return " -x -a '(__fish_complete_suffix /dev/tty)'";
+    case Offer::addresses: return " -x -a " + quoted_for_fish(joined(address_names()) + " (__anoctl_known devices)");
+    case Offer::link_names: return " -x -a '(__anoctl_known links)'";
     case Offer::nothing: break;
     }
     return " -x";
@@ -176,6 +204,8 @@ std::string bash_completion(const Program& program) {
     std::string common = bash_common;
     replace_all(common, "%MESSAGES%", joined(message_names()));
     replace_all(common, "%LINKS%", joined(link_prefixes()));
+    if (has_commands(program)) common += bash_known;
+    replace_all(common, "%ADDRESSES%", joined(address_names()));
     text += common +
             "_%P() {\n    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:\n"
             "    COMPREPLY=()\n";
@@ -199,6 +229,8 @@ std::string bash_completion(const Program& program) {
 std::string zsh_completion(const Program& program) {
     std::string text = "#compdef %P\n# What zsh offers behind %P. Made from its tables of options and commands.\n";
     text += "_%P_messages() { compadd -- " + joined(message_names()) + "; }\n";
+    if (has_commands(program)) text += zsh_known;
+    replace_all(text, "%ADDRESSES%", joined(address_names()));
     text +=
         "_%P_links() {\n    if compset -P 'serial:'; then _files -g '/dev/tty*'; elif compset -P 'pty:'; then _files\n"
         "    elif ! compset -P '*:'; then compadd -S '' -- " +
@@ -211,7 +243,7 @@ std::string zsh_completion(const Program& program) {
             text += "        " + quoted(command.name + ":" + described(command.help)) + "\n";
         text +=
             "    )\n    if ((CURRENT == 2)); then _describe command commands; return; fi\n"
-            "    local command=$words[2]\n    shift words\n    ((CURRENT--))\n    case $command in\n";
+            "    local program=$words[1] command=$words[2]\n    shift words\n    ((CURRENT--))\n    case $command in\n";
         for (const Command& command : program.commands)
             text += "        " + command.name + ") _arguments" + specs_for_zsh(program, command) + " ;;\n";
         text += "    esac\n}\n";
@@ -224,6 +256,8 @@ std::string zsh_completion(const Program& program) {
 std::string fish_completion(const Program& program) {
     std::string text = "# What fish offers behind " + program.name +
                        ". Made from its tables of options and commands.\ncomplete -c " + program.name + " -f\n";
+    if (has_commands(program)) text += fish_known;
+    replace_all(text, "%P", program.name);
     if (has_commands(program))
         for (const Command& command : program.commands)
             text += "complete -c " + program.name + " -n __fish_use_subcommand -a " + command.name + " -d " +

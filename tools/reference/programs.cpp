@@ -1,6 +1,8 @@
 #include "programs.hpp"
 
+#include <ano/address.hpp>
 #include <ano/messages.hpp>
+#include <ano_json/frame_json.hpp>
 #include <anoctl/anoctl.hpp>
 #include <config/link_kind.hpp>
 #include <daemon/command_line.hpp>
@@ -8,6 +10,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <utility>
+#include <variant>
 
 namespace reference {
 namespace {
@@ -23,7 +28,9 @@ bool is_word(std::string_view text) {
 }    // namespace
 
 Offer Argument::offer() const {
+    if (value == "[LINK...]" || (value.starts_with("LINK") && !names.empty())) return Offer::link_names;
     if (value.starts_with("LINK")) return Offer::links;
+    if (value.starts_with("ADDRESS")) return Offer::addresses;
     if (value.starts_with("PORT")) return Offer::ports;
     if (value.find("FILE") != value.npos || value.find("PATH") != value.npos) return Offer::files;
     if (value == "ID..." || value == "NAME" || value == "[NAME...]") return Offer::messages;
@@ -33,7 +40,9 @@ Offer Argument::offer() const {
 std::vector<std::string> Argument::words() const {
     std::vector<std::string> all;
     if (value.find('|') == value.npos) return all;
-    for (const std::string_view word : anogate::split(value, '|'))
+    constexpr std::string_view more = "...";
+    const std::string_view listed = std::string_view{value}.substr(0, value.size() - (is_repeated() ? more.size() : 0));
+    for (const std::string_view word : anogate::split(listed, '|'))
         if (is_word(word)) all.emplace_back(word);
     return all;
 }
@@ -70,6 +79,19 @@ std::vector<std::string> message_names() {
     for (const ano::Message& row : ano::messages) names.emplace_back(row.name);
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
+    return names;
+}
+
+// Upper and lower case are the same, and '_' stands for a space.
+std::vector<std::string> address_names() {
+    std::vector<std::string> names;
+    for (unsigned a = 1; a <= 255; ++a) {
+        std::string name{ano::address::who(static_cast<std::uint8_t>(a))};
+        for (char& c : name) c = c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        const auto called = ano::address_called(name);
+        const auto* address = std::get_if<std::uint8_t>(&called);
+        if (address && *address == a) names.push_back(std::move(name));
+    }
     return names;
 }
 

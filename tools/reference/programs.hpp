@@ -7,7 +7,7 @@
 namespace reference {
 
 /// What a shell offers for a value.
-enum class Offer { nothing, words, files, messages, links, ports };
+enum class Offer { nothing, words, files, messages, links, ports, addresses, link_names };
 
 struct Argument {
     std::vector<std::string> names;    // "-c", "--config"; none: it is known by its place
@@ -36,6 +36,8 @@ Program anogated_program();
 Program anoctl_program();
 
 std::vector<std::string> message_names();
+/// Those that stand for one address: "host", "flight_controller", …
+std::vector<std::string> address_names();
 /// "serial:", "udp-listen:", …
 std::vector<std::string> link_prefixes();
 

@@ -35,5 +35,16 @@ TEST(Certificate, for_what_is_not_an_address_is_refused) {
     EXPECT_FALSE(std::filesystem::exists(dir / "key"));
 }
 
+TEST(Certificate, is_known_by_its_fingerprint) {
+    support::TempDir dir;
+    ASSERT_TRUE(make_certificate({{"vehicle"}, {}}, dir / "cert", dir / "key"));
+    const auto known = fingerprint(dir / "cert");
+    ASSERT_TRUE(known) << known.error();
+    EXPECT_EQ(known->size(), 32u * 3 - 1);
+    EXPECT_EQ(known->find_first_not_of("0123456789ABCDEF:"), std::string::npos) << *known;
+    EXPECT_EQ(fingerprint(dir / "none").error(), (dir / "none") + ": No such file or directory");
+    EXPECT_EQ(fingerprint(dir / "key").error(), (dir / "key") + ": is no certificate in PEM");
+}
+
 }    // namespace
 }    // namespace anogate::http

@@ -10,9 +10,11 @@
 #include <reference/manual.hpp>
 #include <reference/page.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <support/files.hpp>
 
@@ -73,8 +75,19 @@ TEST(Programs, know_what_a_shell_offers_for_a_value) {
     EXPECT_EQ(of("flood|drop|LINK").words(), (std::vector<std::string>{"flood", "drop"}));
     EXPECT_EQ(of("[HEX|FILE|-]").offer(), Offer::files);
     EXPECT_EQ(of("LINK...").offer(), Offer::links);
+    EXPECT_EQ((Argument{{"--link"}, "LINK...", ""}).offer(), Offer::link_names);
+    EXPECT_EQ(of("[LINK...]").offer(), Offer::link_names);
+    EXPECT_EQ(of("ADDRESS...").offer(), Offer::addresses);
+    EXPECT_EQ(of("in|out|dropped...").words(), (std::vector<std::string>{"in", "out", "dropped"}));
     EXPECT_EQ(of("ID...").offer(), Offer::messages);
     EXPECT_EQ(of("N").offer(), Offer::nothing);
+}
+
+TEST(Programs, know_the_names_that_stand_for_one_address) {
+    const std::vector<std::string> names = address_names();
+    const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+    for (const char* name : {"host", "flight_controller", "ros_2_bridge", "broadcast"}) EXPECT_TRUE(has(name)) << name;
+    for (const char* name : {"port", "user_device", "reserved", "unassigned"}) EXPECT_FALSE(has(name)) << name;
 }
 
 }    // namespace

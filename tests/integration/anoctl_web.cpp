@@ -1,0 +1,176 @@
+// anoctl web: how a gateway that runs is reached, and the certificate that it makes.
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+class AnoctlWeb : public testing::Test {
+protected:
+    struct Result {
+        int exit;
+        std::string said;
+    };
+    Result web(std::vector<std::string> words, const std::vector<std::string>& environment = {}) const {
+        words.insert(words.begin(), {"web", "--control", socket});
+        Process process{ANOCTL, std::move(words), environment};
+        const int exit = process.wait();
+        return {exit, process.output()};
+    }
+    /// `control` is what stands in the configuration under that key.
+    Daemon& start(const std::string& control) {
+        const std::string config = dir.write("anogate.json",
+                                             R"({"links": ["udp-listen:127.0.0.1:0"], "control": )" + control + "}");
+        daemon = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", config},
+                                          std::vector<std::string>{"STATE_DIRECTORY=" + dir.path().string()});
+        EXPECT_TRUE(daemon->until_answers()) << daemon->output();
+        return *daemon;
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    std::unique_ptr<Daemon> daemon;
+};
+
+TEST_F(AnoctlWeb, says_where_a_gateway_answers_and_where_its_tokens_are) {
+    start(R"({"http": "0.0.0.0:0", "hosts": ["vehicle.lan"], "token_file": ")" + (dir / "mine") + "\"}");
+    const Result told = web({"--json"});
+    ASSERT_EQ(told.exit, 0) << told.said;
+    const json facts = json::parse(told.said);
+    const std::string port = std::to_string(facts.at("port").get<int>());
+    EXPECT_EQ(facts.at("state"), "up");
+    EXPECT_EQ(facts.at("address"), "0.0.0.0");
+    EXPECT_EQ(facts.at("tls"), false);
+    EXPECT_EQ(facts.at("token_needed"), true);
+    EXPECT_EQ(facts.at("token_file"), dir / "mine");
+    const std::string urls = facts.at("urls").dump();
+    EXPECT_NE(urls.find(":" + port + "/\""), std::string::npos) << urls;
+    EXPECT_NE(urls.find("\"http://vehicle.lan:" + port + "/\""), std::string::npos) << urls;
+
+    const Result words = web({});
+    EXPECT_EQ(words.exit, 0);
+    EXPECT_NE(words.said.find("\nhttp://vehicle.lan:" + port + "/\n"), std::string::npos) << words.said;
+    EXPECT_NE(words.said.find("in " + (dir / "mine")), std::string::npos) << words.said;
+}
+
+TEST_F(AnoctlWeb, never_shows_a_token) {
+    const std::string secret = "0123456789abcdef0123456789abcdef";
+    const std::string tokens = dir.write("mine", "control " + secret + "\n");
+    std::filesystem::permissions(tokens, std::filesystem::perms{0600});
+    start(R"({"http": "127.0.0.1:0", "token_file": ")" + tokens + "\"}");
+    const std::string told = web({}).said + web({"--json"}).said + daemon->status().dump();
+    EXPECT_NE(told.find(tokens), std::string::npos) << told;
+    EXPECT_EQ(told.find(secret), std::string::npos) << told;
+}
+
+TEST_F(AnoctlWeb, of_a_loopback_address_says_how_another_computer_gets_there) {
+    start(R"({"http": "127.0.0.1:0"})");
+    const std::string port = std::to_string(daemon->status().at("http").at("port").get<int>());
+    const Result told = web({});
+    EXPECT_EQ(told.exit, 0);
+    EXPECT_EQ(told.said.find("http://127.0.0.1:" + port + "/\nhttp://localhost:" + port + "/\nonly this computer gets there"), 0u)
+        << told.said;
+    EXPECT_NE(told.said.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos) << told.said;
+}
+
+TEST_F(AnoctlWeb, says_how_http_is_switched_on) {
+    start("{}");
+    const Result off = web({});
+    EXPECT_EQ(off.exit, 1);
+    EXPECT_EQ(off.said, "anoctl: the gateway serves no HTTP: put \"control\": {\"http\": \"0.0.0.0:8088\"} into " +
+                            (dir / "anogate.json") +
+                            ", or give anogated --http 0.0.0.0:8088, and restart it; with 127.0.0.1:8088 it is for this computer "
+                            "alone\n");
+    const Result as_json = web({"--json"});
+    EXPECT_EQ(as_json.exit, 1);
+    EXPECT_EQ(as_json.said.find("{\"urls\":[],\"state\":\"off\"}\n"), 0u) << as_json.said;
+}
+
+TEST_F(AnoctlWeb, says_why_the_door_is_shut) {
+    start(R"({"http": "127.0.0.1:0", "tls": {"certificate": ")" + (dir / "none") + R"(", "key": ")" + (dir / "none") + "\"}}");
+    const Result shut = web({});
+    EXPECT_EQ(shut.exit, 1);
+    EXPECT_EQ(shut.said.find("anoctl: no HTTP: control.tls: " + (dir / "none") + ": "), 0u) << shut.said;
+}
+
+TEST_F(AnoctlWeb, opens_a_browser_on_this_computer) {
+    start(R"({"http": "0.0.0.0:0"})");
+    const std::string port = std::to_string(daemon->status().at("http").at("port").get<int>());
+    std::filesystem::permissions(dir.write("xdg-open", "#!/bin/sh\necho \"opens $1\"\n"), std::filesystem::perms{0700});
+    const Result opened = web({"--open"}, {"PATH=" + dir.path().string() + ":/usr/bin:/bin"});
+    EXPECT_EQ(opened.exit, 0) << opened.said;
+    EXPECT_NE(opened.said.find("\nopens http://localhost:" + port + "/\n"), std::string::npos) << opened.said;
+    const Result without = web({"--open"}, {"PATH=" + (dir / "empty")});
+    EXPECT_EQ(without.exit, 1);
+    EXPECT_NE(without.said.find("xdg-open is not installed"), std::string::npos) << without.said;
+}
+
+TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_takes_and_clients_trust) {
+    const Result made = web({"--make-certificate", "--into", dir / "", "--json"});    // no gateway runs
+    ASSERT_EQ(made.exit, 0) << made.said;
+    const json facts = json::parse(made.said);
+    EXPECT_EQ(facts.at("certificate"), dir / "certificate.pem");
+    struct stat key {};
+    ASSERT_EQ(::stat((dir / "key.pem").c_str(), &key), 0);
+    EXPECT_EQ(key.st_mode & 0777, 0600u);
+
+    start(R"({"http": "127.0.0.1:0", "tls": {"certificate": ")" + (dir / "certificate.pem") + R"(", "key": ")" +
+          (dir / "key.pem") + "\"}}");
+    const json http = daemon->status().at("http");
+    ASSERT_EQ(http.at("state"), "up") << http;
+    EXPECT_EQ(http.at("certificate"), dir / "certificate.pem");
+    const std::string port = std::to_string(http.at("port").get<int>());
+    for (const std::string host : {"localhost", "127.0.0.1"}) {
+        Shell curl{"curl -sS -m 20 -o /dev/null -w '%{ssl_verify_result}' --cacert " + (dir / "certificate.pem") + " https://" +
+                   host + ":" + port + "/"};
+        curl.wait();
+        EXPECT_EQ(curl.output(), "0");
+    }
+    const Result told = web({});
+    EXPECT_EQ(told.said.find("https://127.0.0.1:" + port + "/\n"), 0u) << told.said;
+    EXPECT_NE(told.said.find("SHA-256 fingerprint " + facts.at("fingerprint").get<std::string>()), std::string::npos)
+        << told.said;
+}
+
+TEST_F(AnoctlWeb, tells_what_to_configure_for_its_certificate) {
+    const Result made = web({"--make-certificate", "--into", dir.path().string()});
+    ASSERT_EQ(made.exit, 0) << made.said;
+    EXPECT_NE(made.said.find("    \"control\": {\"tls\": {\"certificate\":\"" + (dir / "certificate.pem") + "\",\"key\":\"" +
+                             (dir / "key.pem") + "\"}}\n"),
+              std::string::npos)
+        << made.said;
+    for (const char* word : {"localhost", "127.0.0.1", ".local", "SHA-256"})
+        EXPECT_NE(made.said.find(word), std::string::npos) << word << " in\n" << made.said;
+}
+
+TEST_F(AnoctlWeb, never_writes_over_a_certificate_and_says_where_it_may_not_write) {
+    dir.write("key.pem", "mine");
+    const Result there = web({"--make-certificate", "--into", dir.path().string()});
+    EXPECT_EQ(there.exit, 1);
+    EXPECT_EQ(there.said, "anoctl: " + (dir / "key.pem") +
+                              " is there already and is not written over: move it away, or give another folder by --into\n");
+    EXPECT_FALSE(std::filesystem::exists(dir / "certificate.pem"));
+    EXPECT_EQ(web({"--make-certificate", "--into", dir / "none"}).said,
+              "anoctl: there is no folder " + (dir / "none") + "; give another folder by --into\n");
+    if (::geteuid() != 0) {
+        EXPECT_NE(web({"--make-certificate", "--into", "/usr"}).said.find("this user may not write into /usr"),
+                  std::string::npos);
+    }
+    EXPECT_EQ(web({"--into", dir / ""}).exit, 2);
+    EXPECT_EQ(web({"--make-certificate", "--open"}).exit, 2);
+}
+
+}    // namespace

@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+#include <anoctl/web_names.hpp>
+
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace anoctl;
+using anogate::IpAddress;
+using Urls = std::vector<std::string>;
+
+IpAddress address(const char* text) { return IpAddress::parse(text).value(); }
+
+WebDoor door_at(const char* where, bool is_encrypted = false) {
+    WebDoor door;
+    static_cast<anogate::Endpoint&>(door) = anogate::Endpoint::parse(where).value();
+    door.is_encrypted = is_encrypted;
+    return door;
+}
+
+Computer vehicle() {
+    return {"vehicle",
+            {address("127.0.0.1"), address("192.168.1.5"), address("::1"), address("2001:db8::5"), address("fe80::1%lo")}};
+}
+
+TEST(WebNames, of_all_interfaces_are_those_that_others_can_reach) {
+    EXPECT_EQ(urls_of(door_at("0.0.0.0:8088"), vehicle()),
+              (Urls{"http://192.168.1.5:8088/", "http://vehicle:8088/", "http://vehicle.local:8088/"}));
+    EXPECT_EQ(urls_of(door_at("[::]:8088", true), vehicle()), (Urls{"https://192.168.1.5:8088/", "https://[2001:db8::5]:8088/",
+                                                                    "https://vehicle:8088/", "https://vehicle.local:8088/"}));
+}
+
+TEST(WebNames, of_one_address_are_that_and_the_hosts_names) {
+    EXPECT_EQ(urls_of(door_at("192.168.1.5:80"), vehicle()),
+              (Urls{"http://192.168.1.5:80/", "http://vehicle:80/", "http://vehicle.local:80/"}));
+    EXPECT_EQ(url_here(door_at("192.168.1.5:80")), "http://192.168.1.5:80/");
+}
+
+TEST(WebNames, of_a_loopback_address_are_for_this_computer) {
+    EXPECT_EQ(urls_of(door_at("127.0.0.1:80"), vehicle()), (Urls{"http://127.0.0.1:80/", "http://localhost:80/"}));
+    EXPECT_EQ(urls_of(door_at("[::1]:80"), vehicle()), (Urls{"http://[::1]:80/", "http://localhost:80/"}));
+    EXPECT_EQ(url_here(door_at("0.0.0.0:80", true)), "https://localhost:80/");
+}
+
+TEST(WebNames, have_what_the_configuration_adds_and_nothing_of_a_host_without_a_name) {
+    WebDoor door = door_at("0.0.0.0:80");
+    door.hosts = {"vehicle.lan"};
+    EXPECT_EQ(urls_of(door, {"", {address("10.0.0.2")}}), (Urls{"http://10.0.0.2:80/", "http://vehicle.lan:80/"}));
+}
+
+}    // namespace

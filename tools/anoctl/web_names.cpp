@@ -1,0 +1,50 @@
+#include "web_names.hpp"
+
+namespace anoctl {
+
+using anogate::IpAddress;
+
+namespace {
+
+std::string url_of(const WebDoor& door, const std::string& host) {
+    return (door.is_encrypted ? "https://" : "http://") + host + ":" + std::to_string(door.port) + "/";
+}
+
+std::string host_of(const IpAddress& address) { return address.v6 ? "[" + address.text() + "]" : address.text(); }
+
+}    // namespace
+
+std::vector<std::string> names_of(const Computer& computer) {
+    if (computer.name.empty()) return {};
+    return {computer.name, computer.name + ".local"};
+}
+
+std::vector<IpAddress> reachable(const Computer& computer) {
+    std::vector<IpAddress> all;
+    for (const IpAddress& address : computer.addresses)
+        if (!address.is_loopback() && !(address.v6 && address.is_link_local())) all.push_back(address);
+    return all;
+}
+
+std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer) {
+    std::vector<std::string> hosts;
+    if (door.address.is_any()) {
+        for (const IpAddress& address : reachable(computer))
+            if (!address.v6 || door.address.v6) hosts.push_back(host_of(address));    // [::] takes IPv4 too
+    } else {
+        hosts.push_back(host_of(door.address));
+    }
+    const std::vector<std::string> names = door.address.is_loopback() ? std::vector<std::string>{"localhost"}
+                                                                      : names_of(computer);
+    hosts.insert(hosts.end(), names.begin(), names.end());
+    hosts.insert(hosts.end(), door.hosts.begin(), door.hosts.end());
+    for (std::string& host : hosts) host = url_of(door, host);
+    return hosts;
+}
+
+std::string url_here(const WebDoor& door) {
+    const bool is_here = door.address.is_any() || door.address.is_loopback();
+    return url_of(door, is_here ? "localhost" : host_of(door.address));
+}
+
+}    // namespace anoctl
