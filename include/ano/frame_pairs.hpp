@@ -46,7 +46,8 @@ private:
                       const Heard& heard) noexcept;
     void check_until(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
     void check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept;
-    std::uint16_t& size_at(Place end) noexcept { return ends_[end & mask_]; }
+    std::size_t in_ring(Place place) const noexcept { return static_cast<std::size_t>(place & mask_); }
+    std::uint16_t& size_at(Place end) noexcept { return ends_[in_ring(end)]; }
 
     // Both are rings, indexed by places in the stream. Of the frames that end at one place, the one that begins last is first
     // in the list. A frame is stored as its size: it begins that far before the place where it ends.

@@ -25,7 +25,7 @@ constexpr std::optional<Type> command_value_type(std::uint64_t val_type, ValueTy
                                Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};
     if (val_type == 0 || val_type > types.size()) return std::nullopt;
     if (val_type == 7 && seven == ValueType7::f32) return Type::f32;
-    return types[val_type - 1];
+    return types[static_cast<std::size_t>(val_type - 1)];
 }
 
 /// Whether `size` bytes can be the value of a parameter_value (0xE1). Devices that get fewer bytes than the type has store

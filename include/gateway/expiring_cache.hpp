@@ -57,7 +57,7 @@ private:
     using Set = std::array<Slot, ways>;
 
     std::size_t set_count() const noexcept { return std::size_t{1} << (64 - shift_); }
-    Set& set_of(std::uint64_t key) noexcept { return sets_[key * 0x9E3779B97F4A7C15u >> shift_]; }
+    Set& set_of(std::uint64_t key) noexcept { return sets_[static_cast<std::size_t>(key * 0x9E3779B97F4A7C15u >> shift_)]; }
     Slot* slot_of(std::uint64_t key) noexcept {
         for (Slot& slot : set_of(key))
             if (slot.key == key && slot.at != ano::TimePoint::min()) return &slot;

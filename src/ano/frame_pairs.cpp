@@ -56,8 +56,8 @@ void FramePairs::forget_until(Place place) noexcept {
     const Place round = mask_ + 1;
     if (place - forgotten_ > round) forgotten_ = place - round;
     while (forgotten_ != place) {
-        const Place from = (forgotten_ + 1) & mask_;
-        const Place n = std::min(place - forgotten_, round - from);
+        const std::size_t from = in_ring(forgotten_ + 1);
+        const auto n = static_cast<std::size_t>(std::min(place - forgotten_, round - from));
         std::memset(&ends_[from], 0, n * sizeof ends_[0]);
         forgotten_ += n;
     }
@@ -86,7 +86,7 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
             if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // bad already
             const Place place = origin_ + begin;
             std::uint16_t& first = size_at(place + overhead + length);
-            nexts_[place & mask_] = first;
+            nexts_[in_ring(place)] = first;
             first = static_cast<std::uint16_t>(overhead + length);
         }
     }
@@ -111,7 +111,7 @@ void FramePairs::check_until(Place end, Place behind, std::span<const std::uint8
 void FramePairs::check_what_ends(Place end, Place behind, std::span<const std::uint8_t> bytes, const PrefixSums& sums) noexcept {
     const auto sum_place = static_cast<std::size_t>(end - origin_) - 2;
     std::uint16_t good = 0;
-    for (std::uint16_t size = size_at(end); size != 0 && end - size > behind; size = nexts_[(end - size) & mask_]) {
+    for (std::uint16_t size = size_at(end); size != 0 && end - size > behind; size = nexts_[in_ring(end - size)]) {
         const Place begin = end - size;
         const auto at = static_cast<std::size_t>(begin - origin_);
         if (!sums.sum_holds(at, sum_place) || sums.add(at, sum_place) != bytes[sum_place + 1]) continue;

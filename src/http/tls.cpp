@@ -84,14 +84,14 @@ Tls::Tls(std::shared_ptr<Context> context) : context_{std::move(context)} {}
 Tls::~Tls() = default;
 
 Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const std::string& key) {
-    using Options = asio::ssl::context;
     auto context = std::make_shared<Context>();
-    context->ssl.set_options(Options::default_workarounds | Options::no_tlsv1 | Options::no_tlsv1_1 | Options::no_compression |
-                             SSL_OP_NO_RENEGOTIATION);
+    // Not by Asio: its options are long, which has no room for them on 32 bits and would set those from 2^32 up.
+    ::SSL_CTX_set_options(context->ssl.native_handle(),
+                          SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
     error_code ec;
     context->ssl.use_certificate_chain_file(certificate, ec);
     if (ec) return Unexpected{certificate + ": " + ec.message()};
-    context->ssl.use_private_key_file(key, Options::pem, ec);
+    context->ssl.use_private_key_file(key, asio::ssl::context::pem, ec);
     if (ec) return Unexpected{key + ": " + ec.message()};
     return std::unique_ptr<Tls>{new Tls{std::move(context)}};
 }

@@ -31,9 +31,17 @@ IpAddress address_of(const sockaddr_in& in) noexcept {
     return address;
 }
 
+// A copy: a sockaddr may stand where an `Address` must not.
+template <class Address>
+Address copy_as(const sockaddr* address) noexcept {
+    Address copy;
+    std::memcpy(&copy, address, sizeof copy);
+    return copy;
+}
+
 std::uint8_t prefix_of(const sockaddr* mask) noexcept {
-    const IpAddress bits = mask->sa_family == AF_INET6 ? IpAddress{address_of(*reinterpret_cast<const sockaddr_in6*>(mask))}
-                                                       : address_of(*reinterpret_cast<const sockaddr_in*>(mask));
+    const IpAddress bits = mask->sa_family == AF_INET6 ? address_of(copy_as<sockaddr_in6>(mask))
+                                                       : address_of(copy_as<sockaddr_in>(mask));
     unsigned count = 0;
     for (const std::uint8_t byte : bits.bytes) count += static_cast<unsigned>(std::popcount(byte));
     return static_cast<std::uint8_t>(count);
@@ -46,10 +54,9 @@ void for_each_own_network(Call call) {
     for (const ifaddrs* i = list; i; i = i->ifa_next) {
         if (!i->ifa_addr || !i->ifa_netmask) continue;
         if (i->ifa_addr->sa_family == AF_INET)
-            call(Network{address_of(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
+            call(Network{address_of(copy_as<sockaddr_in>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
         else if (i->ifa_addr->sa_family == AF_INET6)
-            call(Network{address_of(*reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)), prefix_of(i->ifa_netmask)},
-                 i->ifa_name);
+            call(Network{address_of(copy_as<sockaddr_in6>(i->ifa_addr)), prefix_of(i->ifa_netmask)}, i->ifa_name);
     }
     ::freeifaddrs(list);
 }

@@ -245,7 +245,7 @@ void UdpListenLink::flush(Channel& channel) {
             remember(*peer.far, channel.outbox, way.most, now);
         }
         const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
-        if (peer.far) peer.far->left(channel.outbox.counters().bytes_out - sent_before);
+        if (peer.far) peer.far->left(static_cast<std::size_t>(channel.outbox.counters().bytes_out - sent_before));
         switch (result) {
         case SendResult::done:
             if (peer.far) hold_back_all(channel.outbox, now);

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
+#include <support/temp_dir.hpp>
 
 #include <poll.h>
 #include <pty.h>
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 namespace anogate {
 namespace {
@@ -54,6 +57,19 @@ TEST(Log, has_colours_on_a_terminal_unless_no_color_says_otherwise) {
     const std::string plain = on_a_terminal("1");
     EXPECT_NE(plain.find("warning words"), std::string::npos) << plain;
     EXPECT_EQ(plain.find('\x1b'), std::string::npos) << plain;
+}
+
+TEST(Log, may_have_a_file_larger_than_32_bits_can_say) {
+    const support::TempDir folder;
+    LogSettings settings;
+    settings.file = folder / "log";
+    settings.rotate = std::uint64_t{1} << 32;
+    start_log(settings);
+    spdlog::warn("words");
+    end_log();
+    std::ifstream file{settings.file};
+    const std::string text{std::istreambuf_iterator<char>{file}, {}};
+    EXPECT_NE(text.find("words"), std::string::npos) << text;
 }
 
 }    // namespace
