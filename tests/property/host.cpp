@@ -1,0 +1,106 @@
+// What a host achieves over bad lines and slow ones, in simulated time; and that no task runs for ever.
+#include <host/parameters.hpp>
+
+#include <support/fake_device.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace ano::host;
+using support::FakeDevice;
+using support::LineFaults;
+using support::Simulation;
+
+struct Read {
+    ano::Duration took;
+    std::size_t frames_back, bytes_back, bytes_there;
+};
+
+// Everything of a device with n parameters, which must come whole.
+Read read_all(std::size_t n, LineFaults line, std::uint64_t seed) {
+    FakeDevice fake;
+    fake.make_parameters(n);
+    Device device{0xDC};
+    Parameters parameters{device};
+    Simulation simulation{device, fake, line, seed};
+    parameters.read_all(simulation.now);
+    const ano::Duration took = simulation.run(parameters);
+    EXPECT_TRUE(parameters.end()) << "seed " << seed;
+    if (!parameters.end()) return {};
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << "seed " << seed << ": " << parameters.end()->what;
+    for (std::uint16_t id = 0; id < n; ++id) EXPECT_EQ(parameters.descriptions()[id].name, fake.parameters[id].name);
+    EXPECT_FALSE(fake.crashed);
+    return {took, simulation.frames_back, simulation.bytes_back, simulation.bytes_there};
+}
+
+double ratio(ano::Duration a, ano::Duration b) { return static_cast<double>(a.count()) / static_cast<double>(b.count()); }
+
+TEST(Host, at_ten_percent_loss_and_200_ms_300_parameters_take_at_most_two_and_a_half_times_as_long) {
+    using namespace std::chrono_literals;
+    const ano::Duration clean = read_all(300, {.delay = 100ms}, 1).took;
+    double worst = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+        worst = std::max(worst, ratio(read_all(300, {.delay = 100ms, .loss = 0.1}, seed).took, clean));
+    RecordProperty("worst", std::to_string(worst));
+    EXPECT_LE(worst, 2.5);
+    EXPECT_GT(worst, 1.0);
+}
+
+TEST(Host, on_a_clean_line_of_115200_baud_300_parameters_take_at_most_1_3_times_the_wire_time) {
+    const Read read = read_all(300, {.delay = std::chrono::milliseconds{1}, .baud = 115200}, 1);
+    const auto wire = std::chrono::nanoseconds{std::max(read.bytes_back, read.bytes_there) * 10'000'000'000 / 115200};
+    RecordProperty("ratio", std::to_string(ratio(read.took, wire)));
+    EXPECT_LE(ratio(read.took, wire), 1.3);
+    EXPECT_EQ(read.frames_back, 603u) << "nothing is asked twice";
+}
+
+TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
+    using namespace std::chrono_literals;
+    for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+        support::Random random{seed};
+        const LineFaults line{std::chrono::milliseconds{random.below(800u)}, std::chrono::milliseconds{random.below(400u)},
+                              random.below(60u) / 100.0, random.below(50u) / 100.0, random.of({0u, 9600u, 115200u})};
+        FakeDevice fake;
+        fake.make_parameters(random.below(40u));
+        Device device{0xDC};
+        Parameters parameters{device};
+        Simulation simulation{device, fake, line, seed};
+        parameters.read_all(simulation.now);
+        const ano::Duration took = simulation.run(parameters);
+        ASSERT_TRUE(parameters.end()) << "seed " << seed;
+        EXPECT_LT(took, 10min) << "seed " << seed;
+        EXPECT_LE(simulation.most_on_their_way, Window::widest);
+        EXPECT_FALSE(fake.crashed);
+        if (parameters.end()->ending != Ending::done) continue;
+        for (std::uint16_t id = 0; id < fake.parameters.size(); ++id) {
+            const auto bytes = parameters.bytes(id);
+            EXPECT_TRUE(
+                std::equal(bytes.begin(), bytes.end(), fake.parameters[id].value.begin(), fake.parameters[id].value.end()));
+        }
+    }
+}
+
+TEST(Host, random_frames_at_random_times_never_hang_a_task) {
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        support::Random random{seed};
+        FakeDevice fake;
+        fake.make_parameters(12);
+        Device device{0xDC};
+        Parameters parameters{device};
+        Simulation simulation{device, fake, {.delay = std::chrono::milliseconds{5}, .loss = 0.3}, seed};
+        simulation.each_step = [&](ano::TimePoint now) {
+            support::Bytes data(random.below(40u));
+            for (auto& byte : data) byte = random.one_in(2) ? random.byte() : std::uint8_t(random.below(4u));
+            const auto frame = support::frame(random.of<std::uint8_t>({0xDC, 0xDC, 0xFE, 0}),
+                                              random.of<std::uint8_t>({0xFE, 0xFF, 1}),
+                                              random.of<std::uint8_t>({0x00, 0xE0, 0xE1, 0xE2, 0xE3, 0xC1, 0xC2, 0xF0}), data);
+            device.take(ano::FrameView{frame}, now);
+        };
+        parameters.read_all(simulation.now);
+        simulation.run(parameters, std::chrono::minutes{30});
+        EXPECT_TRUE(parameters.end()) << "seed " << seed;
+    }
+}
+
+}    // namespace
