@@ -1,7 +1,8 @@
 // What a host achieves over bad lines and slow ones, in simulated time; and that no task runs for ever.
+#include <host/firmware.hpp>
 #include <host/parameters.hpp>
 
-#include <support/fake_device.hpp>
+#include <support/fake_loader.hpp>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +54,26 @@ TEST(Host, on_a_clean_line_of_115200_baud_300_parameters_take_at_most_1_3_times_
     RecordProperty("ratio", std::to_string(ratio(read.took, wire)));
     EXPECT_LE(ratio(read.took, wire), 1.3);
     EXPECT_EQ(read.frames_back, 603u) << "nothing is asked twice";
+}
+
+TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_bytes_and_answers_need) {
+    FakeDevice fake;
+    support::FakeLoader loader;
+    fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
+    Device device{0xDC};
+    FirmwareImage image;
+    image.bytes.assign(std::size_t{256} << 10, 0x5A);
+    image.crc = crc16_of(Crc16::ibm_3740, image.bytes);
+    Firmware upgrade{device, image};
+    Simulation simulation{device, fake, {.delay = std::chrono::microseconds{100}, .baud = 500000}};
+    upgrade.start(simulation.now);
+    const ano::Duration took = simulation.run(upgrade);
+    ASSERT_TRUE(upgrade.end());
+    ASSERT_EQ(upgrade.end()->ending, Ending::done) << upgrade.end()->what;
+    EXPECT_EQ(upgrade.repeats(), 0u);
+    const auto wire = std::chrono::nanoseconds{(simulation.bytes_there + simulation.bytes_back) * 10'000'000'000 / 500000};
+    RecordProperty("ratio", std::to_string(ratio(took, wire)));
+    EXPECT_LE(ratio(took, wire), 1.15);
 }
 
 TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
