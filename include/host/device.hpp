@@ -58,6 +58,7 @@ enum class Taken : std::uint8_t {
     doubled,    // it would have ended one that is answered already
     late,       // it answers one that was given up or cancelled
     unasked,    // an answer to no request of ours
+    foreign,    // an answer to another host
 };
 
 /// Each device has one of these, whoever asks: its window is shared. At most Window::widest requests are on their way, of those that

@@ -19,7 +19,8 @@ namespace ano::host {
 
 struct ApplyOptions {
     bool rollback = false;
-    bool dry_run = false;    // says what would be written
+    bool dry_run = false;       // says what would be written
+    bool also_the_same = false;    // what does not differ is written as well
     TextLimits text{};
 };
 

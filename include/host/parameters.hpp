@@ -12,7 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace ano::host {
@@ -21,13 +23,18 @@ namespace ano::host {
 /// once more: when the device has changed, all is read again, once.
 class Parameters final : public Gather {
 public:
-    enum class Values : std::uint8_t { all, none };
+    enum class Values : std::uint8_t { all, none, named };
 
     /// `cache` may be null, and outlives this.
     explicit Parameters(Device& device, DescriptionCache* cache = nullptr) : Gather{device}, cache_{cache} {}
 
     void read(Values values, TimePoint now);
     void read_all(TimePoint now) { read(Values::all, now); }
+    /// The values of these alone; those that are not there, or are called as another one is, are left out.
+    void read_named(std::vector<std::string> names, TimePoint now) {
+        names_ = std::move(names);
+        read(Values::named, now);
+    }
 
     /// By id, from 0 without gaps; complete when it is done. Those that did not come have no name and no type.
     const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
@@ -56,16 +63,25 @@ private:
     std::optional<std::uint16_t> first_lacking() const;
     bool took_description(std::uint16_t id, FrameView answer);
     bool took_value(std::uint16_t id, FrameView answer);
-    // Descriptions and values in turns, so that each is of use early.
-    bool is_description(std::uint32_t i) const noexcept { return !from_cache_ && (values_wanted_ == Values::none || i % 2 == 0); }
+    void ask_named(TimePoint now);
+
+    // Where all values are wanted, descriptions and values come in turns, so that each is of use early.
+    enum class Asks : std::uint8_t { descriptions, values, both, named_values };
+    bool is_description(std::uint32_t i) const noexcept {
+        return asks_ == Asks::descriptions || (asks_ == Asks::both && i % 2 == 0);
+    }
     std::uint16_t id_of_question(std::uint32_t i) const noexcept {
-        return static_cast<std::uint16_t>(!from_cache_ && values_wanted_ == Values::all ? i / 2 : i);
+        if (asks_ == Asks::named_values) return named_[i];
+        return static_cast<std::uint16_t>(asks_ == Asks::both ? i / 2 : i);
     }
 
     DescriptionCache* cache_;
     Values values_wanted_ = Values::all;
     std::optional<std::uint16_t> count_;
     std::uint32_t presence_ = 0;
+    Asks asks_ = Asks::both;
+    std::vector<std::string> names_;
+    std::vector<std::uint16_t> named_;    // their ids
     bool from_cache_ = false;
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;

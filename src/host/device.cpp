@@ -81,7 +81,8 @@ Taken Device::past(FrameView frame) const noexcept {
         const auto& one = past_[(next_past_ + past_.size() - i) % past_.size()];
         if (one && one->expects.is_met_by(frame)) return one->answered ? Taken::doubled : Taken::late;
     }
-    return is_answer(frame) && frame.destination() == own_ ? Taken::unasked : Taken::nothing;
+    if (!is_answer(frame)) return Taken::nothing;
+    return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
 void Device::remember(const Exchange& exchange, bool answered) noexcept {

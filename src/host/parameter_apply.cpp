@@ -11,7 +11,9 @@ ParameterApply::ParameterApply(Device& device, DescriptionCache* cache, std::vec
 
 void ParameterApply::start(TimePoint now) {
     parameters_.on_end([this](TimePoint then) { described(then); });
-    parameters_.read_all(now);
+    std::vector<std::string> names;
+    for (const Row& row : rows_) names.push_back(row.name);
+    parameters_.read_named(std::move(names), now);
 }
 
 void ParameterApply::described(TimePoint now) {
@@ -44,7 +46,7 @@ bool ParameterApply::check(TimePoint now) {
         }
         infos_.push_back(*found.parameter);
         row.before = row.stored = parameters_.value(found.parameter->id);
-        if (value_of(wire, *found.parameter->type) == row.before) row.state = State::same;
+        if (!options_.also_the_same && value_of(wire, *found.parameter->type) == row.before) row.state = State::same;
     }
     return true;
 }

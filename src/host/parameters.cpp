@@ -2,6 +2,7 @@
 #include <ano/values.hpp>
 #include <host/parameters.hpp>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -52,8 +53,20 @@ void Parameters::counted(TimePoint now) {
     if (known != nullptr) descriptions_ = *known;
     descriptions_.resize(*count_);
     values_.assign(*count_, {});
-    const bool both = !from_cache_ && values_wanted_ == Values::all;
-    gather(from_cache_ && values_wanted_ == Values::none ? 0 : both ? 2u * *count_ : *count_, now);
+    const bool all = values_wanted_ == Values::all;
+    if (from_cache_) asks_ = Asks::values;
+    else asks_ = all ? Asks::both : Asks::descriptions;
+    if (from_cache_ && !all) return gathered(now);
+    gather(asks_ == Asks::both ? 2u * *count_ : *count_, now);
+}
+
+// Descriptions are there: which of them are wanted?
+void Parameters::ask_named(TimePoint now) {
+    asks_ = Asks::named_values;
+    named_.clear();
+    for (const std::string& name : names_)
+        if (const auto* found = find(name).parameter) named_.push_back(found->id);
+    gather(named_.size(), now);
 }
 
 Request Parameters::question(std::uint32_t i) {
@@ -86,7 +99,11 @@ std::optional<AnyValue> Parameters::value(std::uint16_t id) const {
     return value_of(values_[id], *descriptions_[id].type);
 }
 
-void Parameters::gathered(TimePoint now) { ask(question::parameter_count(ask_count_again), now); }
+void Parameters::gathered(TimePoint now) {
+    const bool descriptions_are_there = missing().empty() && asks_ != Asks::named_values;
+    if (values_wanted_ == Values::named && descriptions_are_there) return ask_named(now);
+    ask(question::parameter_count(ask_count_again), now);
+}
 
 // What was read of a device that became another one meanwhile, or that the cache describes wrongly, is read again.
 void Parameters::counted_again(TimePoint now) {
@@ -106,9 +123,13 @@ void Parameters::counted_again(TimePoint now) {
 
 std::optional<std::uint16_t> Parameters::first_lacking() const {
     if (!missing().empty()) return id_of_question(missing().front());
-    if (values_wanted_ == Values::none) return std::nullopt;
-    for (std::uint16_t id = 0; id < descriptions_.size(); ++id)
-        if (!is_usable(values_[id].size(), descriptions_[id].type)) return id;
+    const auto lacks_value = [&](std::uint16_t id) { return !is_usable(values_[id].size(), descriptions_[id].type); };
+    if (values_wanted_ == Values::named) {
+        const auto first = std::find_if(named_.begin(), named_.end(), lacks_value);
+        return first == named_.end() ? std::nullopt : std::optional{*first};
+    }
+    for (std::uint16_t id = 0; values_wanted_ == Values::all && id < descriptions_.size(); ++id)
+        if (lacks_value(id)) return id;
     return std::nullopt;
 }
 

@@ -176,8 +176,8 @@ struct LineFaults {
 /// A host's side of one device, the device, and the line between them, in simulated time.
 class Simulation {
 public:
-    explicit Simulation(ano::host::Device& host_side, FakeDevice& fake, LineFaults there = {}, std::uint64_t seed = 1)
-        : device{host_side}, there{there}, back{there}, fake_{fake}, random_{seed} {}
+    explicit Simulation(ano::host::Device& host_side, FakeDevice& fake, LineFaults faults = {}, std::uint64_t seed = 1)
+        : device{host_side}, there{faults}, back{faults}, fake_{fake}, random_{seed} {}
 
     ano::host::Device& device;
     LineFaults there, back;

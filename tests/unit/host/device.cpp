@@ -120,6 +120,7 @@ TEST(Device, tells_answers_apart) {
     host.sent(start);
     EXPECT_EQ(host.take(0xE1, {5, 0, 1}, start, 0xDD), Taken::nothing) << "another device";
     EXPECT_EQ(host.take(0xE1, {6, 0, 1}, start), Taken::unasked);
+    EXPECT_EQ(host.take(0xE1, {5, 0, 1}, start, 0xDC, 0xD2), Taken::foreign);
     EXPECT_EQ(host.take(0x03, Bytes(7), start), Taken::nothing) << "telemetry";
     EXPECT_EQ(host.value(5, start), Taken::ended);
     EXPECT_EQ(host.value(5, start), Taken::doubled);
@@ -203,7 +204,8 @@ TEST(Device, an_asker_may_ask_again_when_it_is_told) {
         Device* device = nullptr;
         int left = 3;
         void ended(const Ended&, TimePoint) override {
-            if (--left > 0) EXPECT_TRUE(device->ask(question::parameter_count(0), *this));
+            if (--left == 0) return;
+            EXPECT_TRUE(device->ask(question::parameter_count(0), *this));
         }
     } chain;
     Host host;

@@ -89,6 +89,28 @@ TEST_F(Reads, descriptions_come_from_the_cache_values_never) {
     EXPECT_EQ(again.descriptions(), parameters.descriptions());
 }
 
+TEST_F(Reads, the_values_of_some_alone) {
+    fake.make_parameters(40);
+    for (const bool cached : {false, true}) {
+        fake.heard.clear();
+        Parameters some{device, &cache};
+        some.read_named({"PAR_7", "PAR_30", "NONE"}, simulation.now);
+        simulation.run(some);
+        ASSERT_TRUE(some.end());
+        EXPECT_EQ(some.end()->ending, Ending::done);
+        EXPECT_EQ(some.from_cache(), cached);
+        EXPECT_EQ(heard(0xE0, 2), 2u);
+        EXPECT_TRUE(some.value(7));
+        EXPECT_TRUE(some.value(30));
+        EXPECT_FALSE(some.value(8));
+    }
+    fake.parameters[7].value.clear();
+    Parameters some{device, &cache};
+    some.read_named({"PAR_30", "PAR_7"}, simulation.now);
+    simulation.run(some);
+    EXPECT_EQ(some.end()->what, "parameter 7 did not come whole");
+}
+
 TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
     fake.make_parameters(5);
     ASSERT_EQ(read(), Ending::done);
