@@ -115,8 +115,8 @@ private:
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now);
     bool may_be_asked(FrameView request) const noexcept;
     bool may_start(const Exchange& exchange) const noexcept;
-    Exchange* next_to_send() noexcept;
-    FrameView send(Exchange& exchange, TimePoint now) noexcept;
+    const Exchange* next_to_send() const noexcept;
+    FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept;
     Evidence evidence_of(const Exchange& exchange) const noexcept { return {exchange.sent(), round_trip_.smoothed()}; }
 
     std::uint8_t address_;

@@ -54,6 +54,7 @@ private:
     void question_ended(const Ended& ended, TimePoint now);
     void without_answer(std::uint32_t i, const Ended& ended, TimePoint now);
     void take_back();
+    void stop_at(std::uint32_t i);
 
     std::size_t total_ = 0;
     std::size_t done_ = 0;

@@ -19,7 +19,7 @@ namespace ano::host {
 
 struct ApplyOptions {
     bool rollback = false;
-    bool dry_run = false;       // says what would be written
+    bool dry_run = false;          // says what would be written
     bool also_the_same = false;    // what does not differ is written as well
     TextLimits text{};
 };
@@ -46,7 +46,7 @@ public:
         std::optional<AnyValue> stored{};    // as read last
     };
 
-    ParameterApply(Device& device, DescriptionCache* cache, std::vector<std::pair<std::string, AnyValue>> values,
+    ParameterApply(Device& device, DescriptionCache* cache, const std::vector<std::pair<std::string, AnyValue>>& values,
                    ApplyOptions options = {});
 
     void start(TimePoint now);

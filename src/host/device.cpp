@@ -102,15 +102,13 @@ void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, st
 
 std::optional<FrameView> Device::next_frame(TimePoint now) {
     expire(now);
-    Exchange* next = next_to_send();
-    while (next != nullptr && !may_be_asked(next->frame())) {
-        Exchanges& list = next->was_sent() ? sent_ : waiting_;
-        end(list, std::find_if(list.begin(), list.end(), [&](const Exchange& e) { return &e == next; }), Outcome::not_there, {},
-            now);
-        next = next_to_send();
+    while (const Exchange* next = next_to_send()) {
+        Exchanges& from = next->was_sent() ? sent_ : waiting_;
+        const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
+        if (may_be_asked(next->frame())) return send(from, which, now);
+        end(from, which, Outcome::not_there, {}, now);
     }
-    if (next == nullptr) return std::nullopt;
-    return send(*next, now);
+    return std::nullopt;
 }
 
 void Device::expire(TimePoint now) {
@@ -128,7 +126,7 @@ std::size_t Device::on_their_way() const noexcept {
 }
 
 // What was lost goes first.
-Exchange* Device::next_to_send() noexcept {
+const Exchange* Device::next_to_send() const noexcept {
     if (on_their_way() >= window_.size()) return nullptr;
     const auto lost = std::find_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return !e.is_on_its_way(); });
     if (lost != sent_.end()) return &*lost;
@@ -142,17 +140,14 @@ bool Device::may_start(const Exchange& exchange) const noexcept {
     });
 }
 
-FrameView Device::send(Exchange& exchange, TimePoint now) noexcept {
-    if (!exchange.was_sent()) {
-        const auto which = std::find_if(waiting_.begin(), waiting_.end(), [&](const Exchange& e) { return &e == &exchange; });
-        sent_.splice(sent_.end(), waiting_, which);
-    }
-    exchange.send(now, round_trip_);
-    return exchange.frame();
+FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept {
+    if (!which->was_sent()) sent_.splice(sent_.end(), from, which);
+    which->send(now, round_trip_);
+    return which->frame();
 }
 
 std::optional<TimePoint> Device::due() const noexcept {
-    if (const_cast<Device*>(this)->next_to_send() != nullptr) return TimePoint::min();
+    if (next_to_send() != nullptr) return TimePoint::min();
     std::optional<TimePoint> first;
     for (const Exchange& exchange : sent_)
         if (exchange.is_on_its_way()) first = std::min(first.value_or(TimePoint::max()), exchange.due());

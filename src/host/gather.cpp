@@ -26,10 +26,13 @@ void Gather::ask_more(TimePoint now) {
         }
         Request request = question(i);
         request.tag = i;
+        if (!device().ask(request, *this)) {
+            stop_at(i);
+            break;
+        }
         ++items_[i].tried;
         items_[i].is_asked = true;
         ++asked_;
-        ask(request, now);
     }
     if (!end() && asked_ == 0) gathered(now);
 }
@@ -66,8 +69,16 @@ void Gather::take_back() {
     asked_ = 0;
 }
 
+// The device has become smaller than what is gathered: no more is asked.
+void Gather::stop_at(std::uint32_t i) {
+    missing_.push_back(i);
+    again_.clear();
+    next_ = static_cast<std::uint32_t>(total_);
+}
+
 void Gather::without_answer(std::uint32_t i, const Ended& ended, TimePoint now) {
-    if (ended.outcome != Outcome::not_there && items_[i].tried < rounds) return again_.push_back(i);
+    if (ended.outcome == Outcome::not_there) return stop_at(i);
+    if (items_[i].tried < rounds) return again_.push_back(i);
     missing_.push_back(i);
     if (missing_.size() > max_missing)
         finish({Ending::incomplete,

@@ -2,11 +2,11 @@
 
 namespace ano::host {
 
-ParameterApply::ParameterApply(Device& device, DescriptionCache* cache, std::vector<std::pair<std::string, AnyValue>> values,
-                               ApplyOptions options)
+ParameterApply::ParameterApply(Device& device, DescriptionCache* cache,
+                               const std::vector<std::pair<std::string, AnyValue>>& values, ApplyOptions options)
     : Task{device}, options_{options}, parameters_{device, cache} {
     rows_.reserve(values.size());
-    for (auto& [name, value] : values) rows_.push_back({std::move(name), std::move(value)});
+    for (const auto& [name, value] : values) rows_.push_back({name, value});
 }
 
 void ParameterApply::start(TimePoint now) {

@@ -1,10 +1,18 @@
 // What a host achieves over bad lines and slow ones, in simulated time; and that no task runs for ever.
+#include <host/commands.hpp>
 #include <host/firmware.hpp>
+#include <host/parameter_apply.hpp>
 #include <host/parameters.hpp>
+#include <host/waypoints.hpp>
 
 #include <support/fake_loader.hpp>
 
 #include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -102,25 +110,119 @@ TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
     }
 }
 
+std::unique_ptr<Task> task_of(unsigned kind, Device& device, ano::TimePoint now) {
+    switch (kind) {
+    case 0: {
+        auto task = std::make_unique<Parameters>(device);
+        task->read_all(now);
+        return task;
+    }
+    case 1: {
+        auto task = std::make_unique<ParameterApply>(
+            device, nullptr, std::vector<std::pair<std::string, AnyValue>>{{"PAR_1", std::int64_t{5}}, {"PAR_8", 2.5}},
+            ApplyOptions{.rollback = true});
+        task->start(now);
+        return task;
+    }
+    case 2: {
+        auto task = std::make_unique<Commands>(device);
+        task->read(now);
+        return task;
+    }
+    case 3: {
+        auto task = std::make_unique<WaypointsPut>(device, std::vector<Waypoint>(3));
+        task->start(now);
+        return task;
+    }
+    case 4: {
+        auto task = std::make_unique<WaypointsGet>(device);
+        task->start(now);
+        return task;
+    }
+    case 5: {
+        auto task = std::make_unique<CommandCall>(device, CommandInfo{0, {1, 2, 3}, {}, false, "go", ""},
+                                                  std::vector<AnyValue>{});
+        task->start(now);
+        return task;
+    }
+    default: {
+        FirmwareImage image;
+        image.bytes.assign(2000, 7);
+        auto task = std::make_unique<Firmware>(device, image);
+        task->start(now);
+        return task;
+    }
+    }
+}
+constexpr unsigned kinds = 7;
+
+// Each kind of task against a device that answers a part, over a bad line, among random frames that look like answers.
 TEST(Host, random_frames_at_random_times_never_hang_a_task) {
-    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 100 * kinds; ++seed) {
         support::Random random{seed};
         FakeDevice fake;
+        support::FakeLoader loader;
         fake.make_parameters(12);
+        fake.commands.resize(3);
+        fake.waypoints.resize(4, support::Bytes(22));
+        fake.instead = [&](ano::FrameView frame) -> std::optional<std::vector<support::Bytes>> {
+            if (random.one_in(6)) return std::vector<support::Bytes>{};
+            return loader.take(fake, frame);
+        };
         Device device{0xDC};
-        Parameters parameters{device};
-        Simulation simulation{device, fake, {.delay = std::chrono::milliseconds{5}, .loss = 0.3}, seed};
+        Simulation simulation{
+            device, fake, {.delay = std::chrono::milliseconds{5}, .jitter = std::chrono::milliseconds{30}, .loss = 0.2}, seed};
         simulation.each_step = [&](ano::TimePoint now) {
             support::Bytes data(random.below(40u));
             for (auto& byte : data) byte = random.one_in(2) ? random.byte() : std::uint8_t(random.below(4u));
-            const auto frame = support::frame(random.of<std::uint8_t>({0xDC, 0xDC, 0xFE, 0}),
-                                              random.of<std::uint8_t>({0xFE, 0xFF, 1}),
-                                              random.of<std::uint8_t>({0x00, 0xE0, 0xE1, 0xE2, 0xE3, 0xC1, 0xC2, 0xF0}), data);
-            device.take(ano::FrameView{frame}, now);
+            const auto frame = support::frame(
+                random.of<std::uint8_t>({0xDC, 0xDC, 0xFE, 0}), random.of<std::uint8_t>({0xFE, 0xFF, 1}),
+                random.of<std::uint8_t>({0x00, 0x60, 0x61, 0xE0, 0xE1, 0xE2, 0xE3, 0xC1, 0xC2, 0xF0}), data);
+            if (random.one_in(4)) device.take(ano::FrameView{frame}, now);
         };
-        parameters.read_all(simulation.now);
-        simulation.run(parameters, std::chrono::minutes{30});
-        EXPECT_TRUE(parameters.end()) << "seed " << seed;
+        const auto task = task_of(static_cast<unsigned>(seed % kinds), device, simulation.now);
+        const ano::Duration took = simulation.run(*task, std::chrono::hours{2});
+        EXPECT_TRUE(task->end()) << "seed " << seed;
+        EXPECT_LT(took, std::chrono::minutes{30}) << "seed " << seed;
+        EXPECT_LE(simulation.most_on_their_way, Window::widest);
+        const auto calls = std::count_if(fake.heard.begin(), fake.heard.end(),
+                                         [](const support::Bytes& f) { return f[3] == 0xC0; });
+        EXPECT_LE(calls, 1) << "a command is sent once";
+    }
+}
+
+// Whatever the line does: what is done is stored, what is refused by a failure is as it was.
+TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
+    using namespace std::chrono_literals;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        support::Random random{seed};
+        FakeDevice fake;
+        fake.make_parameters(20);
+        const auto old = fake.parameters;
+        const std::size_t stubborn = 1 + 10 * random.below(2u);    // keeps its value
+        if (random.one_in(2))
+            fake.parameters[stubborn].store = [&, stubborn](const support::Bytes&) { return old[stubborn].value; };
+        Device device{0xDC};
+        Simulation simulation{
+            device, fake, {.delay = 20ms, .jitter = 60ms, .loss = random.below(35u) / 100.0, .duplicate = 0.2}, seed};
+        ParameterApply apply{
+            device,
+            nullptr,
+            {{"PAR_0", std::int64_t{77}}, {"PAR_11", std::int64_t{-3}}, {"PAR_1", std::int64_t{-4}}, {"PAR_18", 0.25}},
+            {.rollback = true}};
+        apply.start(simulation.now);
+        simulation.run(apply);
+        ASSERT_TRUE(apply.end()) << "seed " << seed;
+        simulation.pass(10s);    // what is still on the line
+        for (const auto& row : apply.rows()) {
+            const auto id = static_cast<std::size_t>(std::stoi(row.name.substr(4)));
+            const auto now = value_of(fake.parameters[id].value, *ano::parameter_type(fake.parameters[id].type));
+            const auto before = value_of(old[id].value, *ano::parameter_type(old[id].type));
+            const bool is_done = apply.end()->ending == Ending::done;
+            const bool is_back = row.state == ParameterApply::State::undone || row.state == ParameterApply::State::waiting;
+            EXPECT_TRUE(!is_done || now == row.wanted) << "seed " << seed << ' ' << row.name;
+            EXPECT_TRUE(is_done || !is_back || now == before) << "seed " << seed << ' ' << row.name;
+        }
     }
 }
 

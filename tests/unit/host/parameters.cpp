@@ -221,6 +221,19 @@ TEST_F(Reads, a_count_that_changes_meanwhile_begins_again) {
     EXPECT_EQ(parameters.descriptions().size(), 12u);
 }
 
+TEST_F(Reads, a_device_that_has_fewer_meanwhile_is_asked_for_none_of_those_that_are_gone) {
+    fake.make_parameters(100);
+    simulation.each_step = [&](TimePoint now) {
+        if (simulation.frames_there < 40 || fake.parameters.size() < 100) return;
+        fake.parameters.resize(50);
+        const Bytes to_another_host = support::frame(0xDC, 0xD2, 0xE0, {1, 50, 0});
+        device.take(FrameView{to_another_host}, now);
+    };
+    EXPECT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.descriptions().size(), 50u);
+    EXPECT_FALSE(fake.crashed);
+}
+
 TEST_F(Reads, a_count_that_never_stays_ends_it) {
     fake.make_parameters(30);
     std::uint16_t count = 10;
