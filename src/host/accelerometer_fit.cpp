@@ -101,7 +101,8 @@ std::size_t SixFaces::faces_done() const noexcept {
 }
 
 Vector SixFaces::Gathered::mean(std::size_t half) const noexcept {
-    const double n = static_cast<double>((count + 1 - half) / 2);
+    const std::size_t of_half = (count + 1 - half) / 2;
+    const auto n = static_cast<double>(of_half);
     return {sum[half][0] / n, sum[half][1] / n, sum[half][2] / n};
 }
 

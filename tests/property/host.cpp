@@ -1,15 +1,13 @@
 // What a host achieves over bad lines and slow ones, in simulated time; and that no task runs for ever.
-#include <host/commands.hpp>
 #include <host/firmware.hpp>
 #include <host/parameter_apply.hpp>
 #include <host/parameters.hpp>
-#include <host/waypoints.hpp>
 
 #include <support/fake_loader.hpp>
+#include <support/host_tasks.hpp>
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -110,55 +108,9 @@ TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
     }
 }
 
-std::unique_ptr<Task> task_of(unsigned kind, Device& device, ano::TimePoint now) {
-    switch (kind) {
-    case 0: {
-        auto task = std::make_unique<Parameters>(device);
-        task->read_all(now);
-        return task;
-    }
-    case 1: {
-        auto task = std::make_unique<ParameterApply>(
-            device, nullptr, std::vector<std::pair<std::string, AnyValue>>{{"PAR_1", std::int64_t{5}}, {"PAR_8", 2.5}},
-            ApplyOptions{.rollback = true});
-        task->start(now);
-        return task;
-    }
-    case 2: {
-        auto task = std::make_unique<Commands>(device);
-        task->read(now);
-        return task;
-    }
-    case 3: {
-        auto task = std::make_unique<WaypointsPut>(device, std::vector<Waypoint>(3));
-        task->start(now);
-        return task;
-    }
-    case 4: {
-        auto task = std::make_unique<WaypointsGet>(device);
-        task->start(now);
-        return task;
-    }
-    case 5: {
-        auto task = std::make_unique<CommandCall>(device, CommandInfo{0, {1, 2, 3}, {}, false, "go", ""},
-                                                  std::vector<AnyValue>{});
-        task->start(now);
-        return task;
-    }
-    default: {
-        FirmwareImage image;
-        image.bytes.assign(2000, 7);
-        auto task = std::make_unique<Firmware>(device, image);
-        task->start(now);
-        return task;
-    }
-    }
-}
-constexpr unsigned kinds = 7;
-
 // Each kind of task against a device that answers a part, over a bad line, among random frames that look like answers.
 TEST(Host, random_frames_at_random_times_never_hang_a_task) {
-    for (std::uint64_t seed = 1; seed <= 100 * kinds; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 100 * support::task_kinds; ++seed) {
         support::Random random{seed};
         FakeDevice fake;
         support::FakeLoader loader;
@@ -180,7 +132,7 @@ TEST(Host, random_frames_at_random_times_never_hang_a_task) {
                 random.of<std::uint8_t>({0x00, 0x60, 0x61, 0xE0, 0xE1, 0xE2, 0xE3, 0xC1, 0xC2, 0xF0}), data);
             if (random.one_in(4)) device.take(ano::FrameView{frame}, now);
         };
-        const auto task = task_of(static_cast<unsigned>(seed % kinds), device, simulation.now);
+        const auto task = support::task_of(static_cast<unsigned>(seed), device, simulation.now);
         const ano::Duration took = simulation.run(*task, std::chrono::hours{2});
         EXPECT_TRUE(task->end()) << "seed " << seed;
         EXPECT_LT(took, std::chrono::minutes{30}) << "seed " << seed;
