@@ -1,0 +1,87 @@
+// The calibration of an accelerometer from its six faces.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ano::host {
+
+using Vector = std::array<double, 3>;    // x, y, z
+
+/// corrected = E · diag(S) · (raw − O), in cm/s². The protocol text names the parameters and no formula; this one is ours.
+struct AccelerometerCalibration {
+    Vector offset{};
+    Vector sensitivity{1, 1, 1};
+    std::array<Vector, 3> error{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};    // rows
+
+    Vector corrected(const Vector& raw) const noexcept;
+    /// In the order of its parameters (protocol text, section 4): CAL_AOFF_, CAL_ASEN_, CAL_AEM1_ to CAL_AEM3_, each X Y Z.
+    std::array<float, 15> values() const noexcept;
+    static AccelerometerCalibration of(const std::array<float, 15>& values) noexcept;
+};
+
+/// What a fit came to.
+template <class Calibration>
+struct Fit {
+    std::optional<Calibration> calibration;    // nothing: rejected, see wrong
+    std::string wrong{};
+    double before = 0, after = 0;    // the residuals of the old values and of these
+};
+
+/// By the axis that measures gravity: at rest +x is the face on which x reads +980 cm/s².
+enum class Face : std::uint8_t { x_plus, x_minus, y_plus, y_minus, z_plus, z_minus };
+inline constexpr std::array<std::string_view, 6> face_names{"+x", "-x", "+y", "-y", "+z", "-z"};
+constexpr std::string_view name_of(Face face) noexcept { return face_names[static_cast<std::size_t>(face)]; }
+
+/// Gathers samples of each face while the device lies still on it. No allocation but for the words of a fit.
+class SixFaces {
+public:
+    static constexpr double gravity = 980.665;          // cm/s²
+    static constexpr std::size_t enough = 60;           // samples of a face
+    static constexpr std::size_t window = 20;           // samples by which stillness is judged
+    static constexpr double still_acceleration = 15;    // cm/s², the largest standard deviation of an axis
+    static constexpr double still_rotation = 1.5;       // °/s, as well
+    /// A calibration that leaves more than this, cm/s², comes of faces that were not level.
+    static constexpr double max_residual = 0.05 * gravity;
+
+    /// One sample, not calibrated: cm/s² and °/s (0x01).
+    void take(const Vector& acceleration, const Vector& rotation) noexcept;
+
+    /// How far from still it is: up to 1 is still; nothing before the window is full.
+    std::optional<double> unrest() const noexcept { return unrest_; }
+    bool is_still() const noexcept { return unrest_ && *unrest_ <= 1; }
+    /// The face that is up now; nothing where none clearly is.
+    std::optional<Face> face() const noexcept { return face_; }
+    std::size_t samples(Face face) const noexcept { return gathered_[static_cast<std::size_t>(face)].count; }
+    bool is_enough(Face face) const noexcept { return samples(face) >= enough; }
+    std::size_t faces_done() const noexcept;
+    bool is_complete() const noexcept { return faces_done() == 6; }
+
+    /// From one half of the samples, judged by the other: rejected when that is no better than with `old`.
+    Fit<AccelerometerCalibration> fit(const AccelerometerCalibration& old) const;
+
+private:
+    struct Sample {
+        Vector acceleration{}, rotation{};
+    };
+    struct Gathered {
+        std::size_t count = 0;
+        std::array<Vector, 2> sum{};    // of every other sample
+        Vector mean(std::size_t half) const noexcept;
+    };
+
+    void judge() noexcept;
+    std::optional<AccelerometerCalibration> solve() const noexcept;
+    double residual(const AccelerometerCalibration& calibration) const noexcept;
+
+    std::array<Sample, window> last_{};
+    std::size_t taken_ = 0;
+    std::optional<double> unrest_;
+    std::optional<Face> face_;
+    std::array<Gathered, 6> gathered_{};
+};
+
+}    // namespace ano::host

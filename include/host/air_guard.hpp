@@ -1,0 +1,61 @@
+// What may not be done to a device now: in the air, to nobody in particular, or while somebody else is at it.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace ano::host {
+
+enum class Deed : std::uint8_t {
+    read,
+    write,    // parameters, waypoints, commands, save
+    ground    // upgrade, calibration, restore_defaults: never in the air
+};
+
+/// What the network knows of the address that is meant.
+struct Whereabouts {
+    bool is_known = false;               // it was heard: a frame to it goes one way, and is not flooded
+    bool in_conflict = false;            // two devices have it
+    bool on_several_channels = false;    // outside one group
+};
+
+enum class Refusal : std::uint8_t {
+    no_device,    // broadcast, or an address that no device may have
+    not_known,
+    in_conflict,
+    on_several_channels,
+    in_the_air,    // unlocked or airborne; may be forced
+    busy,          // another host writes or upgrades it
+};
+
+/// Hears every frame that passes and that is not of this host itself. No allocation.
+class AirGuard {
+public:
+    /// For so long after a write of another host the device is that one's.
+    static constexpr Duration busy_for = std::chrono::seconds{2};
+
+    void hear(FrameView frame, TimePoint now) noexcept;
+
+    /// Why `deed` may not be done to `address`; nothing: it may. `force` is for `in_the_air` alone.
+    std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, TimePoint now,
+                                   bool force = false) const noexcept;
+
+    /// By its last 0x06, however long ago: who fell silent in the air may still be there.
+    bool is_in_the_air(std::uint8_t address) const noexcept { return devices_[address].in_the_air; }
+    /// The address of the other host that is at it.
+    std::optional<std::uint8_t> busy_with(std::uint8_t address, TimePoint now) const noexcept;
+
+private:
+    struct DeviceState {
+        bool in_the_air = false;
+        std::uint8_t writer = 0;    // 0: none
+        TimePoint written_at{};
+    };
+    std::array<DeviceState, 256> devices_{};
+};
+
+}    // namespace ano::host

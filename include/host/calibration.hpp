@@ -1,0 +1,111 @@
+// Calibrates the accelerometer or the compass of a device (protocol text, section 4: 0xE0 0x10 and the CAL_ parameters).
+//
+// Flow:    Calibration calibration{device, Sensor::accelerometer, &cache};
+//          calibration.start(now);             // then drive the device, and give every frame from it to calibration.hear()
+//          if (calibration.step() == Calibration::Step::keep) { keep(calibration.old_values()); calibration.kept(now); }
+//          calibration.faces(), calibration.sphere()     // to show while it is turned
+#pragma once
+#include <host/compass_fit.hpp>
+#include <host/parameter_apply.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace ano::host {
+
+enum class Sensor : std::uint8_t { accelerometer, compass };
+
+/// Names and values of calibration parameters, in their order.
+using CalibrationValues = std::vector<std::pair<std::string, AnyValue>>;
+
+/// The names of the parameters that a calibration of `sensor` writes: 15 or 6.
+std::vector<std::string> calibration_names(Sensor sensor);
+
+/// Writes all calibration values, tells the device to use them, and reads them back.
+class CalibrationWrite final : public Task {
+public:
+    CalibrationWrite(Device& device, DescriptionCache* cache, Sensor sensor, CalibrationValues values);
+
+    void start(TimePoint now);
+    Progress progress() const noexcept override { return apply_.progress(); }
+    void cancel(TimePoint now) override;
+    void ended(const Ended&, TimePoint) override {}    // its parts ask
+
+private:
+    void applied(TimePoint now);
+    void told(TimePoint now);
+    void read_back(TimePoint now);
+
+    CalibrationValues values_;
+    ParameterApply apply_;
+    ParameterAction use_;
+    Parameters again_;
+};
+
+/// The old values are read, and kept by the owner before anything is changed; then the device is told to forget them, so that it sends
+/// what its sensor measures; it is turned; the values are computed, written and read back. When they are rejected, or it is cancelled, or
+/// the device fails, the old values are written back before it ends. After a crash the owner does that with CalibrationWrite.
+class Calibration final : public Task {
+public:
+    enum class Step : std::uint8_t { read, keep, clear, turn, write, restore, over };
+    static constexpr Duration time_to_turn = std::chrono::minutes{10};
+
+    Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
+
+    void start(TimePoint now);
+    /// The owner has kept old_values() where they survive a crash.
+    void kept(TimePoint now);
+    /// Every frame that comes from the device's side, as well as Device::take().
+    void hear(FrameView frame, TimePoint now);
+    /// When look() has to be called: the time to turn it is over.
+    std::optional<TimePoint> due() const noexcept { return step_ == Step::turn ? turn_until_ : std::nullopt; }
+    void look(TimePoint now);
+    /// Ends when the old values are back.
+    void cancel(TimePoint now) override;
+    /// In faces, or in cells of the sphere.
+    Progress progress() const noexcept override;
+    void ended(const Ended&, TimePoint) override {}    // its parts ask
+
+    Step step() const noexcept { return end() ? Step::over : step_; }
+    const CalibrationValues& old_values() const noexcept { return old_; }
+    const SixFaces& faces() const noexcept { return faces_; }
+    const CompassSphere& sphere() const noexcept { return sphere_; }
+    /// Of the old values and of the new ones; see SixFaces::fit() and CompassSphere::fit(). Nothing before they are computed.
+    std::optional<std::pair<double, double>> residuals() const noexcept { return residuals_; }
+
+private:
+    void read_old(TimePoint now);
+    void cleared(TimePoint now);
+    void turned(TimePoint now);
+    void written(TimePoint now);
+    void restore(End why, TimePoint now);
+    void restored(TimePoint now);
+    bool order_is_right() const;
+    CalibrationValues named(std::span<const float> values) const;
+    template <std::size_t N>
+    std::array<float, N> old() const;
+    template <class Found>
+    void use(const Fit<Found>& fit, TimePoint now);
+
+    Sensor sensor_;
+    DescriptionCache* cache_;
+    Step step_ = Step::read;
+    Parameters parameters_;
+    ParameterAction clear_;
+    std::unique_ptr<CalibrationWrite> write_;
+    std::unique_ptr<CalibrationWrite> restore_;
+    CalibrationValues old_;
+    SixFaces faces_;
+    CompassSphere sphere_;
+    std::optional<TimePoint> turn_until_;
+    std::optional<std::pair<double, double>> residuals_;
+    End why_;    // it ends so, when the old values are back
+};
+
+}    // namespace ano::host

@@ -1,0 +1,58 @@
+// The calibration of a compass from samples all round.
+#pragma once
+#include <host/accelerometer_fit.hpp>
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <vector>
+
+namespace ano::host {
+
+/// corrected = diag(S) · (raw − O): an ellipsoid along the axes becomes a sphere of the same size.
+struct CompassCalibration {
+    Vector offset{};
+    Vector sensitivity{1, 1, 1};
+
+    Vector corrected(const Vector& raw) const noexcept;
+    /// In the order of its parameters (protocol text, section 4): CAL_MOFF_, CAL_MSEN_, each X Y Z.
+    std::array<float, 6> values() const noexcept;
+    static CompassCalibration of(const std::array<float, 6>& values) noexcept;
+};
+
+/// Gathers samples (0x02) from all directions, and shows which are still missing.
+class CompassSphere {
+public:
+    /// Cells of equal area: bands of z from -1 to 1, sectors around it from the x axis. Cell = band * sectors + sector.
+    static constexpr std::size_t bands = 6, sectors = 12, cells = bands * sectors;
+    static constexpr std::size_t max_in_cell = 12;    // further samples from there say nothing new
+    static constexpr double enough = 0.8;             // of the cells
+    static constexpr std::size_t least_samples = 200;
+    static constexpr double max_residual = 0.15;    // of the field: more is a disturbed place
+
+    void take(const Vector& raw);
+
+    /// The cells from which there are samples. As long as the centre is not known, it is the middle of all samples.
+    const std::bitset<cells>& map() const noexcept { return covered_; }
+    double coverage() const noexcept { return static_cast<double>(covered_.count()) / double{cells}; }
+    std::size_t samples() const noexcept { return samples_.size(); }
+    bool is_complete() const noexcept { return samples_.size() >= least_samples && coverage() >= enough; }
+
+    /// From one half of the samples, judged by the other: rejected when that is no better than with `old`. Residuals are standard
+    /// deviations of the field's strength, as a share of it.
+    Fit<CompassCalibration> fit(const CompassCalibration& old) const;
+
+private:
+    static std::size_t cell_of(const Vector& from_centre) noexcept;
+    void cover_again();
+    std::optional<CompassCalibration> solve() const noexcept;
+    double residual(const CompassCalibration& calibration) const noexcept;
+
+    std::vector<Vector> samples_;
+    Vector least_{}, most_{};
+    Vector centre_{};
+    std::bitset<cells> covered_;
+    std::array<std::size_t, cells> in_cell_{};
+};
+
+}    // namespace ano::host

@@ -1,0 +1,57 @@
+// What ends a request (protocol text, section 3).
+#pragma once
+#include <ano/frame.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace ano::host {
+
+/// Either the check frame (0x00) that repeats the id and both check bytes of the request, or the answer with data that fits by its
+/// content: there is no sequence number. Only from who was asked, and only for who asked.
+class Expectation {
+public:
+    /// What ends `request`; nothing where nothing does: streams, and what is no request.
+    static std::optional<Expectation> of(FrameView request) noexcept;
+
+    /// Whether `frame` ends the request. Answers shorter than their layout do not.
+    bool is_met_by(FrameView frame) const noexcept;
+    /// A write, a command or a step of an upgrade: a device gets one of these at a time.
+    bool is_alone() const noexcept { return kind_ == Kind::acknowledgement || kind_ >= Kind::firmware_info; }
+
+    friend bool operator==(const Expectation&, const Expectation&) = default;
+
+private:
+    enum class Kind : std::uint8_t {
+        acknowledgement,
+        device_info,
+        parameter_count,
+        parameter_value,
+        parameter_info,
+        command_count,
+        command_info,
+        waypoint_count,
+        waypoint,
+        firmware_info,
+        firmware_erase,
+        firmware_frame,
+        firmware_check,
+    };
+
+    Expectation(FrameView request, Kind kind, std::uint16_t about = 0) noexcept
+        : asked_{request.destination()}, asker_{request.source()}, kind_{kind}, about_{about} {}
+    static std::optional<Expectation> of_firmware(FrameView request) noexcept;
+    bool fits(FrameView frame) const noexcept;
+    bool fits_firmware(FrameView frame) const noexcept;
+
+    std::uint8_t asked_;
+    std::uint8_t asker_;
+    Kind kind_;
+    std::uint16_t about_;    // the number of a parameter, command, waypoint or frame; of an acknowledgement the id of the request
+    Checks checks_{};        // of an acknowledgement
+};
+
+/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for whoever is behind the port.
+bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept;
+
+}    // namespace ano::host

@@ -1,0 +1,89 @@
+// Writes one parameter, and reads back what the device stored.
+//
+// Flow:    ParameterWrite write{device, info, 4.5};    // info: as the device describes it
+//          write.start(now);                           // then drive the device until write.end()
+#pragma once
+#include <host/parameter_info.hpp>
+#include <host/task.hpp>
+#include <host/value.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ano::host {
+
+struct TextLimits {
+    bool longer = false;                        // a text may be longer than the one that it replaces
+    std::optional<std::size_t> most_bytes{};    // of any text: 29 where the device has the vendor's parser
+};
+
+/// The old value is read first: a text is never longer than it unless asked for, and it tells apart a device that stored less from one
+/// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer.
+///
+/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Invalid, with nothing sent to be written: the
+/// value does not fit the type, or the parameter is not there.
+class ParameterWrite final : public Task {
+public:
+    ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits = {});
+
+    void start(TimePoint now);
+    Progress progress() const noexcept override { return {step_, 4}; }
+    void cancel(TimePoint now) override;
+    void ended(const Ended& ended, TimePoint now) override;
+
+    const ParameterInfo& info() const noexcept { return info_; }
+    const AnyValue& written() const noexcept { return value_; }
+    /// Nothing as long as they are not known.
+    std::optional<AnyValue> before() const { return decoded(before_); }
+    std::optional<AnyValue> stored() const { return decoded(stored_); }
+    /// The device stored another value than was written: a success.
+    bool is_clamped() const noexcept { return end() && end()->ending == Ending::done && !same(stored_, wire_); }
+    /// Whether the write has left: the device may have stored it.
+    bool was_sent() const noexcept { return step_ >= write_value; }
+
+private:
+    enum Step : std::uint32_t { ask_count, read_before, write_value, read_back, read_again };
+
+    void counted(TimePoint now);
+    void ask_value(Step step, TimePoint now);
+    void write(TimePoint now);
+    void took(const Ended& ended, TimePoint now);
+    void compare(TimePoint now);
+    bool same(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) const;
+    std::optional<AnyValue> decoded(const std::vector<std::uint8_t>& bytes) const;
+    void refuse(const std::string& why, TimePoint now);
+
+    ParameterInfo info_;
+    AnyValue value_;
+    TextLimits limits_;
+    std::uint32_t step_ = ask_count;
+    std::vector<std::uint8_t> wire_, before_, stored_;
+};
+
+/// What a device is told to do with all its parameters (0xE0 0x10).
+enum class Action : std::uint16_t {
+    restore_defaults = 0xAA,
+    save = 0xAB,
+    clear_accelerometer_calibration = 0x20,
+    accelerometer_calibration_sent = 0x21,
+    clear_compass_calibration = 0x30,
+    store_compass_calibration = 0x31,
+};
+/// It writes flash: 5 s for each send.
+Request action(Action action, std::uint32_t tag = 0);
+
+/// Acknowledged, or timeout.
+class ParameterAction final : public Task {
+public:
+    ParameterAction(Device& device, Action action) : Task{device}, action_{action} {}
+    void start(TimePoint now) { ask(host::action(action_), now); }
+    void ended(const Ended& ended, TimePoint now) override;
+
+private:
+    Action action_;
+};
+
+}    // namespace ano::host

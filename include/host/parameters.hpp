@@ -1,0 +1,91 @@
+// What parameters a device has, and their values (0xE0 to 0xE3; protocol text, section 4).
+//
+// Flow:    Parameters parameters{device, &cache};
+//          parameters.read_all(now);                     // then drive the device until parameters.end()
+//          for (const ParameterInfo& p : parameters.descriptions()) use(p.name, parameters.value(p.id));
+#pragma once
+#include <host/description_cache.hpp>
+#include <host/gather.hpp>
+#include <host/parameter_info.hpp>
+#include <host/value.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace ano::host {
+
+/// Reads device info, the number of parameters, every description that the cache does not have, and values; at the end the number
+/// once more: when the device has changed, all is read again, once.
+class Parameters final : public Gather {
+public:
+    enum class Values : std::uint8_t { all, none, named };
+
+    /// `cache` may be null, and outlives this.
+    explicit Parameters(Device& device, DescriptionCache* cache = nullptr) : Gather{device}, cache_{cache} {}
+
+    void read(Values values, TimePoint now);
+    void read_all(TimePoint now) { read(Values::all, now); }
+    /// The values of these alone; those that are not there, or are called as another one is, are left out.
+    void read_named(std::vector<std::string> names, TimePoint now) {
+        names_ = std::move(names);
+        read(Values::named, now);
+    }
+
+    /// By id, from 0 without gaps; complete when it is done. Those that did not come have no name and no type.
+    const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
+    /// The bytes as they came; empty: it did not.
+    Bytes bytes(std::uint16_t id) const noexcept { return id < values_.size() ? Bytes{values_[id]} : Bytes{}; }
+    /// Nothing when it did not come, is shorter than its type, or its type is not known.
+    std::optional<AnyValue> value(std::uint16_t id) const;
+    /// The parameter that is called so.
+    Found find(std::string_view name) const noexcept { return find_parameter(descriptions_, name); }
+    /// Whether the descriptions are of the cache.
+    bool from_cache() const noexcept { return from_cache_; }
+
+private:
+    enum Step : std::uint32_t { ask_info = first_step, ask_count, ask_count_again };
+
+    Request question(std::uint32_t i) override;
+    bool took(std::uint32_t i, FrameView answer) override;
+    void gathered(TimePoint now) override;
+    Request probe() override { return question::parameter_count(0); }
+    void step_ended(const Ended& ended, TimePoint now) override;
+    std::string_view subject() const noexcept override { return "parameters"; }
+
+    void start(TimePoint now);
+    void counted(TimePoint now);
+    void counted_again(TimePoint now);
+    std::optional<std::uint16_t> first_lacking() const;
+    bool took_description(std::uint16_t id, FrameView answer);
+    bool took_value(std::uint16_t id, FrameView answer);
+    void ask_named(TimePoint now);
+
+    // Where all values are wanted, descriptions and values come in turns, so that each is of use early.
+    enum class Asks : std::uint8_t { descriptions, values, both, named_values };
+    bool is_description(std::uint32_t i) const noexcept {
+        return asks_ == Asks::descriptions || (asks_ == Asks::both && i % 2 == 0);
+    }
+    std::uint16_t id_of_question(std::uint32_t i) const noexcept {
+        if (asks_ == Asks::named_values) return named_[i];
+        return static_cast<std::uint16_t>(asks_ == Asks::both ? i / 2 : i);
+    }
+
+    DescriptionCache* cache_;
+    Values values_wanted_ = Values::all;
+    std::optional<std::uint16_t> count_;
+    std::uint32_t presence_ = 0;
+    Asks asks_ = Asks::both;
+    std::vector<std::string> names_;
+    std::vector<std::uint16_t> named_;    // their ids
+    bool from_cache_ = false;
+    bool started_again_ = false;
+    std::vector<ParameterInfo> descriptions_;
+    std::vector<std::vector<std::uint8_t>> values_;
+};
+
+}    // namespace ano::host

@@ -1,0 +1,84 @@
+// The waypoints of a device (0x60, 0x61; protocol text, section 4).
+#pragma once
+#include <ano/frame.hpp>
+#include <host/gather.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace ano::host {
+
+struct Waypoint {
+    std::uint8_t num = 0;       // 0 is HOME
+    double lng = 0, lat = 0;    // degrees
+    std::int32_t alt = 0;       // cm
+    std::uint16_t spd = 0;      // cm/s
+    std::uint16_t yaw = 0;      // degrees from north, 0 to 359; 400: face the target
+    std::uint8_t fun = 0;
+    std::array<std::uint8_t, 4> cmd{};
+    friend bool operator==(const Waypoint&, const Waypoint&) = default;
+};
+
+inline constexpr std::uint8_t last_waypoint = 0xFE;
+
+/// The waypoint that `frame` is; nothing when it is no 0x61, or too short for one.
+std::optional<Waypoint> waypoint_in(FrameView frame);
+/// The frame that writes it; nothing when a place is not on earth, or the number is beyond last_waypoint.
+std::optional<Request> waypoint_write(const Waypoint& waypoint, std::uint32_t tag = 0);
+
+/// Reads how many there are, and each of them, from 0.
+class WaypointsGet final : public Gather {
+public:
+    using Gather::Gather;
+
+    void start(TimePoint now) { ask(how_many(ask_count), now); }
+    /// Complete when it is done.
+    const std::vector<Waypoint>& waypoints() const noexcept { return waypoints_; }
+
+    static Request how_many(std::uint32_t tag);
+    static Request waypoint(std::uint32_t num, std::uint32_t tag);
+
+private:
+    enum Step : std::uint32_t { ask_count = first_step, ask_count_again };
+
+    Request question(std::uint32_t i) override { return waypoint(i, i); }
+    bool took(std::uint32_t i, FrameView answer) override;
+    void gathered(TimePoint now) override { ask(how_many(ask_count_again), now); }
+    Request probe() override { return how_many(0); }
+    void step_ended(const Ended& ended, TimePoint now) override;
+    std::string_view subject() const noexcept override { return "waypoints"; }
+
+    std::vector<Waypoint> waypoints_;
+};
+
+/// Writes waypoints one by one, each read back, and asks at the end how many there are. The protocol has no way to remove one: when
+/// the device has more, the end says so.
+class WaypointsPut final : public Task {
+public:
+    WaypointsPut(Device& device, std::vector<Waypoint> waypoints) : Task{device}, waypoints_{std::move(waypoints)} {}
+
+    void start(TimePoint now);
+    Progress progress() const noexcept override { return {at_, waypoints_.size()}; }
+    void cancel(TimePoint now) override;
+    void ended(const Ended& ended, TimePoint now) override;
+
+    /// What the device stored of those written so far.
+    const std::vector<Waypoint>& stored() const noexcept { return stored_; }
+
+private:
+    enum Step : std::uint32_t { write, read_back, ask_count };
+
+    void next(TimePoint now);
+    void counted(std::uint8_t count, TimePoint now);
+
+    std::vector<Waypoint> waypoints_;
+    std::vector<Waypoint> stored_;
+    std::vector<Request> writes_;
+    std::size_t at_ = 0;
+    std::size_t changed_ = 0;    // stored otherwise than written
+};
+
+}    // namespace ano::host

@@ -1,0 +1,169 @@
+#include <host/accelerometer_fit.hpp>
+#include <host/least_squares.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ano::host {
+namespace {
+
+constexpr Vector direction(std::size_t face) noexcept {
+    Vector d{};
+    d[face / 2] = face % 2 == 0 ? 1 : -1;
+    return d;
+}
+
+// What is written for people: 3.2.
+std::string with_one_decimal(double number) {
+    const auto tenths = static_cast<long long>(std::llround(number * 10));
+    return std::to_string(tenths / 10) + '.' + std::to_string(std::abs(tenths) % 10);
+}
+
+// Out of these bounds it is not a misaligned sensor, but a mistake of the one who turned it.
+bool is_plausible(const AccelerometerCalibration& c) noexcept {
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (!(std::abs(c.offset[i]) < SixFaces::gravity / 2 && c.sensitivity[i] > 0.5 && c.sensitivity[i] < 2)) return false;
+        for (std::size_t j = 0; j < 3; ++j)
+            if (!(std::abs(c.error[i][j] - (i == j ? 1 : 0)) < 0.2)) return false;
+    }
+    return true;
+}
+
+}    // namespace
+
+Vector AccelerometerCalibration::corrected(const Vector& raw) const noexcept {
+    Vector result{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) result[i] += error[i][j] * sensitivity[j] * (raw[j] - offset[j]);
+    return result;
+}
+
+std::array<float, 15> AccelerometerCalibration::values() const noexcept {
+    std::array<float, 15> all{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        all[i] = static_cast<float>(offset[i]);
+        all[3 + i] = static_cast<float>(sensitivity[i]);
+        for (std::size_t row = 0; row < 3; ++row) all[6 + 3 * row + i] = static_cast<float>(error[row][i]);
+    }
+    return all;
+}
+
+AccelerometerCalibration AccelerometerCalibration::of(const std::array<float, 15>& values) noexcept {
+    AccelerometerCalibration c;
+    for (std::size_t i = 0; i < 3; ++i) {
+        c.offset[i] = double{values[i]};
+        c.sensitivity[i] = double{values[3 + i]};
+        for (std::size_t row = 0; row < 3; ++row) c.error[row][i] = double{values[6 + 3 * row + i]};
+    }
+    return c;
+}
+
+void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept {
+    last_[taken_++ % window] = {acceleration, rotation};
+    judge();
+    if (!is_still() || !face_) return;
+    Gathered& face = gathered_[static_cast<std::size_t>(*face_)];
+    if (face.count >= enough) return;
+    Vector& sum = face.sum[face.count++ % 2];
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += acceleration[i];
+}
+
+void SixFaces::judge() noexcept {
+    unrest_.reset();
+    face_.reset();
+    if (taken_ < window) return;
+    const auto of = [&](auto member, std::size_t axis) {
+        double sum = 0, squares = 0;
+        for (const Sample& s : last_) sum += (s.*member)[axis];
+        const double mean = sum / double{window};
+        for (const Sample& s : last_) squares += ((s.*member)[axis] - mean) * ((s.*member)[axis] - mean);
+        return std::pair{mean, std::sqrt(squares / double{window})};
+    };
+    Vector mean{};
+    double unrest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto [acceleration, shaking] = of(&Sample::acceleration, axis);
+        mean[axis] = acceleration;
+        unrest = std::max({unrest, shaking / still_acceleration, of(&Sample::rotation, axis).second / still_rotation});
+    }
+    unrest_ = unrest;
+    const double length = std::hypot(mean[0], mean[1], mean[2]);
+    if (length < 0.5 * gravity || length > 1.5 * gravity) return;
+    for (std::size_t face = 0; face < 6; ++face) {
+        const Vector d = direction(face);
+        if (mean[0] * d[0] + mean[1] * d[1] + mean[2] * d[2] > 0.9 * length) face_ = static_cast<Face>(face);
+    }
+}
+
+std::size_t SixFaces::faces_done() const noexcept {
+    return static_cast<std::size_t>(
+        std::count_if(gathered_.begin(), gathered_.end(), [](const Gathered& g) { return g.count >= enough; }));
+}
+
+Vector SixFaces::Gathered::mean(std::size_t half) const noexcept {
+    const std::size_t of_half = (count + 1 - half) / 2;
+    const auto n = static_cast<double>(of_half);
+    return {sum[half][0] / n, sum[half][1] / n, sum[half][2] / n};
+}
+
+// Each axis of what is wanted is linear in the raw vector and a constant: M · raw + c, where M = E · diag(S) and c = −M · O. The
+// diagonal of E is 1.
+std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
+    std::array<Vector, 3> m{};
+    Vector c{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        LeastSquares<4> squares;
+        for (std::size_t face = 0; face < 6; ++face) {
+            const Vector raw = gathered_[face].mean(0);
+            squares.add({raw[0], raw[1], raw[2], gravity}, gravity * direction(face)[axis]);
+        }
+        const auto x = squares.solution();
+        if (!x) return std::nullopt;
+        m[axis] = {(*x)[0], (*x)[1], (*x)[2]};
+        c[axis] = (*x)[3] * gravity;
+    }
+    LeastSquares<3> offset;
+    for (std::size_t axis = 0; axis < 3; ++axis) offset.add(m[axis], -c[axis]);
+    const auto o = offset.solution();
+    if (!o) return std::nullopt;
+    AccelerometerCalibration result;
+    result.offset = *o;
+    for (std::size_t j = 0; j < 3; ++j) {
+        result.sensitivity[j] = m[j][j];
+        for (std::size_t i = 0; i < 3; ++i) result.error[i][j] = m[i][j] / m[j][j];
+    }
+    return result;
+}
+
+double SixFaces::residual(const AccelerometerCalibration& calibration) const noexcept {
+    double squares = 0;
+    for (std::size_t face = 0; face < 6; ++face) {
+        const Vector corrected = calibration.corrected(gathered_[face].mean(1));
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double off = corrected[i] - gravity * direction(face)[i];
+            squares += off * off;
+        }
+    }
+    return std::sqrt(squares / 6);
+}
+
+Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old) const {
+    Fit<AccelerometerCalibration> result;
+    if (!is_complete()) {
+        result.wrong = "only " + std::to_string(faces_done()) + " of 6 faces were measured";
+        return result;
+    }
+    const auto found = solve();
+    result.before = residual(old);
+    result.after = found ? residual(*found) : 0;
+    if (!found || !is_plausible(*found)) result.wrong = "the six faces do not belong together: lay it flat on each";
+    else if (!(result.after < max_residual))
+        result.wrong = "the residual is " + with_one_decimal(result.after) + " cm/s²: lay it flat on each";
+    else if (!(result.after < result.before))
+        result.wrong = "the residual would be " + with_one_decimal(result.after) + " cm/s², and is " +
+                       with_one_decimal(result.before);
+    else result.calibration = *found;
+    return result;
+}
+
+}    // namespace ano::host

@@ -1,0 +1,112 @@
+#include <ano/address.hpp>
+#include <ano/messages.hpp>
+#include <ano/reading.hpp>
+#include <ano/typed.hpp>
+#include <host/expectation.hpp>
+#include <host/firmware_codes.hpp>
+
+namespace ano::host {
+namespace {
+
+constexpr std::uint8_t how_many_waypoints = 0xFF;
+
+// As a host sends it: what is acknowledged as a write is one.
+bool is_acknowledged(FrameView request) noexcept {
+    const Message* row = select_layout(layouts_of(request.id()), request.data());
+    return row != nullptr && row->acknowledged != Acknowledged::no;
+}
+
+// Whether `field` of the answer, in either layout of its message, is `number`.
+template <Name M, Name F, Name Label = "">
+bool has_number(FrameView frame, std::uint16_t number) noexcept {
+    const auto view = as<M, Label>(frame);
+    return view && view->template get<F>() == number;
+}
+
+}    // namespace
+
+bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept {
+    if (address::is_host(source) || source == address::unassigned || source == address::broadcast) return false;
+    return source == asked || address::is_port_id(asked);
+}
+
+std::optional<Expectation> Expectation::of(FrameView request) noexcept {
+    if (is_acknowledged(request)) {
+        Expectation e{request, Kind::acknowledgement, request.id()};
+        e.checks_ = request.checks();
+        return e;
+    }
+    if (const auto query = as<"waypoint_read">(request)) {
+        const std::uint8_t num = query->get<"num">();
+        return num == how_many_waypoints ? Expectation{request, Kind::waypoint_count} : Expectation{request, Kind::waypoint, num};
+    }
+    if (const auto query = as<"command_query">(request)) {
+        if (query->get<"cmd">() == 0) return Expectation{request, Kind::command_count};
+        if (query->get<"cmd">() == 1) return Expectation{request, Kind::command_info, query->get<"val">()};
+        return std::nullopt;
+    }
+    if (const auto query = as<"parameter_command">(request)) {
+        switch (query->get<"cmd">()) {
+        case 0: return Expectation{request, Kind::device_info};
+        case 1: return Expectation{request, Kind::parameter_count};
+        case 2: return Expectation{request, Kind::parameter_value, query->get<"val">()};
+        case 3: return Expectation{request, Kind::parameter_info, query->get<"val">()};
+        default: return std::nullopt;
+        }
+    }
+    return of_firmware(request);
+}
+
+std::optional<Expectation> Expectation::of_firmware(FrameView request) noexcept {
+    if (as<"firmware", "info">(request)) return Expectation{request, Kind::firmware_info};
+    if (const auto image = as<"firmware", "image">(request))
+        return Expectation{request, Kind::firmware_frame, image->get<"frame_num">()};
+    const auto step = as<"firmware">(request);
+    if (!step) return std::nullopt;
+    if (step->get<"code">() == firmware_code::erase) return Expectation{request, Kind::firmware_erase};
+    if (step->get<"code">() == firmware_code::all_sent) return Expectation{request, Kind::firmware_check};
+    return std::nullopt;
+}
+
+bool Expectation::is_met_by(FrameView frame) const noexcept {
+    const bool for_us = frame.destination() == asker_ || frame.destination() == address::broadcast;
+    return for_us && may_be_of(frame.source(), asked_) && fits(frame);
+}
+
+bool Expectation::fits(FrameView frame) const noexcept {
+    switch (kind_) {
+    case Kind::acknowledgement: {
+        const auto check = as<"check">(frame);
+        return check && check->get<"id_get">() == about_ && check->get<"sc_get">() == checks_.sum &&
+               check->get<"ac_get">() == checks_.add;
+    }
+    case Kind::device_info: return as<"device_info">(frame).has_value();
+    case Kind::parameter_count: return has_number<"parameter_command", "cmd">(frame, 1);
+    case Kind::parameter_value: return has_number<"parameter_value", "par_id">(frame, about_);
+    case Kind::parameter_info:
+        return has_number<"parameter_info", "par_id">(frame, about_) ||
+               has_number<"parameter_info", "par_id", "old">(frame, about_);
+    case Kind::command_count: return has_number<"command_query", "cmd">(frame, 0);
+    case Kind::command_info: return has_number<"command_info", "cmd_id">(frame, about_);
+    case Kind::waypoint_count: return as<"waypoint_read">(frame).has_value();
+    case Kind::waypoint: return has_number<"waypoint", "num">(frame, about_);
+    default: return fits_firmware(frame);
+    }
+}
+
+bool Expectation::fits_firmware(FrameView frame) const noexcept {
+    using namespace firmware_code;
+    if (const auto written = as<"firmware", "written">(frame))
+        return kind_ == Kind::firmware_frame && written->get<"frame_num">() == about_;
+    const auto answer = as<"firmware">(frame);
+    if (!answer) return false;
+    const std::uint16_t code = answer->get<"code">();
+    switch (kind_) {
+    case Kind::firmware_info: return code == info_refused || code == info_accepted;
+    case Kind::firmware_erase: return code == erase_failed || code == erased;
+    case Kind::firmware_check: return code == check_failed || code == check_passed;
+    default: return false;
+    }
+}
+
+}    // namespace ano::host

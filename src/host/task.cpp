@@ -1,0 +1,34 @@
+#include <host/task.hpp>
+
+#include <utility>
+
+namespace ano::host {
+
+std::string hex_of(std::uint8_t address) {
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    return {'0', 'x', digits[address >> 4], digits[address & 0xF]};
+}
+
+void Task::ask(const Request& request, TimePoint now) {
+    if (!device_.ask(request, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
+}
+
+void Task::finish(End end, TimePoint now) {
+    if (end_) return;
+    device_.forget(*this);
+    end_ = std::move(end);
+    if (told_) told_(now);
+}
+
+void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePoint now) {
+    std::string what = hex_of(device_.address()) + " does not answer: " + std::string{step} + ", sent " +
+                       std::to_string(evidence.sent);
+    what += evidence.sent == 1 ? " time" : " times";
+    finish({Ending::timeout, std::move(what), evidence}, now);
+}
+
+void Task::finish_as(const Task& other, TimePoint now) { finish(*other.end(), now); }
+
+void Task::cancel(TimePoint now) { finish({Ending::cancelled, "cancelled", {}}, now); }
+
+}    // namespace ano::host

@@ -1,0 +1,75 @@
+// Frames from outside, at any time, into every task of a host. The first byte chooses the task; then come steps of two bytes: how long
+// until then (4 ms each), and what happens: 0xFF, the device answers what it heard last; else a frame with this id follows, one byte
+// for its length and then its DATA. Behind the end the device is silent. A task that does not end then has failed.
+#include <support/fake_loader.hpp>
+#include <support/host_tasks.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+namespace {
+
+struct Host {
+    support::FakeDevice fake;
+    support::FakeLoader loader;
+    ano::host::Device device{0xDC};
+    ano::TimePoint now = ano::TimePoint{} + std::chrono::hours{1};
+    support::Bytes last;
+
+    Host() {
+        fake.make_parameters(12);
+        fake.commands.resize(3);
+        fake.waypoints.resize(4, support::Bytes(22));
+        fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
+    }
+    void send() {
+        while (const auto frame = device.next_frame(now)) {
+            if (asks_beyond(*frame)) std::abort();
+            last.assign(frame->bytes().begin(), frame->bytes().end());
+        }
+    }
+    // A parameter that the device said it has not.
+    bool asks_beyond(ano::FrameView frame) const {
+        const std::size_t at = frame.id() == 0xE1 ? 0 : 1;
+        if (frame.id() != 0xE1 && !(frame.id() == 0xE0 && (frame.data()[0] == 2 || frame.data()[0] == 3))) return false;
+        return ano::load<std::uint16_t>(frame.data().data() + at) >= device.parameter_count().value_or(0);
+    }
+    void answer() {
+        if (last.empty()) return;
+        for (const support::Bytes& answer : fake.take(ano::FrameView{last})) device.take(ano::FrameView{answer}, now);
+    }
+    // The rest of the steps.
+    std::span<const std::uint8_t> step(std::span<const std::uint8_t> in) {
+        now += std::chrono::milliseconds{4 * in[0]};
+        send();
+        if (in[1] == 0xFF) {
+            answer();
+            return in.subspan(2);
+        }
+        if (in.size() < 3) return {};
+        const std::size_t size = std::min<std::size_t>(in[2], in.size() - 3);
+        const support::Bytes frame = support::frame(0xDC, 0xFE, in[1],
+                                                    {in.begin() + 3, in.begin() + 3 + static_cast<std::ptrdiff_t>(size)});
+        device.take(ano::FrameView{frame}, now);
+        return in.subspan(3 + size);
+    }
+};
+
+}    // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    if (size == 0) return 0;
+    Host host;
+    const auto task = support::task_of(bytes[0], host.device, host.now);
+    std::span<const std::uint8_t> in{bytes + 1, size - 1};
+    while (in.size() >= 2 && !task->end()) in = host.step(in);
+    const ano::TimePoint silent_since = host.now;
+    for (host.send(); !task->end(); host.send()) {
+        const auto due = host.device.due();
+        if (!due || *due - silent_since > std::chrono::hours{1}) std::abort();
+        host.now = std::max(host.now, *due);
+    }
+    return 0;
+}

@@ -1,0 +1,264 @@
+// A device's side of the protocol, as simple as a test needs it, and the line to it in simulated time.
+#pragma once
+#include <ano/typed.hpp>
+#include <ano/values.hpp>
+#include <ano/wire.hpp>
+#include <host/task.hpp>
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+using namespace std::chrono_literals;
+using ano::Duration;
+using ano::TimePoint;
+
+/// Answers as the protocol text says; a question or a write at or beyond the count of parameters crashes it, as vendor firmware does.
+class FakeDevice {
+public:
+    struct Parameter {
+        std::uint8_t type;
+        std::string name, info;
+        Bytes value;
+        std::function<Bytes(Bytes)> store = nullptr;    // what it stores of a value written
+    };
+    struct Command {
+        std::array<std::uint8_t, 3> cid;
+        Bytes types;
+        std::string name, info;
+    };
+
+    std::uint8_t address = 0xDC;
+    std::string name = "fake";
+    std::uint16_t version = 100;
+    std::vector<Parameter> parameters;
+    std::optional<std::uint16_t> says_count;    // else as many as there are
+    std::vector<Command> commands;
+    std::vector<Bytes> waypoints;
+    bool old = false;
+    bool crashed = false;
+    bool deaf = false;
+    std::vector<Bytes> heard;                                                    // all frames to it
+    std::function<std::optional<std::vector<Bytes>>(ano::FrameView)> instead;    // nothing: as usual
+
+    /// n parameters of all numeric types in turns, `text` more bytes behind each name.
+    void make_parameters(std::size_t n, std::size_t text = 30) {
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto type = static_cast<std::uint8_t>(i % 10);
+            Bytes value(ano::width(*ano::parameter_type(type)));
+            for (std::size_t k = 0; k < value.size(); ++k) value[k] = static_cast<std::uint8_t>(i + k);
+            parameters.push_back({type, "PAR_" + std::to_string(i), std::string(text, 'x'), value});
+        }
+    }
+
+    /// The answers to a frame, in order.
+    std::vector<Bytes> take(ano::FrameView frame) {
+        if (frame.destination() != address && frame.destination() != 0xFF) return {};
+        heard.emplace_back(frame.bytes().begin(), frame.bytes().end());
+        if (crashed || deaf) return {};
+        if (instead)
+            if (auto answers = instead(frame)) return *answers;
+        return usual(frame);
+    }
+
+    std::vector<Bytes> usual(ano::FrameView frame) {
+        switch (frame.id()) {
+        case 0x60: return waypoint_asked(frame);
+        case 0x61: return waypoint_written(frame);
+        case 0xC0: return called(frame);
+        case 0xC1: return command_asked(frame);
+        case 0xE0: return asked(frame);
+        case 0xE1: return written(frame);
+        default: return {};
+        }
+    }
+
+    Bytes to_host(ano::FrameView frame, std::uint8_t id, const Bytes& data) const {
+        return support::frame(address, frame.source(), id, data);
+    }
+    Bytes check(ano::FrameView frame) const { return to_host(frame, 0x00, {frame.id(), frame.checks().sum, frame.checks().add}); }
+
+private:
+    static std::uint16_t number(ano::FrameView frame, std::size_t at) {
+        return ano::load<std::uint16_t>(frame.data().data() + at);
+    }
+    static Bytes u16(std::size_t n) { return {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}; }
+    static Bytes text(const std::string& text, std::size_t size = 0) {
+        Bytes bytes(text.begin(), text.end());
+        if (size != 0) bytes.resize(size);
+        return bytes;
+    }
+
+    std::vector<Bytes> asked(ano::FrameView frame) {
+        const std::uint16_t val = number(frame, 1);
+        switch (frame.data()[0]) {
+        case 0: return {to_host(frame, 0xE3, Bytes{address} + u16(100) + u16(version) + u16(0) + u16(800) + text(name))};
+        case 1: return {to_host(frame, 0xE0, Bytes{1} + u16(says_count.value_or(static_cast<std::uint16_t>(parameters.size()))))};
+        case 0x10: return {check(frame)};
+        default: break;
+        }
+        if (val >= parameters.size()) {
+            crashed = true;
+            return {};
+        }
+        const Parameter& p = parameters[val];
+        if (frame.data()[0] == 2) return {to_host(frame, 0xE1, u16(val) + p.value)};
+        if (old)
+            return {
+                to_host(frame, 0xE2, u16(val) + Bytes{0xF6, 0xFF, 0xFF, 0xFF, 100, 0, 0, 0} + text(p.name, 20) + text(p.info))};
+        return {to_host(frame, 0xE2, u16(val) + Bytes{p.type} + text(p.name, 20) + text(p.info))};
+    }
+
+    // A value shorter than its type takes the check bytes as well: as field code copies them.
+    std::vector<Bytes> written(ano::FrameView frame) {
+        const std::uint16_t id = number(frame, 0);
+        if (id >= parameters.size()) {
+            crashed = true;
+            return {};
+        }
+        Parameter& p = parameters[id];
+        const auto type = old ? ano::Type::i32 : *ano::parameter_type(p.type);
+        const std::size_t size = type == ano::Type::text ? frame.data().size() - 2 : ano::width(type);
+        const auto* first = frame.data().data() + 2;
+        Bytes value(first, first + size);
+        p.value = p.store ? p.store(value) : value;
+        return {check(frame)};
+    }
+
+    std::vector<Bytes> command_asked(ano::FrameView frame) {
+        if (frame.data()[0] == 0) return {to_host(frame, 0xC1, Bytes{0} + u16(commands.size()) + (old ? Bytes{0, 0} : Bytes{}))};
+        const std::uint16_t val = number(frame, 1);
+        if (val >= commands.size()) return {};
+        const Command& c = commands[val];
+        Bytes types = c.types;
+        types.resize(8);
+        return {to_host(frame, 0xC2, u16(val) + Bytes(c.cid.begin(), c.cid.end()) + types + text(c.name, 20) + text(c.info))};
+    }
+    std::vector<Bytes> called(ano::FrameView frame) {
+        for (const Command& c : commands)
+            if (std::equal(c.cid.begin(), c.cid.end(), frame.data().begin())) return {check(frame)};
+        return {};
+    }
+
+    std::vector<Bytes> waypoint_asked(ano::FrameView frame) {
+        const std::uint8_t num = frame.data()[0];
+        if (num == 0xFF) return {to_host(frame, 0x60, {static_cast<std::uint8_t>(waypoints.size())})};
+        if (num >= waypoints.size()) return {};
+        return {to_host(frame, 0x61, waypoints[num])};
+    }
+    std::vector<Bytes> waypoint_written(ano::FrameView frame) {
+        const std::uint8_t num = frame.data()[0];
+        if (num >= waypoints.size()) waypoints.resize(num + 1u, Bytes(22));
+        waypoints[num].assign(frame.data().begin(), frame.data().end());
+        return {check(frame)};
+    }
+};
+
+/// What a line does to frames, one way.
+struct LineFaults {
+    Duration delay{};
+    Duration jitter{};    // at random on top: frames overtake each other
+    double loss = 0;      // of 1
+    double duplicate = 0;
+    unsigned baud = 0;    // bytes take their time, 10 bits each; 0: none
+};
+
+/// A host's side of one device, the device, and the line between them, in simulated time.
+class Simulation {
+public:
+    explicit Simulation(ano::host::Device& host_side, FakeDevice& fake, LineFaults faults = {}, std::uint64_t seed = 1)
+        : device{host_side}, there{faults}, back{faults}, fake_{fake}, random_{seed} {}
+
+    ano::host::Device& device;
+    LineFaults there, back;
+    TimePoint now = TimePoint{} + 1h;
+    std::size_t most_on_their_way = 0;
+    std::size_t frames_there = 0, bytes_there = 0, frames_back = 0, bytes_back = 0;
+    std::map<ano::host::Taken, int> taken;
+    std::function<void(TimePoint)> each_step;    // optional
+
+    /// Until `task` has ended, or nothing more will happen, or the time is over. Returns how long it took.
+    Duration run(const ano::host::Task& task, Duration limit = 1h) {
+        const TimePoint begin = now;
+        send();
+        while (!task.end() && now - begin < limit) {
+            const auto due = device.due();
+            const auto next = std::min(due.value_or(TimePoint::max()),
+                                       events_.empty() ? TimePoint::max() : events_.begin()->first);
+            if (next == TimePoint::max()) break;
+            now = std::max(now, next);
+            deliver();
+            if (each_step) each_step(now);
+            send();
+        }
+        return now - begin;
+    }
+    /// Time passes, and what is on the line arrives.
+    void pass(Duration time) {
+        const TimePoint until = now + time;
+        while (!events_.empty() && events_.begin()->first <= until) {
+            now = events_.begin()->first;
+            deliver();
+        }
+        now = until;
+    }
+
+private:
+    struct Event {
+        bool to_device;
+        Bytes frame;
+    };
+
+    void send() {
+        while (const auto frame = device.next_frame(now)) {
+            ++frames_there;
+            bytes_there += frame->bytes().size();
+            on_line(there, free_there_, {true, {frame->bytes().begin(), frame->bytes().end()}});
+            most_on_their_way = std::max(most_on_their_way, device.on_their_way());
+        }
+    }
+    void deliver() {
+        while (!events_.empty() && events_.begin()->first <= now) {
+            const Event event = std::move(events_.begin()->second);
+            events_.erase(events_.begin());
+            const ano::FrameView frame{event.frame};
+            if (!event.to_device) {
+                ++taken[device.take(frame, now)];
+                continue;
+            }
+            for (const Bytes& answer : fake_.take(frame)) {
+                ++frames_back;
+                bytes_back += answer.size();
+                on_line(back, free_back_, {false, answer});
+            }
+        }
+    }
+    void on_line(const LineFaults& faults, TimePoint& free, const Event& event) {
+        free = std::max(free, now);
+        if (faults.baud != 0) free += std::chrono::nanoseconds{event.frame.size() * 10'000'000'000 / faults.baud};
+        const int copies = chance(faults.duplicate) ? 2 : 1;
+        for (int i = 0; i < copies; ++i) {
+            if (chance(faults.loss)) continue;
+            const Duration jitter{faults.jitter.count() == 0 ? 0 : random_.below(faults.jitter.count())};
+            events_.emplace(free + faults.delay + jitter, event);
+        }
+    }
+    bool chance(double p) { return p > 0 && static_cast<double>(random_.below(1'000'000u)) < p * 1e6; }
+
+    FakeDevice& fake_;
+    Random random_;
+    TimePoint free_there_{}, free_back_{};
+    std::multimap<TimePoint, Event> events_;
+};
+
+}    // namespace support

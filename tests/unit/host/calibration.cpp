@@ -1,0 +1,211 @@
+// A calibration from the old values to the new ones, and back when it comes to nothing.
+#include <host/calibration.hpp>
+
+#include <support/fake_device.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::FakeDevice;
+using support::Simulation;
+
+Bytes f32(double value) {
+    Bytes bytes(4);
+    store(bytes.data(), static_cast<float>(value));
+    return bytes;
+}
+
+struct Calibrates : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    DescriptionCache cache;
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    std::vector<Bytes> old;
+    std::vector<std::uint16_t> actions;
+
+    void make(Sensor sensor) {
+        fake.parameters = {{0, "FIRST", "", {1}}};
+        double value = 0.5;
+        for (const std::string& name : calibration_names(sensor)) fake.parameters.push_back({8, name, "", f32(value += 0.125)});
+        fake.parameters.push_back({0, "LAST", "", {1}});
+        old = stored();
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            if (f.id() == 0xE0 && f.data()[0] == 0x10) actions.push_back(load<std::uint16_t>(f.data().data() + 1));
+            return std::nullopt;
+        };
+    }
+    std::vector<Bytes> stored() const {
+        std::vector<Bytes> all;
+        for (const auto& p : fake.parameters)
+            if (p.type == 8) all.push_back(p.value);
+        return all;
+    }
+    void begin(Calibration& task) {
+        task.start(simulation.now);
+        simulation.run(task);
+        ASSERT_EQ(task.step(), Calibration::Step::keep) << (task.end() ? task.end()->what : "");
+        EXPECT_TRUE(actions.empty()) << "nothing is changed before the old values are kept";
+        task.kept(simulation.now);
+        simulation.run(task);
+        ASSERT_EQ(task.step(), Calibration::Step::turn);
+    }
+    void lie(Calibration& task, std::size_t face, int offset = 20) {
+        Draft<"inertial"> m;
+        std::array<int, 3> acc{offset, 0, 0};
+        acc[face / 2] += face % 2 == 0 ? 1000 : -1000;
+        for (int i = 0; i < 100; ++i) {
+            (void)m.set<"acc_x">(acc[0] + i % 3);
+            (void)m.set<"acc_y">(acc[1] - i % 3);
+            (void)m.set<"acc_z">(acc[2] + i % 2);
+            hear(task, m);
+        }
+    }
+    template <class Message>
+    void hear(Calibration& task, const Message& message) {
+        std::array<std::uint8_t, 64> bytes{};
+        const std::size_t size = message.encode(bytes, 0xDC, 0xFF);
+        task.hear(FrameView{std::span{bytes}.first(size)}, simulation.now);
+    }
+};
+
+TEST_F(Calibrates, an_accelerometer) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    EXPECT_EQ(task.old_values().size(), 15u);
+    EXPECT_EQ(task.old_values()[14].first, "CAL_AEM3_Z");
+    for (std::size_t face = 0; face < 6; ++face) {
+        lie(task, face);
+        EXPECT_EQ(task.progress().done, face + 1);
+    }
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
+    ASSERT_TRUE(task.residuals());
+    EXPECT_LT(task.residuals()->second, task.residuals()->first);
+    const auto now = stored();
+    EXPECT_NEAR(load<float>(now[0].data()), 21, 1);             // offset of x
+    EXPECT_NEAR(load<float>(now[3].data()), 0.980665, 1e-3);    // sensitivity
+    EXPECT_NEAR(load<float>(now[6].data()), 1, 1e-3);           // error matrix
+    EXPECT_EQ(fake.parameters.front().value, Bytes{1});
+    EXPECT_EQ(fake.parameters.back().value, Bytes{1});
+}
+
+TEST_F(Calibrates, a_compass) {
+    make(Sensor::compass);
+    Calibration task{device, Sensor::compass, &cache};
+    begin(task);
+    Draft<"compass"> m;
+    for (int i = 0; i < 3000 && task.step() == Calibration::Step::turn; ++i) {
+        const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
+        (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around) + 100));
+        (void)m.set<"mag_y">(std::round(400 * std::sqrt(1 - z * z) * std::sin(around) - 50));
+        (void)m.set<"mag_z">(std::round(450 * z));
+        hear(task, m);
+    }
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x31}));
+    EXPECT_NEAR(load<float>(stored()[0].data()), 100, 2);
+    EXPECT_NEAR(load<float>(stored()[1].data()), -50, 2);
+    EXPECT_NEAR(load<float>(stored()[3].data()), 448.1 / 500, 0.01);
+}
+
+TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (auto& p : fake.parameters)
+        if (p.type == 8) p.value = f32(0);    // cleared
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face, face % 2 == 0 ? 380 : -380);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::failed);
+    EXPECT_NE(task.end()->what.find("; the old values are back"), std::string::npos) << task.end()->what;
+    EXPECT_EQ(stored(), old);
+    EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
+}
+
+TEST_F(Calibrates, a_cancelled_one_writes_the_old_values_back) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (auto& p : fake.parameters)
+        if (p.type == 8) p.value = f32(0);
+    task.cancel(simulation.now);
+    EXPECT_FALSE(task.end());
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::cancelled);
+    EXPECT_EQ(stored(), old);
+}
+
+TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
+    make(Sensor::accelerometer);
+    fake.parameters[1].store = [](const Bytes& value) { return load<float>(value.data()) > 20 ? f32(20) : value; };
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::refused);
+    EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device clamped it; the old values are back");
+    EXPECT_EQ(stored(), old);
+}
+
+TEST_F(Calibrates, one_that_nobody_turns_ends_after_ten_minutes) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    ASSERT_TRUE(task.due());
+    task.look(simulation.now);
+    EXPECT_EQ(task.step(), Calibration::Step::turn);
+    simulation.pass(*task.due() - simulation.now);
+    task.look(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::timeout);
+    EXPECT_EQ(stored(), old);
+}
+
+TEST_F(Calibrates, a_lost_device_ends_it_and_says_that_the_old_values_are_not_back) {
+    make(Sensor::accelerometer);
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    fake.deaf = true;
+    task.cancel(simulation.now);
+    EXPECT_LT(simulation.run(task), 1min);
+    ASSERT_TRUE(task.end());
+    EXPECT_NE(task.end()->what.find("could not be written back"), std::string::npos) << task.end()->what;
+    fake.deaf = false;
+    CalibrationWrite later{device, &cache, Sensor::accelerometer, task.old_values()};
+    later.start(simulation.now);
+    simulation.run(later);
+    ASSERT_TRUE(later.end());
+    EXPECT_EQ(later.end()->ending, Ending::done) << later.end()->what;
+}
+
+TEST_F(Calibrates, nothing_where_the_parameters_are_not_as_they_should_be) {
+    make(Sensor::accelerometer);
+    std::swap(fake.parameters[3].name, fake.parameters[4].name);
+    Calibration order{device, Sensor::accelerometer, nullptr};
+    order.start(simulation.now);
+    simulation.run(order);
+    ASSERT_TRUE(order.end());
+    EXPECT_EQ(order.end()->ending, Ending::unsupported);
+    Calibration none{device, Sensor::compass, nullptr};
+    none.start(simulation.now);
+    simulation.run(none);
+    ASSERT_TRUE(none.end());
+    EXPECT_EQ(none.end()->ending, Ending::unsupported);
+    EXPECT_TRUE(actions.empty());
+}
+
+}    // namespace
+}    // namespace ano::host

@@ -1,0 +1,224 @@
+// What is computed from six faces and from samples all round, with sensors whose errors are known.
+#include <host/accelerometer_fit.hpp>
+#include <host/compass_fit.hpp>
+#include <host/least_squares.hpp>
+
+#include <support/random.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace ano::host {
+namespace {
+
+double noise(support::Random& random, double most) { return most * (static_cast<double>(random.below(2001u)) / 1000 - 1); }
+
+const AccelerometerCalibration skewed{
+    {40, -25, 60}, {1.02, 0.97, 1.05}, {{{1, 0.02, -0.01}, {-0.015, 1, 0.03}, {0.01, -0.02, 1}}}};
+
+// What a sensor with these errors measures where `true_value` is.
+Vector raw_of(const AccelerometerCalibration& sensor, const Vector& true_value) {
+    LeastSquares<3> squares;
+    for (std::size_t i = 0; i < 3; ++i) {
+        Vector row{};
+        for (std::size_t j = 0; j < 3; ++j) row[j] = sensor.error[i][j] * sensor.sensitivity[j];
+        squares.add(row, true_value[i]);
+    }
+    Vector raw = *squares.solution();
+    for (std::size_t i = 0; i < 3; ++i) raw[i] += sensor.offset[i];
+    return raw;
+}
+
+Vector gravity_on(std::size_t face) {
+    Vector g{};
+    g[face / 2] = face % 2 == 0 ? SixFaces::gravity : -SixFaces::gravity;
+    return g;
+}
+
+void lie(SixFaces& faces, const Vector& raw, support::Random& random, int samples = 100, double shaking = 4,
+         double turning = 0.5) {
+    for (int i = 0; i < samples; ++i)
+        faces.take({raw[0] + noise(random, shaking), raw[1] + noise(random, shaking), raw[2] + noise(random, shaking)},
+                   {noise(random, turning) + 3, noise(random, turning), noise(random, turning)});
+}
+
+TEST(LeastSquares, finds_what_fits_best_and_nothing_where_it_is_open) {
+    LeastSquares<2> line;
+    for (int x = 0; x < 5; ++x) line.add({static_cast<double>(x), 1}, 3 * x - 7 + (x % 2 == 0 ? 0 : 0));
+    const auto found = line.solution();
+    ASSERT_TRUE(found);
+    EXPECT_NEAR((*found)[0], 3, 1e-9);
+    EXPECT_NEAR((*found)[1], -7, 1e-9);
+    LeastSquares<2> open;
+    open.add({1, 1}, 2);
+    open.add({2, 2}, 4);
+    EXPECT_FALSE(open.solution());
+}
+
+TEST(AccelerometerCalibration, its_15_values_are_in_the_order_of_the_parameters) {
+    const auto values = skewed.values();
+    EXPECT_FLOAT_EQ(values[1], -25);
+    EXPECT_FLOAT_EQ(values[5], 1.05f);
+    EXPECT_FLOAT_EQ(values[7], 0.02f);     // AEM1_Y
+    EXPECT_FLOAT_EQ(values[11], 0.03f);    // AEM2_Z
+    EXPECT_EQ(AccelerometerCalibration::of(values).values(), values);
+}
+
+TEST(SixFaces, know_which_face_is_up_and_how_still_it_is) {
+    support::Random random{1};
+    for (std::size_t face = 0; face < 6; ++face) {
+        SixFaces faces;
+        EXPECT_FALSE(faces.unrest());
+        lie(faces, raw_of(skewed, gravity_on(face)), random);
+        EXPECT_TRUE(faces.is_still());
+        EXPECT_EQ(faces.face(), static_cast<Face>(face)) << name_of(static_cast<Face>(face));
+        EXPECT_TRUE(faces.is_enough(static_cast<Face>(face)));
+        EXPECT_EQ(faces.faces_done(), 1u);
+    }
+}
+
+TEST(SixFaces, take_nothing_while_it_shakes_or_turns_or_stands_on_an_edge) {
+    support::Random random{1};
+    SixFaces faces;
+    lie(faces, gravity_on(4), random, 200, 100);
+    EXPECT_FALSE(faces.is_still());
+    lie(faces, gravity_on(4), random, 200, 1, 20);
+    EXPECT_FALSE(faces.is_still());
+    lie(faces, {0, 690, 690}, random, 200);
+    EXPECT_TRUE(faces.is_still());
+    EXPECT_FALSE(faces.face());
+    lie(faces, {0, 0, 100}, random, 200);
+    EXPECT_FALSE(faces.face()) << "in free fall";
+    for (std::size_t face = 0; face < 6; ++face) EXPECT_EQ(faces.samples(static_cast<Face>(face)), 0u);
+}
+
+TEST(SixFaces, find_the_errors_of_a_sensor) {
+    support::Random random{1};
+    SixFaces faces;
+    for (std::size_t face = 0; face < 6; ++face) lie(faces, raw_of(skewed, gravity_on(face)), random);
+    ASSERT_TRUE(faces.is_complete());
+    const auto fit = faces.fit({});
+    ASSERT_TRUE(fit.calibration) << fit.wrong;
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(fit.calibration->offset[i], skewed.offset[i], 1.5);
+        EXPECT_NEAR(fit.calibration->sensitivity[i], skewed.sensitivity[i], 0.003);
+        for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(fit.calibration->error[i][j], skewed.error[i][j], 0.003);
+    }
+    EXPECT_LT(fit.after, 3);
+    EXPECT_GT(fit.before, 40);
+}
+
+TEST(SixFaces, that_are_no_better_than_before_are_rejected) {
+    support::Random random{7};
+    SixFaces faces;
+    for (std::size_t face = 0; face < 6; ++face) {
+        // Every other sample lies elsewhere, by less than what is still: the half by which is judged fits the old values.
+        for (int i = 0; i < 100; ++i) {
+            Vector raw = raw_of(skewed, gravity_on(face));
+            raw[0] += i % 2 == 1 ? 8 + noise(random, 1) : noise(random, 1);
+            faces.take(raw, {});
+        }
+    }
+    const auto fit = faces.fit(skewed);
+    EXPECT_FALSE(fit.calibration);
+    EXPECT_GE(fit.after, fit.before);
+    EXPECT_NE(fit.wrong.find("the residual would be "), std::string::npos) << fit.wrong;
+}
+
+TEST(SixFaces, that_were_not_level_are_rejected) {
+    support::Random random{1};
+    SixFaces faces;
+    for (std::size_t face = 0; face < 6; ++face) {
+        Vector tilted = gravity_on(face);
+        tilted[(face / 2 + 1) % 3] = 380;    // 22 degrees, always to the same side
+        lie(faces, tilted, random);
+    }
+    ASSERT_TRUE(faces.is_complete());
+    EXPECT_FALSE(faces.fit({}).calibration);
+}
+
+TEST(SixFaces, that_are_not_all_there_are_rejected) {
+    support::Random random{1};
+    SixFaces faces;
+    lie(faces, gravity_on(0), random);
+    EXPECT_EQ(faces.fit({}).wrong, "only 1 of 6 faces were measured");
+}
+
+// Spread evenly over the sphere, as far up as `top` of its height.
+std::vector<Vector> directions(std::size_t n, double top = 1) {
+    std::vector<Vector> all;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double z = top * (2 * (static_cast<double>(i) + 0.5) / static_cast<double>(n) - 1);
+        const double around = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5.0));
+        const double r = std::sqrt(1 - z * z);
+        all.push_back({r * std::cos(around), r * std::sin(around), z});
+    }
+    return all;
+}
+
+const CompassCalibration iron{{120, -80, 45}, {0.9, 1.1, 1.0 / (0.9 * 1.1)}};
+
+void turn(CompassSphere& sphere, double most_noise, double top = 1, double field = 400) {
+    support::Random random{3};
+    for (const Vector& d : directions(1000, top)) {
+        Vector raw{};
+        for (std::size_t i = 0; i < 3; ++i)
+            raw[i] = field * d[i] / iron.sensitivity[i] + iron.offset[i] + noise(random, most_noise);
+        sphere.take(raw);
+    }
+}
+
+TEST(CompassSphere, finds_offset_and_sensitivity) {
+    CompassSphere sphere;
+    turn(sphere, 4);
+    ASSERT_TRUE(sphere.is_complete());
+    EXPECT_EQ(sphere.coverage(), 1);
+    const auto fit = sphere.fit({});
+    ASSERT_TRUE(fit.calibration) << fit.wrong;
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(fit.calibration->offset[i], iron.offset[i], 2);
+        EXPECT_NEAR(fit.calibration->sensitivity[i], iron.sensitivity[i], 0.01);
+    }
+    EXPECT_LT(fit.after, 0.02);
+    EXPECT_GT(fit.before, 0.1);
+    EXPECT_EQ(CompassCalibration::of(fit.calibration->values()).values(), fit.calibration->values());
+}
+
+TEST(CompassSphere, shows_which_directions_are_missing) {
+    CompassSphere sphere;
+    turn(sphere, 1, 0.3);    // a band about the equator
+    EXPECT_FALSE(sphere.is_complete());
+    EXPECT_GT(sphere.map().count(), 0u);
+    EXPECT_LT(sphere.coverage(), CompassSphere::enough);
+    EXPECT_EQ(sphere.fit({}).wrong.substr(0, 5), "only ");
+}
+
+TEST(CompassSphere, keeps_no_more_of_one_direction_than_it_needs) {
+    CompassSphere sphere;
+    turn(sphere, 1);
+    const std::size_t before = sphere.samples();
+    for (int i = 0; i < 100'000; ++i) sphere.take({400, 0, 0});
+    EXPECT_LE(sphere.samples(), before + CompassSphere::max_in_cell);
+}
+
+TEST(CompassSphere, noise_is_no_ellipsoid) {
+    CompassSphere sphere;
+    support::Random random{1};
+    for (int i = 0; i < 5000; ++i) sphere.take({noise(random, 400), noise(random, 400), noise(random, 400)});
+    ASSERT_TRUE(sphere.is_complete());
+    EXPECT_FALSE(sphere.fit({}).calibration);
+}
+
+TEST(CompassSphere, that_is_no_better_than_before_is_rejected) {
+    CompassSphere sphere;
+    turn(sphere, 0);
+    const auto fit = sphere.fit(iron);
+    EXPECT_TRUE(!fit.calibration || fit.after < fit.before);
+    CompassSphere same;
+    EXPECT_FALSE(same.fit(iron).calibration);
+}
+
+}    // namespace
+}    // namespace ano::host

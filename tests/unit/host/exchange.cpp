@@ -1,0 +1,180 @@
+// How long is waited, how many are on their way, and what ends a request.
+#include <ano/typed.hpp>
+#include <host/exchange.hpp>
+#include <host/window.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::operator+;
+
+TEST(RoundTrip, before_the_first_answer_it_is_300_ms) {
+    RoundTrip trip;
+    EXPECT_EQ(trip.time_out(), 300ms);
+    EXPECT_FALSE(trip.smoothed());
+}
+
+TEST(RoundTrip, follows_what_is_measured_as_rfc_6298_says) {
+    RoundTrip trip;
+    trip.answered(100ms, false);
+    EXPECT_EQ(trip.smoothed(), 100ms);
+    EXPECT_EQ(trip.time_out(), 300ms);    // 100 + 4 * 50
+    trip.answered(180ms, false);
+    EXPECT_EQ(trip.smoothed(), 110ms);            // 100 + 80/8
+    EXPECT_EQ(trip.time_out(), 110ms + 230ms);    // variation 50 + (80 - 50)/4
+}
+
+TEST(RoundTrip, is_never_below_30_ms_nor_above_2_s) {
+    RoundTrip fast;
+    for (int i = 0; i < 100; ++i) fast.answered(1ms, false);
+    EXPECT_EQ(fast.time_out(), 30ms);
+    RoundTrip slow;
+    slow.answered(5s, false);
+    EXPECT_EQ(slow.time_out(), 2s);
+}
+
+TEST(RoundTrip, an_even_one_leaves_room_for_an_adapter_that_gathers) {
+    RoundTrip trip;
+    for (int i = 0; i < 100; ++i) trip.answered(200ms, false);
+    EXPECT_EQ(trip.time_out(), 220ms);
+}
+
+TEST(RoundTrip, doubles_with_each_loss_up_to_2_s) {
+    RoundTrip trip;
+    EXPECT_EQ(trip.time_out_after(0), 300ms);
+    EXPECT_EQ(trip.time_out_after(1), 600ms);
+    EXPECT_EQ(trip.time_out_after(2), 1200ms);
+    EXPECT_EQ(trip.time_out_after(3), 2s);
+    EXPECT_EQ(trip.time_out_after(60), 2s);
+}
+
+TEST(RoundTrip, a_repeated_exchange_counts_only_when_all_are_repeated) {
+    RoundTrip trip;
+    trip.answered(1200ms, true);
+    trip.answered(1200ms, true);
+    EXPECT_FALSE(trip.smoothed());
+    trip.answered(1200ms, true);
+    EXPECT_EQ(trip.smoothed(), 1200ms);
+    trip.answered(100ms, true);
+    trip.answered(1200ms, false);
+    trip.answered(100ms, true);
+    trip.answered(100ms, true);
+    EXPECT_EQ(trip.smoothed(), 1200ms);
+}
+
+TEST(Window, opens_by_one_for_each_answer_to_eight) {
+    Window window;
+    EXPECT_EQ(window.size(), 1u);
+    for (std::size_t n = 2; n <= 8; ++n) {
+        window.answered();
+        EXPECT_EQ(window.size(), n);
+    }
+    window.answered();
+    EXPECT_EQ(window.size(), 8u);
+}
+
+TEST(Window, halves_only_when_more_than_half_of_the_last_16_were_lost) {
+    Window window;
+    for (int i = 0; i < 16; ++i) window.answered();
+    for (int i = 0; i < 8; ++i) {
+        window.lost();
+        EXPECT_EQ(window.size(), 8u);
+    }
+    window.lost();
+    EXPECT_EQ(window.size(), 4u);
+    for (int i = 0; i < 8; ++i) window.lost();
+    EXPECT_EQ(window.size(), 4u) << "what was lost before the halving does not count again";
+    window.lost();
+    EXPECT_EQ(window.size(), 2u);
+    for (int i = 0; i < 90; ++i) window.lost();
+    EXPECT_EQ(window.size(), 1u);
+}
+
+TEST(Window, stays_open_where_one_in_five_is_lost) {
+    Window window;
+    for (int i = 0; i < 500; ++i) i % 5 == 0 ? window.lost() : window.answered();
+    EXPECT_EQ(window.size(), 8u);
+}
+
+struct Asked {
+    Bytes bytes;
+    std::optional<Expectation> expects;
+    explicit Asked(std::uint8_t id, const Bytes& data, std::uint8_t to = 0xDC)
+        : bytes{support::frame(0xFE, to, id, data)}, expects{Expectation::of(FrameView{bytes})} {}
+    bool met_by(std::uint8_t from, std::uint8_t to, std::uint8_t id, const Bytes& data) const {
+        const Bytes frame = support::frame(from, to, id, data);
+        return expects && expects->is_met_by(FrameView{frame});
+    }
+};
+
+TEST(Expectation, writes_commands_and_actions_end_with_their_own_check_bytes) {
+    for (const auto& [id, data] : {std::pair{0xE1, Bytes{5, 0, 7}}, std::pair{0xC0, Bytes{1, 2, 3}},
+                                   std::pair{0xE0, Bytes{0x10, 0xAB, 0}}, std::pair{0x61, Bytes(22)}}) {
+        const Asked asked{static_cast<std::uint8_t>(id), data};
+        ASSERT_TRUE(asked.expects) << id;
+        EXPECT_TRUE(asked.expects->is_alone());
+        const Checks checks = FrameView{asked.bytes}.checks();
+        const auto id8 = static_cast<std::uint8_t>(id);
+        EXPECT_TRUE(asked.met_by(0xDC, 0xFE, 0x00, {id8, checks.sum, checks.add}));
+        EXPECT_FALSE(asked.met_by(0xDC, 0xFE, 0x00, {id8, checks.sum, static_cast<std::uint8_t>(checks.add + 1)}));
+        EXPECT_FALSE(asked.met_by(0xDC, 0xFE, 0x00, {id8, static_cast<std::uint8_t>(checks.sum + 1), checks.add}));
+        EXPECT_FALSE(asked.met_by(0xDC, 0xFE, 0x00, {0x40, checks.sum, checks.add}));
+        EXPECT_FALSE(asked.met_by(0xDC, 0xFE, 0x00, {id8, checks.sum})) << "too short";
+        EXPECT_FALSE(asked.met_by(0xDD, 0xFE, 0x00, {id8, checks.sum, checks.add})) << "another device";
+        EXPECT_FALSE(asked.met_by(0xDC, 0xFD, 0x00, {id8, checks.sum, checks.add})) << "for somebody else";
+    }
+}
+
+TEST(Expectation, a_question_ends_with_the_answer_that_fits) {
+    EXPECT_TRUE(Asked(0xE0, {0, 0, 0}).met_by(0xDC, 0xFE, 0xE3, {0xDC, 1, 0, 1, 0, 1, 0, 1, 0, 'x'}));
+    EXPECT_TRUE(Asked(0xE0, {1, 0, 0}).met_by(0xDC, 0xFE, 0xE0, {1, 44, 1}));
+    EXPECT_FALSE(Asked(0xE0, {1, 0, 0}).met_by(0xDC, 0xFE, 0xE0, {2, 44, 1}));
+    EXPECT_TRUE(Asked(0xE0, {2, 5, 1}).met_by(0xDC, 0xFE, 0xE1, {5, 1, 0}));
+    EXPECT_FALSE(Asked(0xE0, {2, 5, 1}).met_by(0xDC, 0xFE, 0xE1, {5, 0, 0}));
+    EXPECT_FALSE(Asked(0xE0, {2, 5, 1}).met_by(0xDC, 0xFE, 0xE2, Bytes{5, 1, 0} + Bytes(20, 'x')));
+    EXPECT_TRUE(Asked(0xE0, {3, 5, 1}).met_by(0xDC, 0xFE, 0xE2, Bytes{5, 1, 0} + Bytes(20, 'x')));
+    EXPECT_FALSE(Asked(0xE0, {3, 5, 1}).met_by(0xDC, 0xFE, 0xE2, {5, 1, 0, 'x'})) << "shorter than its layout";
+    EXPECT_TRUE(Asked(0xC1, {0, 0, 0}).met_by(0xDC, 0xFE, 0xC1, {0, 4, 0, 0, 0})) << "of an older device";
+    EXPECT_TRUE(Asked(0xC1, {1, 3, 0}).met_by(0xDC, 0xFE, 0xC2, Bytes{3, 0} + Bytes(31, 'x')));
+    EXPECT_TRUE(Asked(0x60, {0xFF}).met_by(0xDC, 0xFE, 0x60, {7}));
+    EXPECT_TRUE(Asked(0x60, {4}).met_by(0xDC, 0xFE, 0x61, Bytes{4} + Bytes(21)));
+    EXPECT_FALSE(Asked(0x60, {4}).met_by(0xDC, 0xFE, 0x61, Bytes{5} + Bytes(21)));
+    EXPECT_FALSE(Asked(0xE0, {2, 5, 1}).expects->is_alone());
+}
+
+TEST(Expectation, a_description_of_an_old_device_fits_as_well) {
+    const Bytes old = Bytes{5, 1, 0xF6, 0xFF, 0xFF, 0xFF, 100, 0, 0, 0} + Bytes{'N'} + Bytes(19) + Bytes{'i'};
+    EXPECT_TRUE(Asked(0xE0, {3, 5, 1}).met_by(0xDC, 0xFE, 0xE2, old));
+}
+
+TEST(Expectation, behind_a_port_id_is_whoever_answers) {
+    EXPECT_TRUE(Asked(0xE0, {1, 0, 0}, 3).met_by(0xDC, 0xFE, 0xE0, {1, 44, 1}));
+    EXPECT_FALSE(Asked(0xE0, {1, 0, 0}, 3).met_by(0xFE, 0xFE, 0xE0, {1, 44, 1})) << "a host";
+}
+
+TEST(Expectation, each_step_of_an_upgrade_has_its_own_answers) {
+    const Bytes info = Bytes{1} + Bytes(19);
+    EXPECT_TRUE(Asked(0xF0, info).met_by(0xDC, 0xFE, 0xF0, {0, 0x02, 0x01}));
+    EXPECT_TRUE(Asked(0xF0, info).met_by(0xDC, 0xFE, 0xF0, {0, 0x01, 0x01}));
+    EXPECT_FALSE(Asked(0xF0, info).met_by(0xDC, 0xFE, 0xF0, {0, 0x12, 0x01}));
+    EXPECT_TRUE(Asked(0xF0, {0, 0x10, 0x01}).met_by(0xDC, 0xFE, 0xF0, {0, 0x12, 0x01}));
+    EXPECT_TRUE(Asked(0xF0, {0x10, 9, 0, 1, 2, 3}).met_by(0xDC, 0xFE, 0xF0, {0, 0x02, 0x10, 9, 0}));
+    EXPECT_FALSE(Asked(0xF0, {0x10, 9, 0, 1, 2, 3}).met_by(0xDC, 0xFE, 0xF0, {0, 0x02, 0x10, 8, 0}));
+    EXPECT_TRUE(Asked(0xF0, {0, 0x10, 0x10}).met_by(0xDC, 0xFE, 0xF0, {0, 0x11, 0x10}));
+    EXPECT_TRUE(Asked(0xF0, {0, 0x10, 0x10}).expects->is_alone());
+}
+
+TEST(Expectation, nothing_ends_a_stream) {
+    EXPECT_FALSE(Asked(0x40, Bytes(20)).expects);
+    EXPECT_FALSE(Asked(0xE0, {9, 0, 0}).expects);
+    EXPECT_FALSE(Asked(0xF1, Bytes(8)).expects);
+}
+
+}    // namespace
+}    // namespace ano::host

@@ -1,0 +1,272 @@
+// Upgrading firmware: files that are and that are none, loaders that write, refuse, fail and fall silent.
+#include <host/firmware.hpp>
+
+#include <support/fake_loader.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::FakeDevice;
+using support::FakeLoader;
+using support::Simulation;
+
+Bytes bytes_of(std::size_t n) {
+    Bytes bytes(n);
+    for (std::size_t i = 0; i < n; ++i) bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256);
+    return bytes;
+}
+
+Bytes bia(const Bytes& image, std::uint8_t hw_type, std::uint16_t min, std::uint16_t max) {
+    Bytes file(100);
+    file[0] = 'b', file[1] = 'i', file[2] = 'a';
+    store<std::uint16_t>(&file[10], 321);
+    store<std::uint16_t>(&file[12], crc16_of(Crc16::ibm_3740, image));
+    file[20] = hw_type;
+    store(&file[30], min);
+    store(&file[32], max);
+    store<std::uint32_t>(&file[50], 0x12345678);
+    file.insert(file.end(), image.begin(), image.end());
+    return file;
+}
+
+TEST(Crc16, has_the_check_values_of_the_catalogues) {
+    const Bytes digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+    EXPECT_EQ(crc16_of(Crc16::ibm_3740, digits), 0x29B1);
+    EXPECT_EQ(crc16_of(Crc16::xmodem, digits), 0x31C3);
+    EXPECT_EQ(crc16_of(Crc16::kermit, digits), 0x2189);
+    EXPECT_EQ(crc16_of(Crc16::modbus, digits), 0x4B37);
+    EXPECT_EQ(crc16_of(Crc16::arc, digits), 0xBB3D);
+    EXPECT_EQ(crc16_called("kermit"), Crc16::kermit);
+    EXPECT_FALSE(crc16_called("crc32"));
+}
+
+TEST(FirmwareFile, a_bia_is_read_by_its_header) {
+    const auto read = read_firmware(bia(bytes_of(500), 0xDC, 90, 110));
+    ASSERT_TRUE(read.image) << read.wrong;
+    EXPECT_EQ(read.image->bytes, bytes_of(500));
+    EXPECT_EQ(read.image->version, 321);
+    EXPECT_EQ(read.image->cmd, 0x12345678u);
+    EXPECT_FALSE(read.image->misfit({0xDC, 100, 0, 0, 0, ""}));
+    EXPECT_EQ(read.image->misfit({0xDD, 100, 0, 0, 0, ""}), "it is for hardware 0xDC, the device is 0xDD");
+    EXPECT_EQ(read.image->misfit({0xDC, 111, 0, 0, 0, ""}), "it is for hardware versions 90 to 110, the device is 111");
+    EXPECT_TRUE(read.image->misfit({0xDC, 89, 0, 0, 0, ""}));
+}
+
+TEST(FirmwareFile, a_bin_is_its_image_for_any_hardware) {
+    const auto read = read_firmware(bytes_of(500), Crc16::xmodem);
+    ASSERT_TRUE(read.image);
+    EXPECT_EQ(read.image->crc, crc16_of(Crc16::xmodem, bytes_of(500)));
+    EXPECT_TRUE(read.image->is_for_any_hardware());
+    EXPECT_FALSE(read.image->misfit({0xDD, 1, 0, 0, 0, ""}));
+}
+
+TEST(FirmwareFile, what_is_none_says_why) {
+    EXPECT_EQ(read_firmware({}).wrong, "the file is empty");
+    Bytes cut = bia(bytes_of(10), 0xDC, 1, 2);
+    cut.resize(100);
+    EXPECT_EQ(read_firmware(cut).wrong, "the file ends in its header: it is cut off");
+    EXPECT_FALSE(read_firmware(bia(bytes_of(10), 0xDC, 3, 2)).image);
+    EXPECT_FALSE(read_firmware(Bytes(FirmwareImage::max_bytes + 1)).image);
+    for (std::size_t n = 1; n < 120; ++n) {
+        Bytes part = bia(bytes_of(20), 0xDC, 1, 2);
+        part.resize(n);
+        (void)read_firmware(part);
+    }
+}
+
+struct Upgrade : testing::Test {
+    FakeDevice fake;
+    FakeLoader loader;
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 5ms}};
+    FirmwareImage image = *read_firmware(bia(bytes_of(3000), 0xDC, 90, 110)).image;
+
+    Upgrade() {
+        fake.instead = [&](FrameView f) { return loader.take(fake, f); };
+    }
+    std::unique_ptr<Firmware> run(FirmwareOptions options = {}) {
+        auto task = std::make_unique<Firmware>(device, image, std::move(options));
+        task->start(simulation.now);
+        took = simulation.run(*task);
+        EXPECT_TRUE(task->end());
+        return task;
+    }
+    Duration took{};
+};
+
+TEST_F(Upgrade, writes_the_image_and_is_done_after_the_devices_check) {
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(loader.flash, bytes_of(3000));
+    EXPECT_EQ(loader.frames, 16u);    // 15 of 195 bytes and one of 75
+    EXPECT_EQ(task->progress().done, 3000u);
+    EXPECT_EQ(task->repeats(), 0u);
+    EXPECT_FALSE(task->is_left_in_loader());
+    EXPECT_EQ(loader.info, (Bytes{1,
+                                  0xB8,
+                                  0x0B,
+                                  0,
+                                  0,
+                                  195,
+                                  0,
+                                  static_cast<std::uint8_t>(image.crc),
+                                  static_cast<std::uint8_t>(image.crc >> 8),
+                                  0x41,
+                                  1,
+                                  0xDC,
+                                  90,
+                                  0,
+                                  110,
+                                  0,
+                                  0x78,
+                                  0x56,
+                                  0x34,
+                                  0x12}));
+}
+
+TEST_F(Upgrade, tells_its_rate_and_the_time_left) {
+    Firmware task{device, image};
+    bool told = false;
+    simulation.each_step = [&](TimePoint now) {
+        if (told || task.progress().done != 8u * 195) return;
+        told = true;
+        EXPECT_NEAR(task.bytes_a_second(now), 19'500, 1);    // 195 bytes in each 10 ms
+        ASSERT_TRUE(task.time_left(now));
+        EXPECT_NEAR(std::chrono::duration<double>(*task.time_left(now)).count(), 1440 / 19'500.0, 1e-3);
+        EXPECT_EQ(task.step(), "sending");
+    };
+    task.start(simulation.now);
+    EXPECT_FALSE(task.time_left(simulation.now));
+    simulation.run(task);
+    EXPECT_TRUE(told);
+}
+
+TEST_F(Upgrade, comes_whole_over_a_line_that_loses_doubles_and_reorders) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        loader = {};
+        Device other{0xDC};
+        Simulation bad{other, fake, {.delay = 20ms, .jitter = 60ms, .loss = 0.1, .duplicate = 0.1}, seed};
+        Firmware task{other, image};
+        task.start(bad.now);
+        bad.run(task);
+        ASSERT_TRUE(task.end());
+        if (loader.erases == 0 || loader.checks == 0 || task.end()->ending == Ending::timeout)
+            continue;    // asked once, and lost
+        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->what;
+        EXPECT_EQ(loader.flash, bytes_of(3000));
+        EXPECT_GT(task.repeats(), 0u);
+    }
+}
+
+TEST_F(Upgrade, refused_before_anything_was_changed) {
+    loader.refuses = true;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::refused);
+    EXPECT_EQ(task->end()->what, "0xDC does not want this image");
+    EXPECT_EQ(loader.erases, 0u);
+}
+
+TEST_F(Upgrade, an_erase_is_sent_once_and_has_a_minute) {
+    loader.erases_silently = true;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC fell silent: erasing; it is left in its loader, begin again");
+    EXPECT_EQ(loader.erases, 1u);
+    EXPECT_GE(took, 60s);
+    EXPECT_LT(took, 61s);
+}
+
+TEST_F(Upgrade, an_erase_that_failed_has_its_own_word) {
+    loader.cannot_erase = true;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::failed);
+    EXPECT_EQ(task->end()->what, "the device could not erase; it is left in its loader, begin again");
+}
+
+TEST_F(Upgrade, a_frame_that_failed_is_sent_again_and_counted) {
+    loader.fails_frame_7 = 4;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(task->repeats(), 4u);
+    EXPECT_EQ(loader.flash, bytes_of(3000));
+}
+
+TEST_F(Upgrade, a_frame_that_always_fails_ends_it) {
+    loader.fails_frame_7 = 100;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::failed);
+    EXPECT_EQ(task->end()->what, "the device could not write frame 7; it is left in its loader, begin again");
+    EXPECT_TRUE(task->is_left_in_loader());
+}
+
+TEST_F(Upgrade, silence_in_the_middle_ends_it_within_its_bound) {
+    loader.dies_at = 9;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC fell silent: sending; it is left in its loader, begin again");
+    EXPECT_EQ(task->end()->evidence.sent, 5u);
+    EXPECT_LT(took, 12s);
+}
+
+TEST_F(Upgrade, all_sent_is_sent_once_and_has_half_a_minute) {
+    loader.checks_silently = true;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(loader.checks, 1u);
+    EXPECT_GE(took, 30s);
+    EXPECT_LT(took, 31s);
+}
+
+TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
+    image.crc ^= 1;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::failed);
+    EXPECT_TRUE(task->is_left_in_loader());
+}
+
+TEST_F(Upgrade, an_image_for_other_hardware_is_never_sent_unless_forced) {
+    image.hw_ver_min = 101;
+    EXPECT_EQ(run()->end()->ending, Ending::invalid);
+    EXPECT_EQ(loader.infos, 0u);
+    EXPECT_EQ(run({.force = true})->end()->ending, Ending::done);
+}
+
+TEST_F(Upgrade, a_device_that_does_not_say_who_it_is_needs_what_it_said_before) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0) return std::vector<Bytes>{};
+        return loader.take(fake, f);
+    };
+    EXPECT_EQ(run()->end()->ending, Ending::timeout);
+    EXPECT_EQ(loader.infos, 0u);
+    EXPECT_EQ(run({.info = DeviceInfo{0xDC, 100, 1, 1, 1, "fc"}})->end()->ending, Ending::done);
+    EXPECT_EQ(run({.force = true})->end()->ending, Ending::done);
+}
+
+TEST_F(Upgrade, cancelled_it_says_what_is_half_done) {
+    Firmware task{device, image};
+    simulation.each_step = [&](TimePoint now) {
+        if (task.progress().done > 0) task.cancel(now);
+    };
+    task.start(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->what, "cancelled; it is left in its loader, begin again");
+    Firmware early{device, image};
+    early.start(simulation.now);
+    early.cancel(simulation.now);
+    EXPECT_EQ(early.end()->what, "cancelled, nothing was changed");
+}
+
+TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
+    image.bytes.assign(0x10001, 0);
+    EXPECT_EQ(run({.frame_len = 1})->end()->ending, Ending::invalid);
+    image.bytes.clear();
+    EXPECT_EQ(run()->end()->ending, Ending::invalid);
+}
+
+}    // namespace
+}    // namespace ano::host

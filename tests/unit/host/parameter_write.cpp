@@ -1,0 +1,275 @@
+// Writing parameters: read back, clamped, refused, undone; and what is never sent.
+#include <host/parameter_apply.hpp>
+#include <host/parameter_write.hpp>
+
+#include <support/fake_device.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host {
+namespace {
+
+using support::Bytes;
+using support::FakeDevice;
+using support::Simulation;
+using State = ParameterApply::State;
+
+struct Writes : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    DescriptionCache cache;
+    Simulation simulation{device, fake, {.delay = std::chrono::milliseconds{10}}};
+
+    Writes() {
+        fake.parameters = {{0, "U8", "", {7}},
+                           {8, "F32", "", {0, 0, 0, 0x3F}},
+                           {10, "TEXT", "", {'a', 'b', 'c', 'd', 0, 0}},
+                           {3, "I16", "", {1, 0}}};
+    }
+    ParameterInfo info(std::uint16_t id) const {
+        return {id, parameter_type(fake.parameters[id].type), fake.parameters[id].name, "", {}};
+    }
+    std::unique_ptr<ParameterWrite> write(ParameterInfo of, AnyValue value, TextLimits limits = {}) {
+        auto task = std::make_unique<ParameterWrite>(device, std::move(of), std::move(value), limits);
+        task->start(simulation.now);
+        simulation.run(*task);
+        EXPECT_TRUE(task->end());
+        EXPECT_FALSE(fake.crashed);
+        return task;
+    }
+    std::size_t writes() const {
+        return static_cast<std::size_t>(
+            std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xE1; }));
+    }
+    std::optional<std::vector<Bytes>> nothing() const { return std::vector<Bytes>{}; }
+};
+
+TEST_F(Writes, what_is_written_is_read_back) {
+    const auto task = write(info(3), std::int64_t{-300});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(task->before(), AnyValue{std::int64_t{1}});
+    EXPECT_EQ(task->stored(), AnyValue{std::int64_t{-300}});
+    EXPECT_FALSE(task->is_clamped());
+    EXPECT_EQ(fake.parameters[3].value, (Bytes{0xD4, 0xFE}));
+    EXPECT_EQ(writes(), 1u);
+}
+
+TEST_F(Writes, a_number_that_f32_has_not_exactly_is_no_clamping) {
+    const auto task = write(info(1), 0.1);
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_FALSE(task->is_clamped());
+}
+
+TEST_F(Writes, a_clamped_value_is_a_success_that_says_so) {
+    fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_TRUE(task->is_clamped());
+    EXPECT_EQ(task->stored(), AnyValue{std::int64_t{100}});
+    EXPECT_EQ(task->end()->what, "U8 is 100: the device clamped it");
+}
+
+TEST_F(Writes, a_device_that_acknowledges_and_stores_nothing_refuses) {
+    fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::refused);
+    EXPECT_EQ(task->end()->what, "0xDC keeps U8 at 7");
+}
+
+TEST_F(Writes, silence_on_the_read_back_is_refused) {
+    fake.instead = [&](FrameView f) { return writes() > 0 && f.id() == 0xE0 ? nothing() : std::nullopt; };
+    EXPECT_EQ(write(info(0), std::int64_t{200})->end()->ending, Ending::refused);
+}
+
+TEST_F(Writes, a_late_answer_of_before_is_not_taken_for_what_is_stored) {
+    bool old_once = true;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE0 || writes() == 0 || !std::exchange(old_once, false)) return std::nullopt;
+        return std::vector<Bytes>{fake.to_host(f, 0xE1, {0, 0, 7})};
+    };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_FALSE(task->is_clamped());
+}
+
+TEST_F(Writes, a_write_without_acknowledgement_times_out_with_the_evidence) {
+    fake.instead = [&](FrameView f) { return f.id() == 0xE1 ? nothing() : std::nullopt; };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->evidence.sent, 5u);
+}
+
+TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE1) return std::nullopt;
+        return std::vector<Bytes>{fake.to_host(f, 0x00, {0xE1, f.checks().sum, static_cast<std::uint8_t>(f.checks().add + 1)})};
+    };
+    EXPECT_EQ(write(info(0), std::int64_t{200})->end()->ending, Ending::timeout);
+}
+
+TEST_F(Writes, an_id_at_the_count_is_never_sent) {
+    ParameterInfo beyond = info(3);
+    beyond.id = 4;
+    EXPECT_EQ(write(beyond, std::int64_t{1})->end()->ending, Ending::invalid);
+    EXPECT_EQ(writes(), 0u);
+    EXPECT_FALSE(fake.crashed);
+}
+
+TEST_F(Writes, no_value_is_shorter_than_its_type) {
+    write(info(0), std::int64_t{1});
+    write(info(1), 2.5);
+    write(info(3), std::int64_t{2});
+    write(info(2), std::string{});
+    for (const Bytes& f : fake.heard) {
+        if (f[3] != 0xE1) continue;
+        const Bytes least{1, 4, 1, 2};
+        EXPECT_GE(f.size() - 10, least[f[6]]) << "parameter " << int{f[6]};
+    }
+}
+
+TEST_F(Writes, what_does_not_fit_is_never_sent) {
+    EXPECT_EQ(write(info(0), std::int64_t{256})->end()->what, "U8: 256 is out of range");
+    EXPECT_EQ(write(info(0), 1.5)->end()->what, "U8: 1.5 is not whole");
+    EXPECT_EQ(write(info(0), std::string{"1"})->end()->what, "U8: \"1\" is not a number");
+    EXPECT_EQ(write(info(2), std::int64_t{1})->end()->what, "TEXT: 1 is not a text");
+    EXPECT_EQ(write(info(2), std::string("a\0b", 3))->end()->ending, Ending::invalid);
+    ParameterInfo odd = info(0);
+    odd.type.reset();
+    EXPECT_EQ(write(odd, std::int64_t{1})->end()->ending, Ending::unsupported);
+    EXPECT_EQ(writes(), 0u);
+}
+
+TEST_F(Writes, a_text_is_never_longer_than_before_unless_asked) {
+    EXPECT_EQ(write(info(2), std::string{"1234567"})->end()->ending, Ending::invalid);
+    EXPECT_EQ(writes(), 0u);
+    EXPECT_EQ(write(info(2), std::string{"123456"})->end()->ending, Ending::done);
+    EXPECT_EQ(write(info(2), std::string{"1234567"}, {.longer = true})->end()->ending, Ending::done);
+    EXPECT_EQ(write(info(2), std::string(30, 'x'), {.longer = true, .most_bytes = 29})->end()->ending, Ending::invalid);
+}
+
+TEST_F(Writes, a_shorter_text_leaves_nothing_of_the_old_one) {
+    EXPECT_EQ(write(info(2), std::string{"x"})->end()->ending, Ending::done);
+    EXPECT_EQ(fake.parameters[2].value, (Bytes{'x', 0, 0, 0, 0, 0}));
+}
+
+TEST_F(Writes, cancelled_it_says_whether_it_may_be_written) {
+    ParameterWrite early{device, info(0), std::int64_t{1}};
+    early.start(simulation.now);
+    early.cancel(simulation.now);
+    EXPECT_EQ(early.end()->what, "U8 was not written");
+    ParameterWrite later{device, info(0), std::int64_t{1}};
+    simulation.each_step = [&](TimePoint now) {
+        if (writes() > 0) later.cancel(now);
+    };
+    later.start(simulation.now);
+    simulation.run(later);
+    EXPECT_EQ(later.end()->what, "U8 may have been written");
+}
+
+TEST_F(Writes, an_action_ends_with_its_acknowledgement) {
+    ParameterAction save{device, Action::save};
+    save.start(simulation.now);
+    simulation.run(save);
+    EXPECT_EQ(save.end()->ending, Ending::done);
+    EXPECT_EQ(Bytes(fake.heard[0].begin() + 6, fake.heard[0].end() - 2), (Bytes{0x10, 0xAB, 0}));
+    fake.deaf = true;
+    ParameterAction restore{device, Action::restore_defaults};
+    restore.start(simulation.now);
+    EXPECT_EQ(simulation.run(restore), std::chrono::seconds{25});
+    EXPECT_EQ(restore.end()->what, "0xDC does not answer: restore defaults, sent 5 times");
+}
+
+struct Applies : Writes {
+    std::unique_ptr<ParameterApply> apply(std::vector<std::pair<std::string, AnyValue>> values, ApplyOptions options = {}) {
+        auto task = std::make_unique<ParameterApply>(device, &cache, std::move(values), options);
+        task->start(simulation.now);
+        simulation.run(*task);
+        EXPECT_TRUE(task->end());
+        EXPECT_FALSE(fake.crashed);
+        return task;
+    }
+    static std::vector<State> states(const ParameterApply& task) {
+        std::vector<State> all;
+        for (const auto& row : task.rows()) all.push_back(row.state);
+        return all;
+    }
+};
+
+TEST_F(Applies, only_what_differs_is_written) {
+    const auto task = apply({{"U8", std::int64_t{7}}, {"F32", 0.5}, {"TEXT", std::string{"abcd"}}, {"I16", std::int64_t{2}}});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(states(*task), (std::vector{State::same, State::same, State::same, State::written}));
+    EXPECT_EQ(writes(), 1u);
+    EXPECT_EQ(task->rows()[3].before, AnyValue{std::int64_t{1}});
+    EXPECT_EQ(task->rows()[3].stored, AnyValue{std::int64_t{2}});
+}
+
+TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
+    fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
+    const auto task = apply({{"U8", std::int64_t{200}}, {"I16", std::int64_t{2}}}, {.rollback = true});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(states(*task), (std::vector{State::clamped, State::written}));
+}
+
+TEST_F(Applies, nothing_is_written_when_one_is_wrong) {
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "no parameter is called NONE");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range");
+    fake.parameters.push_back({0, "U8", "", {1}});
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->what, "several parameters are called U8");
+    EXPECT_EQ(writes(), 0u);
+}
+
+TEST_F(Applies, a_dry_run_says_what_differs) {
+    const auto task = apply({{"U8", std::int64_t{7}}, {"I16", std::int64_t{2}}}, {.dry_run = true});
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(states(*task), (std::vector{State::same, State::waiting}));
+    EXPECT_EQ(writes(), 0u);
+}
+
+TEST_F(Applies, the_first_failure_ends_it) {
+    fake.parameters[1].store = [](const Bytes&) { return Bytes{0, 0, 0, 0x3F}; };
+    const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}});
+    EXPECT_EQ(task->end()->ending, Ending::refused);
+    EXPECT_EQ(states(*task), (std::vector{State::written, State::failed, State::waiting}));
+    EXPECT_EQ(fake.parameters[0].value, Bytes{9});
+}
+
+TEST_F(Applies, rollback_undoes_all_when_one_fails) {
+    fake.instead = [&](FrameView f) { return f.id() == 0xE1 && f.data()[0] == 1 ? nothing() : std::nullopt; };
+    const auto task = apply({{"U8", std::int64_t{9}}, {"TEXT", std::string{"new"}}, {"F32", 2.0}, {"I16", std::int64_t{2}}},
+                            {.rollback = true});
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+    EXPECT_EQ(fake.parameters[2].value[0], 'a');
+    EXPECT_EQ(fake.parameters[3].value, (Bytes{1, 0}));
+    EXPECT_EQ(task->rows()[3].state, State::waiting);
+    // F32 was sent and never acknowledged: nobody can write its old value back either.
+    EXPECT_EQ(task->rows()[2].state, State::not_undone);
+}
+
+TEST_F(Applies, cancelled_with_rollback_it_undoes_first) {
+    ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"I16", std::int64_t{2}}}, {.rollback = true}};
+    simulation.each_step = [&, cancelled = false](TimePoint now) mutable {
+        if (writes() == 2 && !std::exchange(cancelled, true)) task.cancel(now);
+    };
+    task.start(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::cancelled);
+    EXPECT_EQ(states(task), (std::vector{State::undone, State::undone}));
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+    EXPECT_EQ(fake.parameters[3].value, (Bytes{1, 0}));
+}
+
+TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {
+    fake.instead = [&](FrameView) { return writes() >= 2 ? nothing() : std::nullopt; };
+    ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.rollback = true}};
+    task.start(simulation.now);
+    EXPECT_LT(simulation.run(task), std::chrono::seconds{30});
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::timeout);
+    EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
+}
+
+}    // namespace
+}    // namespace ano::host

@@ -1,0 +1,301 @@
+// Reading what parameters a device has, from good devices and bad ones.
+#include <host/parameters.hpp>
+
+#include <support/fake_device.hpp>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace ano::host {
+namespace {
+
+using support::Bytes;
+using support::FakeDevice;
+using support::Simulation;
+
+struct Reads : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    DescriptionCache cache;
+    Parameters parameters{device, &cache};
+    Simulation simulation{device, fake, {.delay = std::chrono::milliseconds{10}}};
+
+    Ending read(Parameters::Values values = Parameters::Values::all) {
+        parameters.read(values, simulation.now);
+        simulation.run(parameters);
+        return parameters.end() ? parameters.end()->ending : Ending::cancelled;
+    }
+    std::size_t heard(std::uint8_t id, std::uint8_t cmd) const {
+        return static_cast<std::size_t>(
+            std::count_if(fake.heard.begin(), fake.heard.end(), [&](const Bytes& f) { return f[3] == id && f[6] == cmd; }));
+    }
+};
+
+TEST_F(Reads, all_types_with_their_values) {
+    const std::vector<std::pair<std::uint8_t, AnyValue>> wanted{{0, std::int64_t{200}},
+                                                                {1, std::int64_t{-5}},
+                                                                {2, std::int64_t{40'000}},
+                                                                {3, std::int64_t{-30'000}},
+                                                                {4, std::int64_t{4'000'000'000}},
+                                                                {5, std::int64_t{-2'000'000'000}},
+                                                                {6, ~std::uint64_t{}},
+                                                                {7, INT64_MIN},
+                                                                {8, 0.5},
+                                                                {9, 0.1},
+                                                                {10, std::string{"text"}}};
+    for (const auto& [type, value] : wanted) {
+        Bytes wire;
+        ASSERT_TRUE(append(wire, value, *parameter_type(type)).empty());
+        fake.parameters.push_back({type, "P" + std::to_string(type), "info", wire});
+    }
+    ASSERT_EQ(read(), Ending::done);
+    ASSERT_EQ(parameters.descriptions().size(), wanted.size());
+    for (std::uint16_t id = 0; id < wanted.size(); ++id) {
+        EXPECT_EQ(parameters.descriptions()[id].name, "P" + std::to_string(id));
+        EXPECT_EQ(parameters.descriptions()[id].info, "info");
+        EXPECT_EQ(parameters.value(id), wanted[id].second) << id;
+    }
+    EXPECT_EQ(parameters.find("P3").parameter->id, 3);
+    EXPECT_EQ(parameters.find("P").parameter, nullptr);
+    EXPECT_EQ(parameters.progress().done, 2 * wanted.size());
+}
+
+TEST_F(Reads, a_device_without_parameters) {
+    EXPECT_EQ(read(), Ending::done);
+    EXPECT_TRUE(parameters.descriptions().empty());
+}
+
+TEST_F(Reads, the_window_is_never_more_than_eight) {
+    fake.make_parameters(60);
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(simulation.most_on_their_way, Window::widest);
+    EXPECT_FALSE(fake.crashed);
+}
+
+TEST_F(Reads, descriptions_come_from_the_cache_values_never) {
+    fake.make_parameters(20);
+    ASSERT_EQ(read(), Ending::done);
+    fake.heard.clear();
+    fake.parameters[3].value[0] = 77;
+    Parameters again{device, &cache};
+    again.read_all(simulation.now);
+    simulation.run(again);
+    ASSERT_EQ(again.end()->ending, Ending::done);
+    EXPECT_TRUE(again.from_cache());
+    EXPECT_EQ(heard(0xE0, 3), 0u);
+    EXPECT_EQ(heard(0xE0, 2), 20u);
+    EXPECT_EQ(again.bytes(3)[0], 77);
+    EXPECT_EQ(again.descriptions(), parameters.descriptions());
+}
+
+TEST_F(Reads, the_values_of_some_alone) {
+    fake.make_parameters(40);
+    for (const bool cached : {false, true}) {
+        fake.heard.clear();
+        Parameters some{device, &cache};
+        some.read_named({"PAR_7", "PAR_30", "NONE"}, simulation.now);
+        simulation.run(some);
+        ASSERT_TRUE(some.end());
+        EXPECT_EQ(some.end()->ending, Ending::done);
+        EXPECT_EQ(some.from_cache(), cached);
+        EXPECT_EQ(heard(0xE0, 2), 2u);
+        EXPECT_TRUE(some.value(7));
+        EXPECT_TRUE(some.value(30));
+        EXPECT_FALSE(some.value(8));
+    }
+    fake.parameters[7].value.clear();
+    Parameters some{device, &cache};
+    some.read_named({"PAR_30", "PAR_7"}, simulation.now);
+    simulation.run(some);
+    EXPECT_EQ(some.end()->what, "parameter 7 did not come whole");
+}
+
+TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
+    fake.make_parameters(5);
+    ASSERT_EQ(read(), Ending::done);
+    const auto described_again = [&] {
+        fake.heard.clear();
+        Parameters again{device, &cache};
+        again.read(Parameters::Values::none, simulation.now);
+        simulation.run(again);
+        EXPECT_EQ(again.end()->ending, Ending::done);
+        return heard(0xE0, 3);
+    };
+    EXPECT_EQ(described_again(), 0u);
+    fake.version = 101;
+    EXPECT_EQ(described_again(), 5u);
+    fake.make_parameters(1);
+    EXPECT_EQ(described_again(), 6u);
+    fake.name = "other";
+    EXPECT_EQ(described_again(), 6u);
+    simulation.pass(Device::away_after + std::chrono::seconds{1});
+    EXPECT_EQ(described_again(), 6u) << "away";
+}
+
+TEST_F(Reads, values_that_do_not_fit_cached_descriptions_have_them_read_again) {
+    fake.make_parameters(5);
+    ASSERT_EQ(read(), Ending::done);
+    fake.parameters[4] = {0, "NEW", "", {9}};    // was four bytes
+    Parameters again{device, &cache};
+    again.read_all(simulation.now);
+    simulation.run(again);
+    ASSERT_EQ(again.end()->ending, Ending::done);
+    EXPECT_EQ(again.descriptions()[4].name, "NEW");
+}
+
+TEST_F(Reads, an_old_device_with_its_ranges) {
+    fake.old = true;
+    fake.parameters = {{0, "OLD_0", "x", {7, 0, 0, 0}}, {0, "OLD_1", "y", {0xFF, 0xFF, 0xFF, 0xFF}}};
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.descriptions()[0].name, "OLD_0");
+    EXPECT_EQ(parameters.descriptions()[0].type, Type::i32);
+    EXPECT_EQ(parameters.descriptions()[0].limits, (ParameterInfo::Limits{-10, 100}));
+    EXPECT_EQ(parameters.value(1), AnyValue{std::int64_t{-1}});
+}
+
+TEST_F(Reads, a_dead_device_ends_it_soon_with_the_evidence) {
+    fake.deaf = true;
+    EXPECT_EQ(read(), Ending::timeout);
+    EXPECT_EQ(parameters.end()->evidence.sent, 5u);
+    EXPECT_EQ(parameters.end()->what, "0xDC does not answer: device info, sent 5 times");
+}
+
+TEST_F(Reads, a_device_that_dies_in_the_middle_ends_it_within_its_bound) {
+    fake.make_parameters(300);
+    fake.instead = [&](FrameView) -> std::optional<std::vector<Bytes>> {
+        if (fake.heard.size() > 100) return std::vector<Bytes>{};
+        return std::nullopt;
+    };
+    parameters.read_all(simulation.now);
+    const Duration took = simulation.run(parameters);
+    ASSERT_TRUE(parameters.end());
+    EXPECT_EQ(parameters.end()->ending, Ending::timeout);
+    EXPECT_LT(took, std::chrono::seconds{12});
+}
+
+TEST_F(Reads, one_without_an_answer_is_told_and_the_others_are_there) {
+    fake.make_parameters(30);
+    fake.instead = [](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0 && f.data()[0] == 2 && f.data()[1] == 17) return std::vector<Bytes>{};
+        return std::nullopt;
+    };
+    EXPECT_EQ(read(), Ending::incomplete);
+    EXPECT_EQ(parameters.end()->what, "parameter 17 did not come whole");
+    EXPECT_FALSE(parameters.value(17));
+    EXPECT_TRUE(parameters.value(29));
+}
+
+TEST_F(Reads, a_count_that_is_a_lie_does_not_take_for_ever) {
+    fake.make_parameters(10);
+    fake.says_count = 60'000;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0 && f.data()[0] >= 2 && (f.data()[1] >= 10 || f.data()[2] > 0)) return std::vector<Bytes>{};
+        return std::nullopt;
+    };
+    parameters.read_all(simulation.now);
+    const Duration took = simulation.run(parameters);
+    ASSERT_TRUE(parameters.end());
+    EXPECT_NE(parameters.end()->ending, Ending::done);
+    EXPECT_LT(took, std::chrono::minutes{1});
+}
+
+TEST_F(Reads, a_value_shorter_than_its_type_is_no_value) {
+    fake.make_parameters(10);
+    fake.parameters[5].value = {1, 2};
+    EXPECT_EQ(read(), Ending::incomplete);
+    EXPECT_FALSE(parameters.value(5));
+}
+
+TEST_F(Reads, a_count_that_changes_meanwhile_begins_again) {
+    fake.make_parameters(10);
+    bool grown = false;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (!grown && f.id() == 0xE0 && f.data()[0] == 2 && f.data()[1] == 9) {
+            fake.make_parameters(2);
+            grown = true;
+        }
+        return std::nullopt;
+    };
+    EXPECT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.descriptions().size(), 12u);
+}
+
+TEST_F(Reads, a_device_that_has_fewer_meanwhile_is_asked_for_none_of_those_that_are_gone) {
+    fake.make_parameters(100);
+    simulation.each_step = [&](TimePoint now) {
+        if (simulation.frames_there < 40 || fake.parameters.size() < 100) return;
+        fake.parameters.resize(50);
+        const Bytes to_another_host = support::frame(0xDC, 0xD2, 0xE0, {1, 50, 0});
+        device.take(FrameView{to_another_host}, now);
+    };
+    EXPECT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.descriptions().size(), 50u);
+    EXPECT_FALSE(fake.crashed);
+}
+
+TEST_F(Reads, a_count_that_never_stays_ends_it) {
+    fake.make_parameters(30);
+    std::uint16_t count = 10;
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = ++count;
+        return std::nullopt;
+    };
+    EXPECT_EQ(read(), Ending::failed);
+    EXPECT_FALSE(fake.crashed);
+}
+
+TEST_F(Reads, two_with_one_name_are_both_there_and_the_name_finds_neither) {
+    fake.parameters = {{0, "SAME", "", {1}}, {0, "SAME", "", {2}}};
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.find("SAME").parameter, nullptr);
+    EXPECT_TRUE(parameters.find("SAME").several);
+}
+
+TEST_F(Reads, names_are_bytes_and_types_may_be_unheard_of) {
+    fake.parameters = {{0, "\xB2\xCE\xFF\x01", "\xFE", {1}}, {99, "ODD", "", {1, 2, 3}}, {10, "EMPTY", "", {}}};
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(parameters.descriptions()[0].name, "\xB2\xCE\xFF\x01");
+    EXPECT_FALSE(parameters.descriptions()[1].type);
+    EXPECT_EQ(parameters.bytes(1).size(), 3u);
+    EXPECT_FALSE(parameters.value(1));
+    EXPECT_EQ(parameters.value(2), AnyValue{std::string{}});
+}
+
+TEST_F(Reads, answers_late_twice_and_in_any_order_are_told_apart) {
+    fake.make_parameters(100);
+    simulation.back = {
+        .delay = std::chrono::milliseconds{5}, .jitter = std::chrono::milliseconds{80}, .loss = 0.05, .duplicate = 0.3};
+    ASSERT_EQ(read(), Ending::done);
+    for (std::uint16_t id = 0; id < 100; ++id) {
+        EXPECT_EQ(parameters.descriptions()[id].name, fake.parameters[id].name);
+        EXPECT_EQ(Bytes(parameters.bytes(id).begin(), parameters.bytes(id).end()), fake.parameters[id].value);
+    }
+    EXPECT_GT(simulation.taken[Taken::doubled], 20);
+    EXPECT_EQ(simulation.taken[Taken::unasked], 0);
+}
+
+TEST_F(Reads, another_hosts_answers_do_no_harm) {
+    fake.make_parameters(20);
+    simulation.each_step = [&](TimePoint now) {
+        const Bytes foreign = support::frame(0xDC, 0xD2, 0xE1, {3, 0, 99, 99, 99, 99});
+        device.take(FrameView{foreign}, now);
+        const Bytes other_device = support::frame(0xDD, 0xFE, 0xE1, {3, 0, 99, 99, 99, 99});
+        device.take(FrameView{other_device}, now);
+    };
+    ASSERT_EQ(read(), Ending::done);
+    EXPECT_EQ(Bytes(parameters.bytes(3).begin(), parameters.bytes(3).end()), fake.parameters[3].value);
+}
+
+TEST_F(Reads, cancelled_it_sends_nothing_more) {
+    fake.make_parameters(100);
+    simulation.each_step = [&](TimePoint now) {
+        if (simulation.frames_there > 20) parameters.cancel(now);
+    };
+    EXPECT_EQ(read(), Ending::cancelled);
+    EXPECT_EQ(device.on_their_way(), 0u);
+    EXPECT_FALSE(device.due());
+}
+
+}    // namespace
+}    // namespace ano::host

@@ -1,0 +1,95 @@
+// Waypoints: read, written, read back.
+#include <host/waypoints.hpp>
+
+#include <support/fake_device.hpp>
+
+#include <gtest/gtest.h>
+
+namespace ano::host {
+namespace {
+
+using support::Bytes;
+using support::FakeDevice;
+using support::Simulation;
+
+struct WaypointsOf : testing::Test {
+    FakeDevice fake;
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = std::chrono::milliseconds{10}}};
+    const std::vector<Waypoint> route{{0, 113.5, 22.25, 0, 0, 0, 0, {}}, {1, 113.6, 22.3, 1500, 500, 400, 2, {1, 2, 3, 4}}};
+
+    End put(std::vector<Waypoint> all) {
+        WaypointsPut task{device, std::move(all)};
+        task.start(simulation.now);
+        simulation.run(task);
+        return task.end().value_or(End{Ending::cancelled, "never ended", {}});
+    }
+    std::vector<Waypoint> get() {
+        WaypointsGet task{device};
+        task.start(simulation.now);
+        simulation.run(task);
+        EXPECT_TRUE(task.end());
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+        return task.waypoints();
+    }
+};
+
+TEST_F(WaypointsOf, a_device_are_put_and_got) {
+    EXPECT_EQ(put(route).ending, Ending::done);
+    EXPECT_EQ(get(), route);
+}
+
+TEST_F(WaypointsOf, a_device_without_any) { EXPECT_TRUE(get().empty()); }
+
+TEST_F(WaypointsOf, places_are_read_back_as_the_wire_rounds_them) {
+    const End end = put({{0, 113.123456789, 22.0, 0, 0, 0, 0, {}}});
+    EXPECT_EQ(end.ending, Ending::done);
+    EXPECT_EQ(end.what, "");
+}
+
+TEST_F(WaypointsOf, what_is_stored_otherwise_and_what_remains_is_told) {
+    fake.waypoints.assign(5, Bytes(22));
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0x61 && f.data()[0] == 1) {
+            auto answers = fake.usual(f);
+            fake.waypoints[1][9] = 7;    // the height
+            return answers;
+        }
+        return std::nullopt;
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::done);
+    EXPECT_EQ(end.what, "1 of them were stored otherwise than written, and 0xDC has 5, the last 3 are its old ones");
+}
+
+TEST_F(WaypointsOf, what_is_not_on_earth_is_never_sent) {
+    EXPECT_EQ(put({route[0], {1, 181, 0, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
+    EXPECT_EQ(put({{0xFF, 1, 0, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
+    EXPECT_EQ(put({{1, 1, -90.5, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
+    EXPECT_EQ(put({{1, 1, std::numeric_limits<double>::quiet_NaN(), 0, 0, 0, 0, {}}}).ending, Ending::invalid);
+    EXPECT_TRUE(fake.heard.empty());
+}
+
+TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0x60) return std::vector<Bytes>{};
+        return std::nullopt;
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::refused);
+    EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 and does not give it back");
+}
+
+TEST_F(WaypointsOf, cancelled_it_says_how_many_are_written) {
+    WaypointsPut task{device, route};
+    simulation.each_step = [&](TimePoint now) {
+        if (task.progress().done == 1) task.cancel(now);
+    };
+    task.start(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->what, "1 of 2 waypoints are written");
+}
+
+}    // namespace
+}    // namespace ano::host
