@@ -1,0 +1,103 @@
+#include <ano/address.hpp>
+#include <device/device.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace ano::device {
+namespace {
+
+constexpr std::uint8_t cmd_info = 0;    // of 0xE0
+
+// What a frame may do: a message that is not laid out so is malformed.
+template <Name M, Name Label = "", class F>
+Outcome with(FrameView frame, F&& f) {
+    const auto view = as<M, Label>(frame);
+    return view ? f(*view) : Outcome::malformed;
+}
+
+}    // namespace
+
+Device::Device(Info info, const Profile& profile) : info_{std::move(info)}, profile_{profile} {
+    if (info_.id == address::unassigned || info_.id == address::host || info_.id == address::broadcast)
+        throw std::invalid_argument{"the id of a device is 1 to 253"};
+    if (info_.name.size() > max_name) throw std::invalid_argument{"the name of a device has at most 20 bytes: " + info_.name};
+}
+
+void Device::take(FrameView frame, TimePoint now, Link link) {
+    run(now);
+    const std::uint8_t from = frame.source();
+    if (frame.destination() != info_.id && frame.destination() != address::broadcast) ++counters_.not_ours;
+    else if (from == address::unassigned || from == address::broadcast || from == info_.id) ++counters_.from_nobody;
+    else if (frame.data().size() > profile_.max_data) ++counters_.too_long;
+    else if (crashed()) ++counters_.crashed;
+    else if (profile_.queue != 0) enqueue(frame, now, link);
+    else handle(frame, now, link);
+}
+
+void Device::enqueue(FrameView frame, TimePoint now, Link link) {
+    if (queue_.size() >= profile_.queue) {
+        ++counters_.queue_full;
+        return;
+    }
+    const TimePoint begin = queue_.empty() ? now : std::max(now, queue_.back().due);
+    queue_.push_back({{frame.bytes().begin(), frame.bytes().end()}, link, begin + profile_.handling});
+}
+
+void Device::run(TimePoint now) {
+    while (!queue_.empty() && queue_.front().due <= now) {
+        const Waiting first = std::move(queue_.front());
+        queue_.pop_front();
+        if (crashed()) ++counters_.crashed;
+        else handle(FrameView{first.bytes}, first.due, first.link);
+    }
+}
+
+std::optional<TimePoint> Device::due() const noexcept {
+    if (queue_.empty()) return std::nullopt;
+    return queue_.front().due;
+}
+
+void Device::handle(FrameView frame, TimePoint now, Link link) {
+    Reply reply{frame, link, info_.id, out_};
+    count(dispatch(frame, now, reply));
+    counters_.answers_lost += reply.lost();
+}
+
+Outcome Device::dispatch(FrameView frame, TimePoint, Reply& reply) {
+    switch (frame.id()) {
+    case id_of<"parameter_command">: return parameter_command(frame, reply);
+    case id_of<"parameter_value">:
+        return with<"parameter_value">(frame, [&](const auto& written) { return parameters_.take(written, reply); });
+    default: return Outcome::unanswered;
+    }
+}
+
+Outcome Device::parameter_command(FrameView frame, Reply& reply) {
+    if (const auto action = as<"parameter_command", "action">(frame)) return parameters_.take(*action, reply);
+    return with<"parameter_command">(frame, [&](const auto& question) {
+        return question.template get<"cmd">() == cmd_info ? tell_info(reply) : parameters_.take(question, reply);
+    });
+}
+
+Outcome Device::tell_info(Reply& reply) const {
+    Draft<"device_info"> answer;
+    const bool all = answer.set<"dev_id">(info_.id) && answer.set<"hw_ver">(info_.hw_ver) && answer.set<"sw_ver">(info_.sw_ver) &&
+                     answer.set<"bl_ver">(info_.bl_ver) && answer.set<"pt_ver">(info_.pt_ver) &&
+                     answer.set<"name">(std::string_view{info_.name});
+    return all ? reply.send(answer) : Outcome::unknown;
+}
+
+void Device::count(Outcome outcome) noexcept {
+    switch (outcome) {
+    case Outcome::answered:
+    case Outcome::later: ++counters_.answered; break;
+    case Outcome::unanswered: ++counters_.unanswered; break;
+    case Outcome::unknown: ++counters_.unknown; break;
+    case Outcome::malformed: ++counters_.malformed; break;
+    case Outcome::refused: ++counters_.refused; break;
+    }
+}
+
+}    // namespace ano::device
