@@ -6,14 +6,18 @@
 //          device.run(now);                                            // at due(), when there is one
 //          while (const auto out = device.next()) write(out->frame);   // after each of them
 #pragma once
+#include <ano/address.hpp>
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <ano/typed.hpp>
+#include <device/commands.hpp>
+#include <device/firmware.hpp>
 #include <device/info.hpp>
 #include <device/outgoing.hpp>
 #include <device/parameters.hpp>
 #include <device/profile.hpp>
 #include <device/reply.hpp>
+#include <device/waypoints.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +27,9 @@
 #include <vector>
 
 namespace ano::device {
+
+/// In the log of a host (protocol text, section 4, 0xA0).
+enum class LogColor : std::uint8_t { standard, red, green, blue };
 
 /// What became of the frames that came in. Every one is in exactly one row, those that wait still excepted.
 struct Counters {
@@ -50,6 +57,9 @@ public:
     const Info& info() const noexcept { return info_; }
     const Profile& profile() const noexcept { return profile_; }
     Parameters& parameters() noexcept { return parameters_; }
+    Commands& commands() noexcept { return commands_; }
+    Waypoints& waypoints() noexcept { return waypoints_; }
+    Firmware& firmware() noexcept { return firmware_; }
 
     /// A good frame came in, for whomever: handles it, or lets it wait where the profile says so.
     void take(FrameView frame, TimePoint now, Link link = 0);
@@ -69,6 +79,10 @@ public:
         out_.commit(size, link);
         return size != 0;
     }
+    /// A line for the log of the hosts (0xA0), or one with a number (0xA1); what does not fit into a frame is left out. False: it has no
+    /// room to wait.
+    bool log(std::string_view text, LogColor color = LogColor::standard, std::uint8_t destination = address::host) noexcept;
+    bool log(float value, std::string_view text, std::uint8_t destination = address::host) noexcept;
 
     const Counters& counters() const noexcept { return counters_; }
     /// Profile::crashes_at_the_count, and it happened.
@@ -85,12 +99,17 @@ private:
     Outcome dispatch(FrameView frame, TimePoint now, Reply& reply);
     Outcome parameter_command(FrameView frame, Reply& reply);
     Outcome tell_info(Reply& reply) const;
+    Outcome firmware_step(FrameView frame, TimePoint now, Reply& reply);
+    void end_firmware_step(TimePoint now);
     void count(Outcome outcome) noexcept;
 
     Info info_;
     Profile profile_;
     Outgoing out_;
     Parameters parameters_{profile_};
+    Commands commands_{profile_};
+    Waypoints waypoints_;
+    Firmware firmware_{info_, profile_};
     std::deque<Waiting> queue_;    // at most Profile::queue
     Counters counters_;
 };

@@ -36,7 +36,7 @@ enum class Action : std::uint16_t {
 
 /// One parameter, by functions. Those for variables make it: see Parameters::add().
 struct Parameter {
-    std::string name;                           // 1 to 20 bytes, unlike all others of the device
+    std::string name{};                         // 1 to 20 bytes, unlike all others of the device
     Type type = Type::f32;                      // a number, or Type::text
     std::function<Value()> get{};               // never empty
     std::function<bool(const Value&)> set{};    // given only what fits type and limits; false: refused. Empty: can't be written

@@ -46,6 +46,7 @@ void Device::enqueue(FrameView frame, TimePoint now, Link link) {
 }
 
 void Device::run(TimePoint now) {
+    end_firmware_step(now);
     while (!queue_.empty() && queue_.front().due <= now) {
         const Waiting first = std::move(queue_.front());
         queue_.pop_front();
@@ -55,8 +56,9 @@ void Device::run(TimePoint now) {
 }
 
 std::optional<TimePoint> Device::due() const noexcept {
-    if (queue_.empty()) return std::nullopt;
-    return queue_.front().due;
+    const auto step = firmware_.due();
+    if (queue_.empty()) return step;
+    return step ? std::min(*step, queue_.front().due) : queue_.front().due;
 }
 
 void Device::handle(FrameView frame, TimePoint now, Link link) {
@@ -65,13 +67,36 @@ void Device::handle(FrameView frame, TimePoint now, Link link) {
     counters_.answers_lost += reply.lost();
 }
 
-Outcome Device::dispatch(FrameView frame, TimePoint, Reply& reply) {
+Outcome Device::dispatch(FrameView frame, TimePoint now, Reply& reply) {
     switch (frame.id()) {
     case id_of<"parameter_command">: return parameter_command(frame, reply);
     case id_of<"parameter_value">:
         return with<"parameter_value">(frame, [&](const auto& written) { return parameters_.take(written, reply); });
+    case id_of<"command">: return with<"command">(frame, [&](const auto& command) { return commands_.take(command, reply); });
+    case id_of<"command_query">:
+        return with<"command_query">(frame, [&](const auto& question) { return commands_.take(question, reply); });
+    case id_of<"waypoint_read">:
+        return with<"waypoint_read">(frame, [&](const auto& question) { return waypoints_.take(question, reply); });
+    case id_of<"waypoint">: return with<"waypoint">(frame, [&](const auto& written) { return waypoints_.take(written, reply); });
+    case id_of<"firmware">: return firmware_step(frame, now, reply);
     default: return Outcome::unanswered;
     }
+}
+
+// Nobody means every device when it erases one.
+Outcome Device::firmware_step(FrameView frame, TimePoint now, Reply& reply) {
+    if (frame.destination() == address::broadcast) return Outcome::refused;
+    if (const auto info = as<"firmware", "info">(frame)) return firmware_.take(*info, reply);
+    if (const auto image = as<"firmware", "image">(frame)) return firmware_.take(*image, reply);
+    if (as<"firmware", "written">(frame)) return Outcome::unanswered;    // the answer of a loader
+    return with<"firmware">(frame, [&](const auto& code) { return firmware_.take(code, now, reply); });
+}
+
+void Device::end_firmware_step(TimePoint now) {
+    const auto late = firmware_.run(now);
+    if (!late) return;
+    Draft<"firmware"> answer;
+    if (!answer.set<"code">(late->code) || !send(answer, late->asker.address, late->asker.link)) ++counters_.answers_lost;
 }
 
 Outcome Device::parameter_command(FrameView frame, Reply& reply) {
@@ -87,6 +112,17 @@ Outcome Device::tell_info(Reply& reply) const {
                      answer.set<"bl_ver">(info_.bl_ver) && answer.set<"pt_ver">(info_.pt_ver) &&
                      answer.set<"name">(std::string_view{info_.name});
     return all ? reply.send(answer) : Outcome::unknown;
+}
+
+bool Device::log(std::string_view text, LogColor color, std::uint8_t destination) noexcept {
+    Draft<"log"> line;
+    return line.set<"color">(static_cast<std::uint8_t>(color)) && line.set<"str">(what_fits(text, line.data_size())) &&
+           send(line, destination);
+}
+
+bool Device::log(float value, std::string_view text, std::uint8_t destination) noexcept {
+    Draft<"log_value"> line;
+    return line.set<"val">(value) && line.set<"str">(what_fits(text, line.data_size())) && send(line, destination);
 }
 
 void Device::count(Outcome outcome) noexcept {

@@ -224,7 +224,8 @@ TEST(Parameters, of_the_calibration_are_named_as_the_host_looks_for_them) {
     Bench bench;
     std::array<float, 15> accelerometer{};
     std::array<float, 6> compass{};
-    for (const std::uint16_t action : std::initializer_list<std::uint16_t>{0x20, 0x21, 0x30, 0x31}) EXPECT_EQ(answer(bench.device, act(action)), silence) << "none";
+    for (const std::uint16_t action : std::initializer_list<std::uint16_t>{0x20, 0x21, 0x30, 0x31})
+        EXPECT_EQ(answer(bench.device, act(action)), silence) << "none";
     bench.parameters.add_accelerometer_calibration(accelerometer);
     bench.parameters.add_compass_calibration(compass);
     const char* const names[]{"CAL_AOFF_X", "CAL_AOFF_Y", "CAL_AOFF_Z", "CAL_ASEN_X", "CAL_ASEN_Y", "CAL_ASEN_Z", "CAL_AEM1_X",
