@@ -95,6 +95,7 @@ private:
         TimePoint due;
     };
     void enqueue(FrameView frame, TimePoint now, Link link);
+    void handle_first();
     void handle(FrameView frame, TimePoint now, Link link);
     Outcome dispatch(FrameView frame, TimePoint now, Reply& reply);
     Outcome parameter_command(FrameView frame, Reply& reply);

@@ -119,7 +119,11 @@ private:
 
 template <Wire T>
 std::uint16_t Parameters::add(std::string name, T& variable, const Limits<std::type_identity_t<T>>& limits) {
-    Parameter row{.name = std::move(name), .type = type_of<T>, .initial = to_value(variable), .info = limits.info};
+    Parameter row;
+    row.name = std::move(name);
+    row.type = type_of<T>;
+    row.initial = to_value(variable);
+    row.info = limits.info;
     row.get = [&variable] { return to_value(variable); };
     row.set = [&variable](const Value& value) {
         variable = from_value<T>(value);

@@ -45,14 +45,19 @@ void Device::enqueue(FrameView frame, TimePoint now, Link link) {
     queue_.push_back({{frame.bytes().begin(), frame.bytes().end()}, link, begin + profile_.handling});
 }
 
+// In the order in which it is due, however late it is called.
 void Device::run(TimePoint now) {
-    end_firmware_step(now);
-    while (!queue_.empty() && queue_.front().due <= now) {
-        const Waiting first = std::move(queue_.front());
-        queue_.pop_front();
-        if (crashed()) ++counters_.crashed;
-        else handle(FrameView{first.bytes}, first.due, first.link);
+    for (auto at = due(); at && *at <= now; at = due()) {
+        if (firmware_.due() == at) end_firmware_step(*at);
+        else handle_first();
     }
+}
+
+void Device::handle_first() {
+    const Waiting first = std::move(queue_.front());
+    queue_.pop_front();
+    if (crashed()) ++counters_.crashed;
+    else handle(FrameView{first.bytes}, first.due, first.link);
 }
 
 std::optional<TimePoint> Device::due() const noexcept {

@@ -137,6 +137,29 @@ TEST(Profile, vendor_that_crashed_forgets_what_waits) {
     EXPECT_TRUE(heard(device).empty());
 }
 
+TEST(Profile, vendor_does_in_turn_what_takes_its_time) {
+    const Bytes accept = ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)), erase = ask(0xF0, {0, 0x10, 0x01});
+    const Bytes erased = says(0xF0, {0, 0x12, 0x01});
+    for (const bool late : {false, true}) {
+        Device device{{.id = self}, Profile::vendor()};
+        device.firmware().allow({.max_size = 100, .erase_time = 500us});
+        device.take(FrameView{accept}, start);
+        device.take(FrameView{erase}, start);
+        if (!late) {
+            device.run(start + 2ms);
+            EXPECT_EQ(heard(device).size(), 1u) << "accepted";
+            EXPECT_EQ(device.due(), start + 2ms + 500us);
+        }
+        device.take(FrameView{read_first}, start + 2ms + 200us);
+        EXPECT_EQ(device.due(), start + 2ms + 500us) << "before the next frame is handled";
+        device.run(start + 1s);
+        const auto frames = heard(device);
+        ASSERT_EQ(frames.size(), late ? 2u : 1u);
+        EXPECT_EQ(frames.back(), erased);
+        EXPECT_FALSE(device.due());
+    }
+}
+
 TEST(Profile, old_describes_ranges_and_sends_every_value_as_i32) {
     Device device{{.id = self}, old_at_once()};
     float gain = 2.6f;
