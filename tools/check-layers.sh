@@ -1,5 +1,5 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < device. Two headers of ours include Asio, one source
+# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon. Two headers of ours include Asio, one source
 # libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
 # kind of link is called is known to its own file alone.
 set -euo pipefail
