@@ -38,7 +38,7 @@ enum class Action : std::uint16_t {
 struct Parameter {
     std::string name{};                         // 1 to 20 bytes, unlike all others of the device
     Type type = Type::f32;                      // a number, or Type::text
-    std::function<Value()> get{};               // never empty
+    std::function<Value()> get{};               // never empty; a value of another type is not told
     std::function<bool(const Value&)> set{};    // given only what fits type and limits; false: refused. Empty: can't be written
     Value initial{};                            // what restoring the defaults writes
     std::optional<Value> min{}, max{};          // of numbers; none: those of the type

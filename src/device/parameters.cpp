@@ -109,9 +109,11 @@ Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply&
 
 Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
     const Parameter& row = rows_[id];
+    const Value value = row.get();
+    if (value.index() != row.initial.index()) return Outcome::refused;    // no value of its type
     bytes_.clear();
-    if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(row.get())});
-    else append_value(bytes_, row.type, row.get());
+    if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(value)});
+    else append_value(bytes_, row.type, value);
     Draft<"parameter_value"> answer;
     const std::size_t most = max_sent - answer.data_size();
     if (!answer.set<"par_id">(id) || !answer.set<"value">(Bytes{bytes_}.first(std::min(bytes_.size(), most))))

@@ -1,3 +1,4 @@
+#include <ano/control.hpp>
 #include <device/reply.hpp>
 
 #include <algorithm>
@@ -5,7 +6,9 @@
 
 namespace ano::device {
 
+// What may be acknowledged stands in the message table.
 Outcome Reply::acknowledge() noexcept {
+    if (!may_be_acknowledged(request_.id())) return Outcome::unanswered;
     const Checks checks = request_.checks();
     Draft<"check"> check;
     const bool fits = check.set<"id_get">(request_.id()) && check.set<"sc_get">(checks.sum) && check.set<"ac_get">(checks.add);

@@ -1,4 +1,5 @@
 // A device, whatever it hears: it answers a frame at most once, and what it acknowledges it has stored, or the nearest that it may.
+#include <ano/control.hpp>
 #include <ano/reading.hpp>
 #include <ano/wire.hpp>
 #include <device/device.hpp>
@@ -187,6 +188,9 @@ TEST(Device, answers_every_frame_at_most_once) {
                 ASSERT_EQ(answer[1], 0x21) << "seed " << seed;
                 ASSERT_EQ(answer[2], from) << "seed " << seed;
                 ASSERT_LE(answer.size(), ano::overhead + max_sent) << "seed " << seed;
+                if (answer[3] == 0x00) {
+                    ASSERT_TRUE(ano::may_be_acknowledged(frame[3])) << "seed " << seed;
+                }
             }
         }
         const Counters& c = thing.device.counters();
@@ -195,6 +199,30 @@ TEST(Device, answers_every_frame_at_most_once) {
                   200u)
             << "every frame is in one counter; seed " << seed;
         ASSERT_LE(late, 200u);
+    }
+}
+
+// The same where frames wait, and are dropped when too many do.
+TEST(Device, answers_what_waited_at_most_once) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        Random random{seed};
+        Thing thing{0x21, random, random.of({Profile::vendor(), Profile::old()})};
+        ano::TimePoint now = start;
+        std::size_t answers = 0;
+        const auto drain = [&] {
+            while (thing.device.next()) ++answers;
+        };
+        for (int i = 0; i < 300; ++i) {
+            now += random.of<ano::Duration>({0us, 0us, 100us, 800us, 3ms});
+            const Bytes frame = random_frame(random, host, 0x21);
+            thing.device.take(FrameView{frame}, now);
+            drain();
+        }
+        while (const auto due = thing.device.due()) thing.device.run(*due);
+        drain();
+        const Counters& c = thing.device.counters();
+        ASSERT_EQ(c.too_long + c.queue_full + c.crashed + c.unanswered + c.unknown + c.malformed + c.refused + c.answered, 300u);
+        ASSERT_EQ(answers, c.answered - c.answers_lost) << "seed " << seed;
     }
 }
 

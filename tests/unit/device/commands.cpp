@@ -67,6 +67,8 @@ TEST(Commands, run_with_values_of_every_type) {
     const Bytes command = run({1, 2, 3}, values);
     EXPECT_EQ(answer(device, command), acknowledges(command));
     EXPECT_EQ(got, std::tuple(200, -3, 60000, -5, 4000000000u, -7, INT64_MIN, 0.1));
+    EXPECT_NE(answer(device, run({1, 2, 3}, Bytes(values.size()))), silence);
+    EXPECT_EQ(got, std::tuple(0, 0, 0, 0, 0u, 0, 0, 0.0)) << "nothing stays of the values before";
 }
 
 TEST(Commands, take_type_7_for_what_the_profile_says) {

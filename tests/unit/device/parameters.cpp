@@ -181,6 +181,16 @@ TEST(Parameters, may_be_functions_that_refuse) {
     EXPECT_TRUE(bench.parameters.restore_defaults()) << "nor is it restored";
 }
 
+TEST(Parameters, whose_function_gives_a_value_of_another_type_are_not_told) {
+    Bench bench;
+    Value now = std::int64_t{1};
+    bench.parameters.add({.name = "ODD", .type = Type::u8, .get = [&] { return now; }, .initial = std::int64_t{0}});
+    EXPECT_EQ(answer(bench.device, read(0)), value(0, {1}));
+    now = 1.5;
+    EXPECT_EQ(answer(bench.device, read(0)), silence);
+    EXPECT_EQ(bench.device.counters().refused, 1u);
+}
+
 TEST(Parameters, are_restored_to_what_they_were_when_added) {
     Bench bench;
     EXPECT_EQ(answer(bench.device, act(0xAA)), silence) << "there is nothing to restore";

@@ -172,6 +172,10 @@ TEST(Profile, old_describes_ranges_and_sends_every_value_as_i32) {
               says(0xE2, Bytes{0, 0, 0xFB, 0xFF, 0xFF, 0xFF, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
     EXPECT_EQ(answer(device, ask(0xE0, {3, 1, 0})),
               says(0xE2, Bytes{1, 0, 0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0x7F} + bytes("WIDE", 20)));
+    for (const std::uint8_t id : Bytes{0, 1, 2}) {
+        const Bytes described = answer(device, ask(0xE0, {3, id, 0}));
+        EXPECT_TRUE((ano::as<"parameter_info", "old">(FrameView{described}))) << "and is recognised by it";
+    }
     EXPECT_EQ(answer(device, read_first), says(0xE1, {0, 0, 3, 0, 0, 0}));
     EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0xFF, 0xFF, 0xFF, 0x7F}));
     EXPECT_EQ(answer(device, ask(0xE0, {2, 2, 0})), says(0xE1, {2, 0, 0, 0, 0, 0}));
