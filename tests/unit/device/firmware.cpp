@@ -228,6 +228,11 @@ TEST(Firmware, fails_what_comes_out_of_turn) {
     loader.begin();
     const Bytes of_another = support::frame(0xD2, self, 0xF0, {0, 0x10, 0x10});
     EXPECT_EQ(answer(loader.device, of_another), support::frame(self, 0xD2, 0xF0, {0, 0x11, 0x10}));
+    const Bytes part_of_another = loader.frame(0);
+    const Bytes frame_of_another = support::frame(0xD2, self, 0xF0,
+                                                  Bytes(part_of_another.begin() + 6, part_of_another.end() - 2));
+    EXPECT_EQ(answer(loader.device, frame_of_another), support::frame(self, 0xD2, 0xF0, {0, 0x01, 0x10, 0, 0}));
+    EXPECT_EQ(loader.device.firmware().written(), 0u);
     EXPECT_EQ(loader.device.firmware().state(), State::receiving) << "and goes on";
 }
 
@@ -257,6 +262,7 @@ TEST(Firmware, answers_a_slow_step_when_it_is_done) {
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
     EXPECT_EQ(answer(device, all_sent, start + 4s), silence);
     EXPECT_EQ(answer(device, all_sent, start + 5s), silence);
+    EXPECT_EQ(answer(device, loader.frame(0), start + 5s), says_of_frame(0x1001, 0)) << "nothing is written while it is checked";
     device.run(start + 6s);
     EXPECT_EQ(heard(device), (std::vector<Bytes>{says_code(0x1012)}));
     EXPECT_EQ(loader.installs, 1);
