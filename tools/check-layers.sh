@@ -1,5 +1,5 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon, and ano < host. Two headers of ours include Asio, one source
+# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host. Two headers of ours include Asio, one source
 # libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
 # kind of link is called is known to its own file alone.
 set -euo pipefail
@@ -14,8 +14,9 @@ forbid() {
 }
 third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
-forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
-forbid "gateway/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
+forbid "gateway/|device/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
+forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" include/device src/device
+forbid "gateway/|device/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
 forbid "host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
 forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config

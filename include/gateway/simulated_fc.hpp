@@ -2,13 +2,15 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <device/device.hpp>
+#include <gateway/simulated_setup.hpp>
 
 #include <array>
 #include <functional>
 
 namespace anogate {
 
-/// Bears 0xDC. Hovers, sways a little and slowly empties its battery; answers who it is.
+/// Bears 0xDC. Hovers, sways a little and slowly empties its battery; answers as a device does, and can be set and commanded.
 class SimulatedFc {
 public:
     using Send = std::function<void(ano::FrameView)>;
@@ -19,8 +21,8 @@ public:
     /// Sends every telemetry frame that is due at `now`. After a pause it goes on from `now`: nothing is made up for.
     void run(ano::TimePoint now, const Send& send);
     ano::TimePoint next() const noexcept;
-    /// Answers a frame that is for it (0xE0 with cmd 0, addressed or broadcast).
-    void receive(ano::FrameView frame, const Send& send) const;
+    /// A frame came in, for whomever.
+    void receive(ano::FrameView frame, ano::TimePoint now, const Send& send);
 
 private:
     struct Stream {
@@ -35,6 +37,8 @@ private:
     void velocity(double t, const Send&) const;
     void power(double t, const Send&) const;
 
+    ano::device::Device device_;
+    SimulatedSetup setup_{device_};
     ano::TimePoint start_;
     std::array<Stream, 6> streams_;
 };

@@ -45,7 +45,7 @@ void SimLink::hear(std::span<const std::uint8_t> said) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
-        fc_.receive(ano::FrameView{next[0]}, [this](ano::FrameView answer) {
+        fc_.receive(ano::FrameView{next[0]}, context_.host.now(), [this](ano::FrameView answer) {
             answers_.insert(answers_.end(), answer.bytes().begin(), answer.bytes().end());
         });
         channel.outbox.sent_frame();

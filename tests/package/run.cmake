@@ -85,3 +85,20 @@ run(${BUILD}/package/build/first_question)
 if(NOT output STREQUAL "AB FE DC E0 03 00 00 00 00 68 46 again after 300 ms\n")
   message(FATAL_ERROR "first_question printed: ${output}")
 endif()
+
+# A device: says who it is, and acknowledges a parameter, saving it, and a command; started again it still knows the parameter.
+function(answers questions)
+  run(sh -c "printf '${questions}' | ${BUILD}/package/build/barometer ${BUILD}/package/values >${BUILD}/package/answers")
+  file(READ ${BUILD}/package/answers said HEX)
+  foreach(answer ${ARGN})
+    if(NOT said MATCHES "${answer}")
+      message(FATAL_ERROR "the barometer did not say ${answer}: ${said}")
+    endif()
+  endforeach()
+endfunction()
+answers([[\253\376\377\340\003\000\000\000\000\213\073\253\376\041\341\006\000\000\000\000\000\244\301\026\132\253\376\041\340\003\000\020\253\000\150\257\253\376\041\300\003\000\001\000\001\217\155]]
+  ab21fee312002164006400000020034261726f6d657465726c89
+  ab21fe000300e1165a1e35
+  ab21fe000300e068afc42b
+  ab21fe000300c08f6d89d7)
+answers([[\253\376\041\340\003\000\002\000\000\257\057]] ab21fee1060000000000a4c1167d)

@@ -1,0 +1,85 @@
+// The commands of a device (protocol text, section 4, 0xC0 to 0xC2): functions of the user, of which hosts learn name and types.
+//
+// Flow:    commands.add({1, 0, 1}, "BLINK", "times, seconds", [](std::uint8_t times, float seconds) { ... });
+//          commands.add({1, 0, 2}, "REBOOT", "", [] { return may_reboot(); });    // false: refused, and not acknowledged
+#pragma once
+#include <ano/typed.hpp>
+#include <device/info.hpp>
+#include <device/profile.hpp>
+#include <device/reply.hpp>
+#include <device/value.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace ano::device {
+
+using CommandId = std::array<std::uint8_t, 3>;    // cid0 to cid2
+inline constexpr std::size_t max_command_values = 8;
+
+struct Command {
+    CommandId cid{};                                      // unlike all others of the device
+    std::string name{};                                   // 1 to 20 bytes
+    std::string info{};                                   // for people; what does not fit into a frame is not sent
+    std::vector<Type> types{};                            // of its values, which are numbers: at most 8
+    std::function<bool(std::span<const Value>)> run{};    // one value of each type; false: refused
+};
+
+class Commands {
+public:
+    explicit Commands(const Profile& profile) noexcept : profile_{profile} {}
+
+    /// The number that hosts ask for its description by. Throws std::invalid_argument for a row that makes no sense: no name, a
+    /// second one of that cid, no function, more than 8 values, a type that 0xC2 has no number for (text; u64 where
+    /// Profile::value_type_7 is f32).
+    std::uint16_t add(Command command);
+    /// A function or a lambda, whose parameters tell the types. It returns nothing, or false where it refuses.
+    template <class F>
+    requires(!std::is_same_v<std::remove_cvref_t<F>, std::function<bool(std::span<const Value>)>>) std::uint16_t
+        add(CommandId cid, std::string name, std::string info, F function) {
+        return add_function(Command{cid, std::move(name), std::move(info), {}, {}}, std::function{std::move(function)});
+    }
+
+    std::size_t count() const noexcept { return rows_.size(); }
+    const Command& operator[](std::size_t n) const noexcept { return rows_[n]; }
+
+    /// Runs what 0xC0 names. The acknowledgement follows when the function has returned.
+    Outcome take(const View<"command">& command, Reply& reply);
+    Outcome take(const View<"command_query">& question, Reply& reply);
+
+private:
+    template <class R, class... A>
+    std::uint16_t add_function(Command row, std::function<R(A...)> function);
+    Outcome tell_count(const View<"command_query">& question, Reply& reply) const;
+    Outcome describe(std::uint16_t n, Reply& reply) const;
+    bool values_of(const Command& row, Bytes bytes, FrameView frame);
+
+    const Profile& profile_;
+    std::vector<Command> rows_;
+    std::vector<Value> values_;    // of the command being run
+};
+
+template <class R, class... A>
+std::uint16_t Commands::add_function(Command row, std::function<R(A...)> function) {
+    static_assert(sizeof...(A) <= max_command_values, "a command has at most 8 values");
+    static_assert((WireNumber<std::remove_cvref_t<A>> && ...), "the values of a command are integers, float and double");
+    static_assert(std::is_void_v<R> || std::is_same_v<R, bool>, "a command returns nothing, or whether it was carried out");
+    row.types = {type_of<std::remove_cvref_t<A>>...};
+    row.run = [f = std::move(function)](std::span<const Value> values) {
+        return [&]<std::size_t... I>(std::index_sequence<I...>) {
+            if constexpr (std::is_void_v<R>) return f(from_value<std::remove_cvref_t<A>>(values[I])...), true;
+            else return f(from_value<std::remove_cvref_t<A>>(values[I])...);
+        }
+        (std::index_sequence_for<A...>{});
+    };
+    return add(std::move(row));
+}
+
+}    // namespace ano::device

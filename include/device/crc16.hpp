@@ -1,0 +1,48 @@
+// The CRC-16 of an image. The protocol text does not say which one it is: these are used in the field.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace ano::device {
+
+/// A CRC-16 as catalogues describe it: `reflected` ones take the lowest bit of a byte first. None of these inverts its result.
+struct Crc16 {
+    std::string_view name;
+    std::uint16_t polynomial;    // with the highest bit first, x^16 left out
+    std::uint16_t initial;
+    bool reflected;
+};
+
+inline constexpr std::array crcs16{
+    Crc16{"crc16/ibm-3740", 0x1021, 0xFFFF, false},    // also called CCITT-FALSE
+    Crc16{"crc16/xmodem", 0x1021, 0x0000, false},   Crc16{"crc16/kermit", 0x1021, 0x0000, true},
+    Crc16{"crc16/modbus", 0x8005, 0xFFFF, true},    Crc16{"crc16/arc", 0x8005, 0x0000, true},
+};
+inline constexpr Crc16 usual_crc16 = crcs16[0];
+
+/// Nothing for a name that none of them has.
+constexpr std::optional<Crc16> find_crc16(std::string_view name) noexcept {
+    for (const Crc16& crc : crcs16)
+        if (crc.name == name) return crc;
+    return std::nullopt;
+}
+
+constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc16& crc = usual_crc16) noexcept {
+    const auto reversed = [](unsigned value, unsigned bits) {
+        unsigned result = 0;
+        for (unsigned i = 0; i < bits; ++i) result |= (value >> i & 1u) << (bits - 1 - i);
+        return result;
+    };
+    unsigned value = crc.initial;    // the same in both orders
+    for (const std::uint8_t byte : bytes) {
+        value ^= (crc.reflected ? reversed(byte, 8) : byte) << 8;
+        for (int bit = 0; bit < 8; ++bit) value = (value & 0x8000u) != 0 ? value << 1 ^ crc.polynomial : value << 1;
+        value &= 0xFFFFu;
+    }
+    return static_cast<std::uint16_t>(crc.reflected ? reversed(value, 16) : value);
+}
+
+}    // namespace ano::device

@@ -1,0 +1,118 @@
+// A V8 device: answers what hosts ask as the protocol text wants. No I/O, no clock: frames and a time in, frames and the next due time out.
+//
+// Flow:    ano::device::Device device{{.id = 0x21, .name = "Thermometer"}};
+//          device.parameters().add("OFFSET", offset, {.min = -5, .max = 5});
+//          device.take(frame, now);                                    // every good frame that comes in
+//          device.run(now);                                            // at due(), when there is one
+//          while (const auto out = device.next()) write(out->frame);   // after each of them
+#pragma once
+#include <ano/address.hpp>
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+#include <ano/typed.hpp>
+#include <device/commands.hpp>
+#include <device/firmware.hpp>
+#include <device/info.hpp>
+#include <device/outgoing.hpp>
+#include <device/parameters.hpp>
+#include <device/profile.hpp>
+#include <device/reply.hpp>
+#include <device/waypoints.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace ano::device {
+
+/// In the log of a host (protocol text, section 4, 0xA0).
+enum class LogColor : std::uint8_t { standard, red, green, blue };
+
+/// What became of the frames that came in. Every one is in exactly one row, those that wait still excepted.
+struct Counters {
+    std::uint64_t not_ours = 0;       // for another address
+    std::uint64_t from_nobody = 0;    // S_ADDR is 0, 0xFF or the device's own: an answer would go astray
+    std::uint64_t too_long = 0;       // Profile::max_data
+    std::uint64_t queue_full = 0;     // Profile::queue
+    std::uint64_t crashed = 0;        // came after Profile::crashes_at_the_count had its way
+    std::uint64_t unanswered = 0;     // acknowledgements, telemetry, answers of others
+    std::uint64_t unknown = 0;
+    std::uint64_t malformed = 0;
+    std::uint64_t refused = 0;
+    std::uint64_t answered = 0;        // at once, or later
+    std::uint64_t answers_lost = 0;    // of those: Outgoing::most frames waited already
+};
+
+/// Neither throws nor sends anything by itself; what the functions of the user throw passes through. Not for several threads.
+class Device {
+public:
+    /// Throws std::invalid_argument for an id that no device may have (0, 254, 255), or a name of more than 20 bytes.
+    explicit Device(Info info, const Profile& profile = {});
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    const Info& info() const noexcept { return info_; }
+    const Profile& profile() const noexcept { return profile_; }
+    Parameters& parameters() noexcept { return parameters_; }
+    Commands& commands() noexcept { return commands_; }
+    Waypoints& waypoints() noexcept { return waypoints_; }
+    Firmware& firmware() noexcept { return firmware_; }
+
+    /// A good frame came in, for whomever: handles it, or lets it wait where the profile says so.
+    void take(FrameView frame, TimePoint now, Link link = 0);
+    /// Does what is due at `now`.
+    void run(TimePoint now);
+    /// When run() has something to do; nothing while nothing is under way.
+    std::optional<TimePoint> due() const noexcept;
+    /// The next frame to be sent, and by which link.
+    std::optional<Outgoing::Departure> next() noexcept { return out_.next(); }
+
+    /// Sends a message of the user's, from this device; false when it has no room to wait, or more than max_sent bytes of DATA.
+    template <Name M, Name Label>
+    bool send(const Draft<M, Label>& draft, std::uint8_t destination, Link link = every_link) noexcept {
+        std::uint8_t* memory = out_.prepare();
+        if (memory == nullptr) return false;
+        const std::size_t size = draft.encode({memory, Outgoing::room}, info_.id, destination);
+        out_.commit(size, link);
+        return size != 0;
+    }
+    /// A line for the log of the hosts (0xA0), or one with a number (0xA1); what does not fit into a frame is left out. False: it has no
+    /// room to wait.
+    bool log(std::string_view text, LogColor color = LogColor::standard, std::uint8_t destination = address::host) noexcept;
+    bool log(float value, std::string_view text, std::uint8_t destination = address::host) noexcept;
+
+    const Counters& counters() const noexcept { return counters_; }
+    /// Profile::crashes_at_the_count, and it happened.
+    bool crashed() const noexcept { return parameters_.crashed(); }
+
+private:
+    struct Waiting {
+        std::vector<std::uint8_t> bytes;
+        Link link;
+        TimePoint due;
+    };
+    void enqueue(FrameView frame, TimePoint now, Link link);
+    void handle_first();
+    void handle(FrameView frame, TimePoint now, Link link);
+    Outcome dispatch(FrameView frame, TimePoint now, Reply& reply);
+    Outcome parameter_command(FrameView frame, Reply& reply);
+    Outcome tell_info(Reply& reply) const;
+    Outcome firmware_step(FrameView frame, TimePoint now, Reply& reply);
+    void end_firmware_step(TimePoint now);
+    void count(Outcome outcome) noexcept;
+
+    Info info_;
+    Profile profile_;
+    Outgoing out_;
+    Parameters parameters_{profile_};
+    Commands commands_{profile_};
+    Waypoints waypoints_;
+    Firmware firmware_{info_, profile_};
+    std::deque<Waiting> queue_;    // at most Profile::queue
+    Counters counters_;
+};
+
+}    // namespace ano::device

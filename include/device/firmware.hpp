@@ -1,0 +1,100 @@
+// Receives an image as a loader does (protocol text, section 4, 0xF0): info, erase, frames, all sent, check.
+//
+// Flow:    device.firmware().allow({.max_size = 1 << 20, .install = [](const Image& image) { return write(image); }});
+#pragma once
+#include <ano/time.hpp>
+#include <ano/typed.hpp>
+#include <device/crc16.hpp>
+#include <device/info.hpp>
+#include <device/outgoing.hpp>
+#include <device/profile.hpp>
+#include <device/reply.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace ano::device {
+
+/// What 0xF0 0x01 says of an image. Of a .bin all but length, frame length and CRC is 0.
+struct ImageInfo {
+    std::uint32_t size = 0;          // bytes
+    std::uint16_t frame_size = 0;    // bytes of image in each frame but the last, which may be shorter
+    std::uint16_t crc = 0;
+    std::uint16_t version = 0;
+    std::uint8_t hw_type = 0;        // 0: for any
+    std::uint16_t hw_ver_min = 0;    // both 0: for any
+    std::uint16_t hw_ver_max = 0;
+    std::uint32_t cmd = 0;
+};
+
+/// A whole one, whose CRC is right.
+struct Image {
+    ImageInfo info;
+    Bytes bytes;    // valid during the call
+};
+
+/// What a user says of the images that the device takes.
+struct Flash {
+    std::size_t max_size = 0;                          // bytes; the memory for one is taken when it is to be erased
+    std::function<bool(const Image&)> install{};       // true: passed
+    std::function<bool(const ImageInfo&)> accept{};    // asked after the device's own checks; empty: yes
+    std::function<bool()> erase{};                     // false: erase failed; empty: nothing is to be erased
+    std::uint8_t hw_type = 0;                          // 0: the device's id
+    std::optional<Crc16> crc = usual_crc16;            // nothing: not checked
+    Duration erase_time{}, check_time{};               // until the answer, of devices whose flash takes its time
+};
+
+class Firmware {
+public:
+    enum class State : std::uint8_t { idle, accepted, erasing, receiving, checking, passed, failed };
+
+    Firmware(const Info& info, const Profile& profile) noexcept : device_{info}, profile_{profile} {}
+
+    /// Without it, as at first, the device says nothing to 0xF0.
+    void allow(Flash flash) { flash_ = std::move(flash); }
+
+    State state() const noexcept { return state_; }
+    /// Of the image that was accepted last.
+    const ImageInfo& image() const noexcept { return image_; }
+    /// Different frames that were written.
+    std::size_t written() const noexcept { return written_; }
+
+    Outcome take(const View<"firmware", "info">& info, Reply& reply);
+    Outcome take(const View<"firmware", "image">& frame, Reply& reply);
+    /// Erase and all sent; the other codes are answers.
+    Outcome take(const View<"firmware">& code, TimePoint now, Reply& reply);
+
+    /// When the answer to a slow step is due; nothing while none is under way.
+    std::optional<TimePoint> due() const noexcept { return due_; }
+    /// Ends the slow step, and tells who asked for it.
+    struct Late {
+        Asker asker;
+        std::uint16_t code;
+    };
+    std::optional<Late> run(TimePoint now);
+
+private:
+    Outcome erase(TimePoint now, Reply& reply);
+    Outcome check(TimePoint now, Reply& reply);
+    std::uint16_t end_erasing();
+    std::uint16_t end_checking();
+    bool is_ours(const ImageInfo& info) const;
+    bool store(std::size_t number, Bytes bytes);
+    std::size_t frames() const noexcept { return (image_.size + image_.frame_size - 1u) / image_.frame_size; }
+
+    const Info& device_;
+    const Profile& profile_;
+    Flash flash_;
+    ImageInfo image_;
+    State state_ = State::idle;
+    std::optional<Asker> asker_;    // who sends the image
+    std::optional<TimePoint> due_;
+    std::vector<std::uint8_t> bytes_;
+    std::vector<bool> has_;    // by frame
+    std::size_t written_ = 0;
+};
+
+}    // namespace ano::device

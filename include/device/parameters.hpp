@@ -1,0 +1,141 @@
+// The parameters of a device (protocol text, section 4, 0xE0 to 0xE2): their values stay with the user, who lends a variable or two
+// functions for each.
+//
+// Flow:    float gain = 0.5f;
+//          parameters.add("GAIN", gain, {.info = "how fast", .min = 0, .max = 10});    // its default is 0.5
+//          parameters.on_save([&] { return write_file(); });
+//          parameters.write("GAIN", read_from_file());                                 // as a host would
+#pragma once
+#include <ano/typed.hpp>
+#include <device/info.hpp>
+#include <device/profile.hpp>
+#include <device/reply.hpp>
+#include <device/value.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ano::device {
+
+/// What 0xE0 with cmd 0x10 asks for. The vendor's host sends the four of a calibration by itself.
+enum class Action : std::uint16_t {
+    clear_accelerometer = 0x20,    // so that raw values are sent
+    store_accelerometer = 0x21,    // all 15 values were written
+    clear_compass = 0x30,
+    store_compass = 0x31,
+    restore_defaults = 0xAA,
+    save = 0xAB,
+};
+
+/// One parameter, by functions. Those for variables make it: see Parameters::add().
+struct Parameter {
+    std::string name{};                         // 1 to 20 bytes, unlike all others of the device
+    Type type = Type::f32;                      // a number, or Type::text
+    std::function<Value()> get{};               // never empty; a value of another type is not told
+    std::function<bool(const Value&)> set{};    // given only what fits type and limits; false: refused. Empty: can't be written
+    Value initial{};                            // what restoring the defaults writes
+    std::optional<Value> min{}, max{};          // of numbers; none: those of the type
+    std::size_t max_size = max_sent;            // bytes of a text, at most
+    std::string info{};                         // for people; what does not fit into a frame is not sent
+};
+
+/// What may be said of a parameter that is a variable.
+template <class T>
+struct Limits {
+    std::string info{};
+    std::optional<T> min{}, max{};
+};
+template <>
+struct Limits<std::string> {
+    std::string info{};
+    std::size_t max_size = max_sent;
+};
+
+class Parameters {
+public:
+    explicit Parameters(const Profile& profile) noexcept : profile_{profile} {}
+
+    /// The id that it got: they count from 0. Throws std::invalid_argument for a row that makes no sense: no name or a second one
+    /// of that name, no get, limits that are no values of the type, a calibration parameter (CAL_) that is not f32.
+    std::uint16_t add(Parameter parameter);
+    /// `variable` is the parameter, and has its default now. It lives as long as this.
+    template <Wire T>
+    std::uint16_t add(std::string name, T& variable, const Limits<std::type_identity_t<T>>& limits = {});
+    /// CAL_AOFF_X to CAL_AEM3_Z: offset, sensitivity and error matrix by rows, in the order of the protocol text, with no other
+    /// between them. They are 0, 1 and the unit matrix as long as nobody calibrates.
+    void add_accelerometer_calibration(std::array<float, 15>& values);
+    /// CAL_MOFF_X to CAL_MSEN_Z: offset and sensitivity.
+    void add_compass_calibration(std::array<float, 6>& values);
+
+    /// Stores all values; true: done. Without it nothing can be saved, and whoever asks for it hears nothing.
+    void on_save(std::function<bool()> save) { actions_[static_cast<std::uint16_t>(Action::save)] = std::move(save); }
+    /// Does what 0xE0 with cmd 0x10 and this number asks for; true: done. It takes the place of what is done otherwise: the
+    /// defaults are written by themselves, clearing a calibration writes those of its parameters, storing one saves.
+    void on(std::uint16_t action, std::function<bool()> function) { actions_[action] = std::move(function); }
+    void on(Action action, std::function<bool()> function) { on(static_cast<std::uint16_t>(action), std::move(function)); }
+
+    std::size_t count() const noexcept { return rows_.size(); }
+    const Parameter& operator[](std::size_t id) const noexcept { return rows_[id]; }
+    std::optional<std::uint16_t> find(std::string_view name) const noexcept;
+    /// As if a host wrote it: clamped to the limits. False: there is none of that name, it is a value of another type, or the
+    /// function of the user refused it.
+    bool write(std::string_view name, const Value& value);
+    /// Writes the default of every parameter whose name begins so; false when one of them was refused.
+    bool restore_defaults(std::string_view beginning = "");
+
+    /// Answers 0xE0 but for cmd 0, which asks for the device.
+    Outcome take(const View<"parameter_command">& question, Reply& reply);
+    Outcome take(const View<"parameter_command", "action">& action, Reply& reply);
+    /// Answers 0xE1, which is always a write here.
+    Outcome take(const View<"parameter_value">& written, Reply& reply);
+
+    /// Profile::crashes_at_the_count, and it happened: the device does not answer any more.
+    bool crashed() const noexcept { return crashed_; }
+
+private:
+    Outcome tell_count(const View<"parameter_command">& question, Reply& reply);
+    Outcome tell_value(std::uint16_t id, Reply& reply);
+    Outcome describe(std::uint16_t id, Reply& reply);
+    Outcome describe_as_of_old(std::uint16_t id, Reply& reply) const;
+    bool has(std::uint16_t id);
+    bool has_calibration(std::string_view beginning) const noexcept;
+    bool act(std::uint16_t action, bool& known);
+    bool assign(const Parameter& row, Value value) const;
+    std::optional<Value> value_written(const Parameter& row, const View<"parameter_value">& written, FrameView frame) const;
+
+    const Profile& profile_;
+    std::vector<Parameter> rows_;
+    std::map<std::uint16_t, std::function<bool()>> actions_;
+    std::vector<std::uint8_t> bytes_;    // of the value being sent
+    bool crashed_ = false;
+};
+
+template <Wire T>
+std::uint16_t Parameters::add(std::string name, T& variable, const Limits<std::type_identity_t<T>>& limits) {
+    Parameter row;
+    row.name = std::move(name);
+    row.type = type_of<T>;
+    row.initial = to_value(variable);
+    row.info = limits.info;
+    row.get = [&variable] { return to_value(variable); };
+    row.set = [&variable](const Value& value) {
+        variable = from_value<T>(value);
+        return true;
+    };
+    if constexpr (WireNumber<T>) {
+        if (limits.min) row.min = to_value(*limits.min);
+        if (limits.max) row.max = to_value(*limits.max);
+    } else {
+        row.max_size = limits.max_size;
+    }
+    return add(std::move(row));
+}
+
+}    // namespace ano::device

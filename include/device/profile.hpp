@@ -1,0 +1,55 @@
+// Where devices in the field differ from the protocol text: what a program that talks to devices has to live with.
+#pragma once
+#include <ano/frame.hpp>
+#include <ano/time.hpp>
+#include <ano/values.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ano::device {
+
+inline constexpr std::size_t max_sent = 198;    // bytes of DATA: the most that every parser in the field takes
+
+/// What a device does in a way of its own. Everything at its default is the protocol text with its rulings.
+struct Profile {
+    std::size_t max_data = max_len;    // a frame with more bytes of DATA is not heard; what is sent is never longer than max_sent
+    std::size_t max_string = max_sent - 2;        // bytes of a text parameter: a longer one is cut, and acknowledged
+    ValueType7 value_type_7 = ValueType7::f32;    // of command_info (0xC2)
+
+    bool acknowledges_unknown = false;     // 0xE1 of a parameter that it does not have
+    bool refuses_beyond_limits = false;    // such a value gets silence; otherwise it is clamped, and acknowledged
+    bool reads_behind_the_end = false;     // a value shorter than its type is filled up with the check bytes, and stored
+    bool crashes_at_the_count =
+        false;                       // a question for the parameter behind the last one, or a write to it: silent from then on
+    bool old_layouts = false;        // 0xE2 with min and max, every 0xE1 as i32, the count of 0xC1 in four bytes
+    bool frames_in_order = false;    // an image frame ahead of its turn fails
+
+    std::size_t queue = 0;    // frames that wait for being handled; one more is dropped without a word. 0: handled at once
+    Duration handling{};      // how long each takes, where there is a queue
+
+    /// The vendor's newest library on a small controller.
+    static constexpr Profile vendor() noexcept {
+        using std::chrono::milliseconds;
+        Profile profile;
+        profile.max_data = 198;
+        profile.max_string = 29;
+        profile.value_type_7 = ValueType7::u64;
+        profile.acknowledges_unknown = true;
+        profile.reads_behind_the_end = true;
+        profile.crashes_at_the_count = true;
+        profile.frames_in_order = true;
+        profile.queue = 20;
+        profile.handling = milliseconds{1};
+        return profile;
+    }
+    /// The oldest devices: parameters with ranges and without types.
+    static constexpr Profile old() noexcept {
+        Profile profile = vendor();
+        profile.max_data = 298;
+        profile.value_type_7 = ValueType7::f32;
+        profile.old_layouts = true;
+        return profile;
+    }
+};
+}    // namespace ano::device

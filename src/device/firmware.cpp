@@ -1,0 +1,146 @@
+#include <device/firmware.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace ano::device {
+namespace {
+
+// Codes of 0xF0 0x00
+constexpr std::uint16_t info_refused = 0x0101;
+constexpr std::uint16_t info_accepted = 0x0102;
+constexpr std::uint16_t code_erase = 0x0110;
+constexpr std::uint16_t erase_failed = 0x0111;
+constexpr std::uint16_t erased = 0x0112;
+constexpr std::uint16_t frame_failed = 0x1001;
+constexpr std::uint16_t frame_written = 0x1002;
+constexpr std::uint16_t all_sent = 0x1010;
+constexpr std::uint16_t check_failed = 0x1011;
+constexpr std::uint16_t check_passed = 0x1012;
+
+constexpr std::size_t max_frames = std::size_t{UINT16_MAX} + 1;    // frame_num is u16
+
+Outcome tell(Reply& reply, std::uint16_t code) noexcept {
+    Draft<"firmware"> answer;
+    return answer.set<"code">(code) ? reply.send(answer) : Outcome::unknown;
+}
+
+ImageInfo info_of(const View<"firmware", "info">& view) noexcept {
+    return {.size = view.get<"bin_len">(),
+            .frame_size = view.get<"frame_len">(),
+            .crc = view.get<"bin_crc">(),
+            .version = view.get<"bin_ver">(),
+            .hw_type = view.get<"hw_type">(),
+            .hw_ver_min = view.get<"hw_ver_min">(),
+            .hw_ver_max = view.get<"hw_ver_max">(),
+            .cmd = view.get<"cmd">()};
+}
+
+}    // namespace
+
+bool Firmware::is_ours(const ImageInfo& info) const {
+    if (info.size == 0 || info.size > flash_.max_size || info.frame_size == 0) return false;
+    if (info.frame_size > profile_.max_data - View<"firmware", "image">::message().fixed_size) return false;
+    if ((info.size - 1u) / info.frame_size >= max_frames) return false;
+    const std::uint8_t type = flash_.hw_type == 0 ? device_.id : flash_.hw_type;
+    if (info.hw_type != 0 && info.hw_type != type) return false;
+    const bool for_any = info.hw_ver_min == 0 && info.hw_ver_max == 0;
+    if (!for_any && (device_.hw_ver < info.hw_ver_min || device_.hw_ver > info.hw_ver_max)) return false;
+    return !flash_.accept || flash_.accept(info);
+}
+
+// A host that begins anew takes the place of one that went away. An image that is refused leaves what is under way as it is.
+Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
+    if (flash_.max_size == 0) return Outcome::unknown;
+    if (due_) return Outcome::refused;
+    const ImageInfo info = info_of(view);
+    if (!is_ours(info)) return tell(reply, info_refused);
+    image_ = info;
+    state_ = State::accepted;
+    asker_ = reply.asker();
+    return tell(reply, info_accepted);
+}
+
+Outcome Firmware::take(const View<"firmware">& code, TimePoint now, Reply& reply) {
+    if (flash_.max_size == 0) return Outcome::unknown;
+    switch (code.get<"code">()) {
+    case code_erase: return erase(now, reply);
+    case all_sent: return check(now, reply);
+    default: return Outcome::unanswered;
+    }
+}
+
+Outcome Firmware::erase(TimePoint now, Reply& reply) {
+    if (due_) return Outcome::refused;
+    const bool in_turn = state_ != State::idle && asker_ == reply.asker();
+    if (!in_turn) return tell(reply, erase_failed);
+    state_ = State::erasing;
+    if (flash_.erase_time <= Duration::zero()) return tell(reply, end_erasing());
+    due_ = now + flash_.erase_time;
+    return Outcome::later;
+}
+
+std::uint16_t Firmware::end_erasing() {
+    const bool done = !flash_.erase || flash_.erase();
+    state_ = done ? State::receiving : State::accepted;
+    bytes_.assign(done ? image_.size : 0, 0xFF);
+    has_.assign(done ? frames() : 0, false);
+    written_ = 0;
+    return done ? erased : erase_failed;
+}
+
+Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
+    if (flash_.max_size == 0) return Outcome::unknown;
+    const std::uint16_t number = frame.get<"frame_num">();
+    const bool in_turn = state_ == State::receiving && asker_ == reply.asker();
+    const bool done = in_turn && store(number, frame.get<"data">());
+    Draft<"firmware", "written"> answer;
+    const bool fits = answer.set<"code">(done ? frame_written : frame_failed) && answer.set<"frame_num">(number);
+    return fits ? reply.send(answer) : Outcome::unknown;
+}
+
+// The same frame again is no fault: its "written" was lost. What differs from it is: flash is written once.
+// The last frame is as long as what is left, or filled up.
+bool Firmware::store(std::size_t number, Bytes bytes) {
+    if (number >= has_.size()) return false;
+    if (profile_.frames_in_order && number > written_) return false;
+    const std::size_t begin = number * image_.frame_size;
+    const std::size_t size = std::min<std::size_t>(image_.frame_size, bytes_.size() - begin);
+    if (bytes.size() < size || bytes.size() > image_.frame_size) return false;
+    const Bytes part = bytes.first(size);
+    const auto at = bytes_.begin() + static_cast<std::ptrdiff_t>(begin);
+    if (has_[number]) return std::equal(part.begin(), part.end(), at);
+    std::copy(part.begin(), part.end(), at);
+    has_[number] = true;
+    ++written_;
+    return true;
+}
+
+Outcome Firmware::check(TimePoint now, Reply& reply) {
+    if (due_) return Outcome::refused;
+    if (asker_ != reply.asker()) return tell(reply, check_failed);
+    if (state_ == State::passed) return tell(reply, check_passed);    // the answer was lost: it is not installed twice
+    if (state_ != State::receiving) return tell(reply, check_failed);
+    state_ = State::checking;
+    if (flash_.check_time <= Duration::zero()) return tell(reply, end_checking());
+    due_ = now + flash_.check_time;
+    return Outcome::later;
+}
+
+std::uint16_t Firmware::end_checking() {
+    const bool whole = written_ == has_.size() && (!flash_.crc || crc16_of(bytes_, *flash_.crc) == image_.crc);
+    const bool passed = whole && (!flash_.install || flash_.install({image_, bytes_}));
+    state_ = passed ? State::passed : State::failed;
+    bytes_ = {};
+    has_ = {};
+    return passed ? check_passed : check_failed;
+}
+
+std::optional<Firmware::Late> Firmware::run(TimePoint now) {
+    if (!due_ || now < *due_) return std::nullopt;
+    due_.reset();
+    const std::uint16_t code = state_ == State::erasing ? end_erasing() : end_checking();
+    return Late{*asker_, code};
+}
+
+}    // namespace ano::device

@@ -1,0 +1,53 @@
+// A host that asks a device, frame by frame.
+#pragma once
+#include <device/device.hpp>
+
+#include <support/bytes.hpp>
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace talk {
+
+using support::Bytes;
+
+inline constexpr std::uint8_t host = 0xFE, self = 0x21, everybody = 0xFF;
+inline constexpr ano::TimePoint start{std::chrono::seconds{1000}};
+
+/// Everything that the device has to send now.
+inline std::vector<Bytes> heard(ano::device::Device& device) {
+    std::vector<Bytes> frames;
+    while (const auto out = device.next()) frames.emplace_back(out->frame.bytes().begin(), out->frame.bytes().end());
+    return frames;
+}
+
+/// What the device sends upon `question`.
+inline std::vector<Bytes> all_answers(ano::device::Device& device, const Bytes& question, ano::TimePoint now = start) {
+    device.take(ano::FrameView{question}, now);
+    return heard(device);
+}
+
+/// The one frame that it answers; empty for silence, or when it answers twice.
+inline Bytes answer(ano::device::Device& device, const Bytes& question, ano::TimePoint now = start) {
+    const auto frames = all_answers(device, question, now);
+    return frames.size() == 1 ? frames.front() : Bytes{};
+}
+
+/// A frame from the host to the device.
+inline Bytes ask(std::uint8_t id, const Bytes& data) { return support::frame(host, self, id, data); }
+/// What the device says to the host.
+inline Bytes says(std::uint8_t id, const Bytes& data) { return support::frame(self, host, id, data); }
+/// The acknowledgement of `question` by the device, to the one who asked.
+inline Bytes acknowledges(const Bytes& question) {
+    return support::frame(self, question[1], 0x00, {question[3], question[question.size() - 2], question.back()});
+}
+
+inline Bytes bytes(std::string_view text, std::size_t size = 0) {
+    Bytes result(text.begin(), text.end());
+    if (size > result.size()) result.resize(size);
+    return result;
+}
+inline const Bytes silence;
+
+}    // namespace talk
