@@ -74,7 +74,8 @@ private:
     }
     constexpr std::size_t bytes_in(ano::Duration time) const noexcept {
         if (time <= ano::Duration::zero()) return 0;
-        return static_cast<std::size_t>(time.count()) * options_.rate / ano::Duration{std::chrono::seconds{1}}.count();
+        constexpr std::uint64_t second = ano::Duration{std::chrono::seconds{1}}.count();
+        return static_cast<std::size_t>(static_cast<std::uint64_t>(time.count()) * options_.rate / second);
     }
 
     Options options_;
