@@ -14,7 +14,8 @@ public:
     bool cannot_erase = false;
     bool erases_silently = false;
     bool checks_silently = false;
-    unsigned fails_frame_7 = 0;                // so many times
+    unsigned fails_frame_7 = 0;    // so many times
+    bool fails_every_frame_once = false;
     std::optional<std::uint16_t> dies_at{};    // from this frame on it says nothing
     std::size_t flash_bytes = std::size_t{1} << 20;
 
@@ -48,6 +49,8 @@ public:
     }
 
 private:
+    std::optional<std::uint16_t> failed_;
+
     std::vector<Bytes> written(FakeDevice& device, ano::FrameView frame) {
         ++frames;
         const auto number = ano::load<std::uint16_t>(frame.data().data() + 1);
@@ -56,6 +59,10 @@ private:
             return std::vector<Bytes>{device.to_host(
                 frame, 0xF0, {0, code, 0x10, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8)})};
         };
+        if (fails_every_frame_once && failed_ != number) {
+            failed_ = number;
+            return answer(0x01);
+        }
         if (number == 7 && fails_frame_7 > 0) {
             --fails_frame_7;
             return answer(0x01);

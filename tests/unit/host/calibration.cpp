@@ -26,6 +26,7 @@ struct Calibrates : testing::Test {
     Simulation simulation{device, fake, {.delay = 10ms}};
     std::vector<Bytes> old;
     std::vector<std::uint16_t> actions;
+    bool forgets_once = false;    // one of the values, when it is told to use them
 
     void make(Sensor sensor) {
         fake.parameters = {{0, "FIRST", "", {1}}};
@@ -35,6 +36,8 @@ struct Calibrates : testing::Test {
         old = stored();
         fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
             if (f.id() == 0xE0 && f.data()[0] == 0x10) actions.push_back(load<std::uint16_t>(f.data().data() + 1));
+            if (!actions.empty() && actions.back() == 0x21 && std::exchange(forgets_once, false))
+                fake.parameters[2].value = f32(9);
             return std::nullopt;
         };
     }
@@ -156,6 +159,19 @@ TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
     EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device clamped it; the old values are back");
+    EXPECT_EQ(stored(), old);
+}
+
+TEST_F(Calibrates, a_device_that_does_not_keep_the_new_values_has_its_old_ones_back) {
+    make(Sensor::accelerometer);
+    forgets_once = true;
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::refused);
+    EXPECT_EQ(task.end()->what, "0xDC does not keep CAL_AOFF_Y; the old values are back");
     EXPECT_EQ(stored(), old);
 }
 

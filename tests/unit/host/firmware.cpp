@@ -195,6 +195,13 @@ TEST_F(Upgrade, a_frame_that_failed_is_sent_again_and_counted) {
     EXPECT_EQ(loader.flash, bytes_of(3000));
 }
 
+TEST_F(Upgrade, failures_are_counted_for_each_frame_anew) {
+    loader.fails_every_frame_once = true;
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::done);
+    EXPECT_EQ(task->repeats(), 16u);
+}
+
 TEST_F(Upgrade, a_frame_that_always_fails_ends_it) {
     loader.fails_frame_7 = 100;
     const auto task = run();

@@ -234,6 +234,21 @@ TEST_F(Reads, a_device_that_has_fewer_meanwhile_is_asked_for_none_of_those_that_
     EXPECT_FALSE(fake.crashed);
 }
 
+TEST_F(Reads, a_device_that_becomes_another_one_meanwhile_is_read_again) {
+    fake.make_parameters(20);
+    simulation.each_step = [&](TimePoint now) {
+        if (simulation.frames_there < 30 || fake.version == 101) return;
+        fake.version = 101;
+        for (auto& p : fake.parameters) p.name += "_NEW";
+        const Bytes info = support::frame(0xDC, 0xD2, 0xE3, {0xDC, 100, 0, 101, 0, 0, 0, 0x20, 3, 'f', 'a', 'k', 'e'});
+        const Bytes count = support::frame(0xDC, 0xD2, 0xE0, {1, 20, 0});
+        device.take(FrameView{info}, now);
+        device.take(FrameView{count}, now);
+    };
+    EXPECT_EQ(read(), Ending::done);
+    for (const ParameterInfo& one : parameters.descriptions()) EXPECT_EQ(one.name, "PAR_" + std::to_string(one.id) + "_NEW");
+}
+
 TEST_F(Reads, a_count_that_never_stays_ends_it) {
     fake.make_parameters(30);
     std::uint16_t count = 10;
