@@ -36,11 +36,10 @@ constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc1
         for (unsigned i = 0; i < bits; ++i) result |= (value >> i & 1u) << (bits - 1 - i);
         return result;
     };
-    unsigned value = crc.initial;    // the same in both orders
+    unsigned value = crc.initial;    // the same in both orders; its low 16 bits count
     for (const std::uint8_t byte : bytes) {
         value ^= (crc.reflected ? reversed(byte, 8) : byte) << 8;
         for (int bit = 0; bit < 8; ++bit) value = (value & 0x8000u) != 0 ? value << 1 ^ crc.polynomial : value << 1;
-        value &= 0xFFFFu;
     }
     return static_cast<std::uint16_t>(crc.reflected ? reversed(value, 16) : value);
 }

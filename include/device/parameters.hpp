@@ -107,7 +107,7 @@ private:
     bool has(std::uint16_t id);
     bool has_calibration(std::string_view beginning) const noexcept;
     bool act(std::uint16_t action, bool& known);
-    bool assign(const Parameter& row, Value value) const;
+    bool assign(const Parameter& row, const Value& value) const;
     std::optional<Value> value_written(const Parameter& row, const View<"parameter_value">& written, FrameView frame) const;
 
     const Profile& profile_;

@@ -75,7 +75,7 @@ bool Parameters::restore_defaults(std::string_view beginning) {
 }
 
 // A number that is none stays within no limits.
-bool Parameters::assign(const Parameter& row, Value value) const {
+bool Parameters::assign(const Parameter& row, const Value& value) const {
     if (!row.set || is_nan(value)) return false;
     Value allowed = clamped(row, value);
     if (profile_.refuses_beyond_limits && allowed != value) return false;
