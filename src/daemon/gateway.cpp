@@ -290,16 +290,16 @@ void Gateway::link_up(Link& link) {
     if (s.up) return;
     s.up = s.was_up = true;
     s.since = now_;
-    s.error.clear();
+    s.error = {};
     gpio_->link_state(link.id(), true);
     await_forwarder();
     spdlog::info("{}: up", link.name());
 }
 
-void Gateway::link_down(Link& link, std::string why) {
+void Gateway::link_down(Link& link, LinkError why) {
     LinkState& s = state(link);
     forwarder_.link_down(link.id());
-    if (s.up || s.error != why) spdlog::warn("{}: {}; waiting for it", link.name(), why);
+    if (s.up || s.error.text != why.text) spdlog::warn("{}: {}; waiting for it", link.name(), why.text);
     if (s.up) s.since = now_;
     s.up = false;
     s.error = std::move(why);

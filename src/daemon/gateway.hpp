@@ -32,7 +32,7 @@ struct LinkState {
     bool was_up = false;       // at any time since the start
     bool must_come = false;    // it is `required`, and was there at the start
     TimePoint since{};         // of `up` or not
-    std::string error;         // why it is not up
+    LinkError error;           // why it is not up
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -64,7 +64,7 @@ public:
     void receive(Channel& from, ano::FrameView frame) override;
     void flush() override;
     void link_up(Link& link) override;
-    void link_down(Link& link, std::string why) override;
+    void link_down(Link& link, LinkError why) override;
     void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
     std::optional<StoredLink> take_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;

@@ -39,6 +39,13 @@ Json args_json(const Hint& hint) {
     return json;
 }
 
+void put(Json& json, const LinkError& error) {
+    json["error"] = error.text;
+    json["error_id"] = error.text.empty() ? "" : error.id;
+    Json& arguments = json["error_args"] = Json::object();
+    for (const auto& [name, value] : error.arguments) arguments[std::string{name}] = value;
+}
+
 Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkReport report = report_of(gateway, state, now);
     const Hint hint = find_hint(report.figures);
@@ -49,7 +56,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     else json["id"] = nullptr;
     json["state"] = state.up ? "up" : "waiting";
     json["since_s"] = in_seconds(now - state.since);
-    json["error"] = state.up ? state.link->trouble() : state.error;
+    put(json, state.up ? state.link->trouble() : state.error);
     json["hint"] = hint.text;
     json["hint_id"] = hint.id;
     json["hint_args"] = args_json(hint);
@@ -164,7 +171,7 @@ std::string status_text(Gateway& gateway) {
     std::string text;
     for (const LinkState& state : gateway.links()) {
         const LinkReport t = report_of(gateway, state, now);
-        text += state.link->name() + (state.up ? ": up" : ": waiting: " + state.error);
+        text += state.link->name() + (state.up ? ": up" : ": waiting: " + state.error.text);
         text += ", in " + std::to_string(t.figures.received.frames_in) + ", out " + std::to_string(t.figures.sent.frames_out);
         if (const std::string h = hint(t.figures); !h.empty()) text += " (" + h + ")";
         text += "\n";

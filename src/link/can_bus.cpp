@@ -56,12 +56,15 @@ void CanBus::add_facts(LinkFacts& facts, TimePoint now) const {
     }
 }
 
-std::string CanBus::trouble() const {
+LinkError CanBus::trouble(const std::string& interface) const {
+    const LinkError::Arguments where{{"interface", interface}};
     switch (state_) {
     case State::active: return {};
-    case State::warning: return "error-warning: the controller counts many errors; check wiring and termination";
-    case State::passive: return "error-passive: check wiring, termination and bit rate; is another node on the bus?";
-    case State::off: return "bus-off: the controller has left the bus";
+    case State::warning:
+        return {"bus_errors", "error-warning: the controller counts many errors; check wiring and termination", where};
+    case State::passive:
+        return {"bus_passive", "error-passive: check wiring, termination and bit rate; is another node on the bus?", where};
+    case State::off: return {"bus_off", "bus-off: the controller has left the bus", where};
     }
     return {};
 }

@@ -22,7 +22,7 @@ public:
 
     void add_facts(LinkFacts& facts, TimePoint now) const;
     /// What a user should know of the state; empty while all is well.
-    std::string trouble() const;
+    LinkError trouble(const std::string& interface) const;
 
 private:
     enum Event : std::uint8_t { warning, passive, off, restarted, overflow, events };

@@ -26,8 +26,8 @@ bool is_of_transfer(int error) {
 CanIsotpLink::CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context)
     : CanLink{id, settings, context} {}
 
-Expected<UniqueFd> CanIsotpLink::open_wire(UniqueFd stored) {
-    trouble_.clear();
+Opened<UniqueFd> CanIsotpLink::open_wire(UniqueFd stored) {
+    trouble_ = {};
     return open_can_isotp(can(), std::move(stored));
 }
 
@@ -48,7 +48,7 @@ void CanIsotpLink::read() {
     const int count = context_.batch.receive(fd());
     if (count < 0) {
         const int error = errno;
-        if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error_text(can(), error));
+        if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error(can(), error));
         return transfer_failed(error);
     }
     const LoopWatch& loop = context_.host.turn();
@@ -59,7 +59,7 @@ void CanIsotpLink::read() {
         feed_datagram(channel().parser, context_.batch.datagram(i), loop.now(), on_frame);
         channel().parser.finish();    // a PDU is a whole frame or none
         while (const auto frame = channel().parser.next()) on_frame(*frame);
-        trouble_.clear();
+        trouble_ = {};
     }
     if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
     context_.host.flush();
@@ -68,8 +68,8 @@ void CanIsotpLink::read() {
 void CanIsotpLink::transfer_failed(int error) {
     ++transfer_errors_;
     trouble_ = error == ECOMM || error == ETIMEDOUT
-                   ? "the peer does not answer: is it there, are tx and rx as it has them reversed?"
-                   : "a transfer failed: " + error_text(error);
+                   ? LinkError{"no_answer", "the peer does not answer: is it there, are tx and rx as it has them reversed?", {}}
+                   : LinkError{"a transfer failed: " + error_text(error)};
 }
 
 void CanIsotpLink::write() {
@@ -94,7 +94,7 @@ void CanIsotpLink::write() {
         } else if (is_of_transfer(errno)) {
             transfer_failed(errno);
         } else if (errno != EINTR) {
-            return fail(can_error_text(can(), errno));
+            return fail(can_error(can(), errno));
         }
     }
 }
@@ -105,8 +105,8 @@ LinkFacts CanIsotpLink::facts() const {
     return facts;
 }
 
-std::string CanIsotpLink::trouble() const {
-    if (std::string trouble = CanLink::trouble(); !trouble.empty()) return trouble;
+LinkError CanIsotpLink::trouble() const {
+    if (LinkError trouble = CanLink::trouble(); !trouble.text.empty()) return trouble;
     return trouble_;
 }
 

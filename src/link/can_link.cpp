@@ -36,10 +36,10 @@ void CanLink::start() {
     reconnect_.start();
 }
 
-Expected<void> CanLink::open() {
+Opened<void> CanLink::open() {
     auto stored = context_.host.take_stored(*this);
     auto wire = check_can_interface(can()).and_then([&] { return open_wire(stored ? std::move(stored->wire) : UniqueFd{}); });
-    if (!wire) return Unexpected{std::move(wire.error())};
+    if (!wire) return NotOpened{std::move(wire.error())};
     reconnect_.came_up(context_.host.now());
     if (!errors_.is_open()) {
         bus_.came_up();
@@ -56,7 +56,7 @@ Expected<void> CanLink::open() {
     return {};
 }
 
-void CanLink::fail(std::string why) {
+void CanLink::fail(LinkError why) {
     old_kernel_drops_ += kernel_drops(descriptor_.fd());
     close_wire();
     again_.cancel();
@@ -131,10 +131,11 @@ LinkFacts CanLink::facts() const {
     return facts;
 }
 
-std::string CanLink::trouble() const {
-    if (std::string trouble = bus_.trouble(); !trouble.empty()) return trouble;
+LinkError CanLink::trouble() const {
+    const std::string& interface = can().interface;
+    if (LinkError trouble = bus_.trouble(interface); !trouble.text.empty()) return trouble;
     if (blocked_since_ && Clock::now() - *blocked_since_ > patience)
-        return "the bus takes nothing: is another node on it, at the same bit rate?";
+        return {"bus_blocked", "the bus takes nothing: is another node on it, at the same bit rate?", {{"interface", interface}}};
     return {};
 }
 

@@ -22,12 +22,12 @@ public:
     void stop() override;
     void flush(Channel&) override { write(); }
     LinkFacts facts() const override;
-    std::string trouble() const override;
+    LinkError trouble() const override;
     int storable_wire() const override { return descriptor_.fd(); }
 
 protected:
     /// `stored` is used if it is the wire that the settings mean.
-    virtual Expected<UniqueFd> open_wire(UniqueFd stored) = 0;
+    virtual Opened<UniqueFd> open_wire(UniqueFd stored) = 0;
     virtual void read() = 0;
     virtual void write() = 0;
     /// The wire has gone: what waited for its rest is given up.
@@ -35,7 +35,7 @@ protected:
     virtual void close_wire() noexcept { descriptor_.close(); }
 
     /// The wire is gone: closes it, says why, and tries again later.
-    void fail(std::string why);
+    void fail(LinkError why);
     /// Nothing more can be sent now: write() is called when there is room. The kernel tells when (EAGAIN), or does not
     /// (ENOBUFS: the interface's own queue is full, maybe with the frames of others).
     void wait_for_room(bool kernel_tells);
@@ -53,7 +53,7 @@ protected:
     Pacing pacing_;    // where a `rate` is given
 
 private:
-    Expected<void> open();
+    Opened<void> open();
     void watch_bus();
     void read_errors();
 
@@ -77,7 +77,7 @@ public:
     LinkFacts facts() const override;
 
 private:
-    Expected<UniqueFd> open_wire(UniqueFd stored) override;
+    Opened<UniqueFd> open_wire(UniqueFd stored) override;
     void read() override;
     void write() override;
     void lost() override;
@@ -96,10 +96,10 @@ class CanIsotpLink final : public CanLink {
 public:
     CanIsotpLink(LinkId id, const LinkSettings& settings, const LinkContext& context);
     LinkFacts facts() const override;
-    std::string trouble() const override;
+    LinkError trouble() const override;
 
 private:
-    Expected<UniqueFd> open_wire(UniqueFd stored) override;
+    Opened<UniqueFd> open_wire(UniqueFd stored) override;
     void read() override;
     void write() override;
     void lost() override {}
@@ -107,7 +107,7 @@ private:
     void transfer_failed(int error);
 
     std::int64_t transfer_errors_ = 0;
-    std::string trouble_;
+    LinkError trouble_;
 };
 
 }    // namespace anogate

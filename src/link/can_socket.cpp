@@ -26,9 +26,13 @@ constexpr int can_receive_buffer = 4 << 20;
 // than the interface's own (10 by default) fills with EAGAIN and a wake-up, not with ENOBUFS and none.
 constexpr int send_buffer = 1;
 
-std::string no_socket_text(int error, const char* what, const char* module) {
+LinkError error_of(std::string_view id, std::string text, const CanSettings& can) {
+    return {id, std::move(text), {{"interface", can.interface}}};
+}
+
+LinkError no_socket(int error, const char* what, const char* module) {
     if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT || error == ESOCKTNOSUPPORT)
-        return std::string{"this kernel has no "} + what + " (module " + module + ")";
+        return {"no_kernel_support", std::string{"this kernel has no "} + what + " (module " + module + ")", {{"what", what}}};
     return error_text(std::string{"no "} + what + " socket", error);
 }
 
@@ -64,13 +68,13 @@ bool is_bound(int fd, const CanSettings& can, int protocol, const sockaddr_can& 
            address.can_addr.tp.tx_id == to.can_addr.tp.tx_id && address.can_addr.tp.rx_id == to.can_addr.tp.rx_id;
 }
 
-Expected<UniqueFd> bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
+Opened<UniqueFd> bound(UniqueFd fd, const CanSettings& can, sockaddr_can address = {}) {
     ifreq request = request_for(can.interface);
-    if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return Unexpected{can_error_text(can, errno)};
+    if (::ioctl(fd.get(), SIOCGIFINDEX, &request) != 0) return NotOpened{can_error(can, errno)};
     address.can_family = AF_CAN;
     address.can_ifindex = request.ifr_ifindex;
     if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-        return Unexpected{can_error_text(can, errno)};
+        return NotOpened{can_error(can, errno)};
     return fd;
 }
 
@@ -98,9 +102,9 @@ bool has_link_layer(int fd, const CanSettings& can) {
            has.tx_dl == wanted.tx_dl && has.tx_flags == wanted.tx_flags;
 }
 
-Expected<UniqueFd> raw_socket() {
+Opened<UniqueFd> raw_socket() {
     UniqueFd fd{::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
-    if (!fd) return Unexpected{no_socket_text(errno, "CAN", "can-raw")};
+    if (!fd) return NotOpened{no_socket(errno, "CAN", "can-raw")};
     return fd;
 }
 
@@ -112,40 +116,43 @@ bool can_bus_is_off(const std::string& interface) {
     return carrier == '0';
 }
 
-Expected<void> check_can_interface(const CanSettings& can) {
+Opened<void> check_can_interface(const CanSettings& can) {
     const std::string& name = can.interface;
     static bool kernel_has_can = false;    // once known, not asked again: to close a CAN socket takes the kernel a while
     if (!kernel_has_can) {
-        if (const auto socket = raw_socket(); !socket) return Unexpected{socket.error()};
+        if (const auto socket = raw_socket(); !socket) return NotOpened{socket.error()};
         kernel_has_can = true;
     }
-    if (!is_there(name)) return Unexpected{can_error_text(can, ENODEV)};
+    if (!is_there(name)) return NotOpened{can_error(can, ENODEV)};
     const UniqueFd any{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     ifreq request = request_for(name);
-    if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return Unexpected{can_error_text(can, errno)};
-    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return Unexpected{name + " is not a CAN interface"};
-    if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return Unexpected{can_error_text(can, errno)};
-    if ((request.ifr_flags & IFF_UP) == 0) return Unexpected{can_error_text(can, ENETDOWN)};
+    if (::ioctl(any.get(), SIOCGIFHWADDR, &request) != 0) return NotOpened{can_error(can, errno)};
+    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN) return NotOpened{error_of("not_can", name + " is not a CAN interface", can)};
+    if (::ioctl(any.get(), SIOCGIFFLAGS, &request) != 0) return NotOpened{can_error(can, errno)};
+    if ((request.ifr_flags & IFF_UP) == 0) return NotOpened{can_error(can, ENETDOWN)};
     if (can_bus_is_off(name))
-        return Unexpected{name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back"};
+        return NotOpened{error_of(
+            "bus_off", name + " is bus-off: check wiring, termination and bit rate; restart-ms makes it come back", can)};
     if (can.fd && ::ioctl(any.get(), SIOCGIFMTU, &request) == 0 && request.ifr_mtu < static_cast<int>(CANFD_MTU))
-        return Unexpected{name + " carries no CAN FD frames now: ip link set " + name +
-                          " type can ... dbitrate RATE fd on (vcan: mtu 72)"};
+        return NotOpened{error_of(
+            "no_can_fd",
+            name + " carries no CAN FD frames now: ip link set " + name + " type can ... dbitrate RATE fd on (vcan: mtu 72)",
+            can)};
     return {};
 }
 
-std::string can_error_text(const CanSettings& can, int error) {
+LinkError can_error(const CanSettings& can, int error) {
     switch (error) {
     case EADDRNOTAVAIL:    // what an ISO-TP socket says then
-    case ENODEV: return "there is no interface " + can.interface;
-    case ENETDOWN: return can.interface + " is down: ip link set " + can.interface + " up";
+    case ENODEV: return error_of("no_interface", "there is no interface " + can.interface, can);
+    case ENETDOWN: return error_of("interface_down", can.interface + " is down: ip link set " + can.interface + " up", can);
     default: return error_text(can.interface, error);
     }
 }
 
-Expected<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored) {
+Opened<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored) {
     if (stored && !is_bound(stored.get(), can, CAN_RAW, {})) stored = {};
-    auto socket = stored ? Expected<UniqueFd>{std::move(stored)} : raw_socket();
+    auto socket = stored ? Opened<UniqueFd>{std::move(stored)} : raw_socket();
     if (!socket) return socket;
     const int fd = socket->get();
     std::vector<can_filter> filters;
@@ -155,26 +162,26 @@ Expected<UniqueFd> open_can_stream(const CanSettings& can, UniqueFd stored) {
     const auto size = static_cast<socklen_t>(filters.size() * sizeof filters[0]);
     if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0 ||
         (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &is_fd, sizeof is_fd) != 0 && can.fd))
-        return Unexpected{can_error_text(can, errno)};
+        return NotOpened{can_error(can, errno)};
     if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &can_receive_buffer, sizeof can_receive_buffer) != 0)
         ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &can_receive_buffer, sizeof can_receive_buffer);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
     return bound(std::move(*socket), can);
 }
 
-Expected<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored) {
+Opened<UniqueFd> open_can_isotp(const CanSettings& can, UniqueFd stored) {
     const sockaddr_can address = isotp_address(can);
     if (stored && is_bound(stored.get(), can, CAN_ISOTP, address) && has_link_layer(stored.get(), can)) return stored;
     stored = {};
     UniqueFd fd{::socket(PF_CAN, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_ISOTP)};
-    if (!fd) return Unexpected{no_socket_text(errno, "ISO-TP", "can-isotp")};
+    if (!fd) return NotOpened{no_socket(errno, "ISO-TP", "can-isotp")};
     const can_isotp_ll_options link_layer = isotp_link_layer(can);
     if (can.fd && ::setsockopt(fd.get(), SOL_CAN_ISOTP, CAN_ISOTP_LL_OPTS, &link_layer, sizeof link_layer) != 0)
-        return Unexpected{can_error_text(can, errno)};
+        return NotOpened{can_error(can, errno)};
     return bound(std::move(fd), can, address);
 }
 
-Expected<UniqueFd> open_can_errors(const CanSettings& can) {
+Opened<UniqueFd> open_can_errors(const CanSettings& can) {
     auto socket = raw_socket();
     if (!socket) return socket;
     const can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;

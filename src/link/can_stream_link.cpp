@@ -67,11 +67,11 @@ void CanStreamLink::stop() {
     CanLink::stop();
 }
 
-Expected<UniqueFd> CanStreamLink::open_wire(UniqueFd stored) { return open_can_stream(can(), std::move(stored)); }
+Opened<UniqueFd> CanStreamLink::open_wire(UniqueFd stored) { return open_can_stream(can(), std::move(stored)); }
 
 void CanStreamLink::read() {
     const int count = batch_->receive(fd());
-    if (count < 0) return fail(can_error_text(can(), errno));
+    if (count < 0) return fail(can_error(can(), errno));
     const LoopWatch& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -122,7 +122,7 @@ void CanStreamLink::write() {
         } else if (errno == ENOBUFS || errno == ENOMEM) {
             return wait_for_room(false);
         } else if (errno != EINTR) {
-            return fail(can_error_text(can(), errno));
+            return fail(can_error(can(), errno));
         }
     }
 }

@@ -7,7 +7,7 @@ GpioPin::GpioPin(GpioSettings settings, Direction direction, asio::io_context& i
     : settings_{std::move(settings)},
       direction_{direction},
       events_{io},
-      reconnect_{alarms, Clock::now, [this] { return open(); }, [this](std::string why) { not_held(std::move(why)); }},
+      reconnect_{alarms, Clock::now, [this] { return open(); }, [this](LinkError why) { not_held(std::move(why.text)); }},
       changed_{std::move(changed)} {}
 
 void GpioPin::start() { reconnect_.start(); }

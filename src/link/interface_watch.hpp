@@ -15,7 +15,7 @@ namespace anogate {
 class InterfaceWatch {
 public:
     /// `gone` is called once after start(), with words for the user.
-    InterfaceWatch(const LinkContext& context, std::function<void(std::string why)> gone)
+    InterfaceWatch(const LinkContext& context, std::function<void(LinkError why)> gone)
         : host_{context.host}, gone_{std::move(gone)}, look_{context.alarms, [this] { look(); }, retry_slack} {}
 
     void start(const EndpointSpec& written) {
@@ -32,11 +32,11 @@ private:
     void look() {
         const auto now = endpoint_now(written_);
         if (now && now == opened_) return look_.set(host_.now() + between_looks);
-        gone_(now ? "another network interface " + written_.interface : no_interface(written_.interface));
+        gone_(now ? LinkError{"another network interface " + written_.interface} : no_interface(written_.interface));
     }
 
     LinkHost& host_;
-    std::function<void(std::string)> gone_;
+    std::function<void(LinkError)> gone_;
     Alarm look_;
     EndpointSpec written_;
     std::optional<Endpoint> opened_;

@@ -112,7 +112,13 @@ std::optional<Endpoint> endpoint_now(const EndpointSpec& written) {
     return endpoint;
 }
 
-std::string no_interface(const std::string& interface) { return "no network interface " + interface + " now"; }
+LinkError no_address(const std::string& address) {
+    return {"no_address", "no interface has the address " + address + " now", {{"address", address}}};
+}
+
+LinkError no_interface(const std::string& interface) {
+    return {"no_interface", "no network interface " + interface + " now", {{"interface", interface}}};
+}
 
 std::vector<Network> own_networks() {
     std::vector<Network> networks;
@@ -173,6 +179,17 @@ bool is_udp_at(int fd, const Endpoint& local, const std::string& interface, cons
            device_of(fd) == interface && connected_to(fd) == peer;
 }
 
+LinkError bind_error(const Endpoint& local, int error) {
+    const std::string port = std::to_string(local.port);
+    switch (error) {
+    case EADDRINUSE: return {"port_in_use", "port " + port + " is in use by another program", {{"port", port}}};
+    case EADDRNOTAVAIL: return no_address(local.address.text());
+    case EACCES:
+        return {"no_port_permission", "port " + port + ": no permission (below 1024 only root may listen)", {{"port", port}}};
+    default: return error_text(local.text(), error);
+    }
+}
+
 void set_options(int fd) noexcept {
     const int on = 1;
     ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
@@ -198,9 +215,9 @@ UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& written, const std::stri
     return stored;
 }
 
-Expected<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
+Opened<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const std::string& interface) {
     const auto local = endpoint_now(written);
-    if (!local) return Unexpected{no_interface(written.interface)};
+    if (!local) return NotOpened{no_interface(written.interface)};
     const int family = local->address.v6 ? AF_INET6 : AF_INET;
     UniqueFd fd{::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
     if (!fd) return Unexpected{error_text("no UDP socket", errno)};
@@ -211,15 +228,10 @@ Expected<UniqueFd> open_udp(const EndpointSpec& written, bool share_port, const 
     if (local->address.v6) ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
     if (!interface.empty() &&
         ::setsockopt(fd.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.data(), static_cast<socklen_t>(interface.size())) != 0)
-        return Unexpected{errno == ENODEV ? no_interface(interface) : error_text(interface, errno)};
+        return NotOpened{errno == ENODEV ? no_interface(interface) : LinkError{error_text(interface, errno)}};
     const SocketAddress address = SocketAddress::of(*local, local->address.v6);
     if (::bind(fd.get(), address.get(), address.size) == 0) return fd;
-    switch (errno) {
-    case EADDRINUSE: return Unexpected{"port " + std::to_string(local->port) + " is in use by another program"};
-    case EADDRNOTAVAIL: return Unexpected{"no interface has the address " + local->address.text() + " now"};
-    case EACCES: return Unexpected{"port " + std::to_string(local->port) + ": no permission (below 1024 only root may listen)"};
-    default: return Unexpected{error_text(written.text(), errno)};
-    }
+    return NotOpened{bind_error(*local, errno)};
 }
 
 void keep_send_buffer_small(int fd) noexcept {

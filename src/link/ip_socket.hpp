@@ -1,7 +1,7 @@
 // UDP sockets: endpoints as the kernel wants them, and opening.
 #pragma once
 #include <gateway/ip.hpp>
-#include <link/expected.hpp>
+#include <link/link_error.hpp>
 #include <link/unique_fd.hpp>
 
 #include <sys/socket.h>
@@ -27,7 +27,8 @@ Endpoint endpoint_of(const sockaddr_storage& storage) noexcept;
 /// With the number that its interface has now; nothing while there is no such interface.
 std::optional<Endpoint> endpoint_now(const EndpointSpec& written);
 /// What to say then.
-std::string no_interface(const std::string& interface);
+LinkError no_interface(const std::string& interface);
+LinkError no_address(const std::string& address);
 
 /// The networks of our interfaces as they are now, loopback included.
 std::vector<Network> own_networks();
@@ -40,7 +41,7 @@ std::optional<IpAddress> source_towards(const IpAddress& there);
 
 /// A non-blocking UDP socket bound to `local` as it is now, that may send to broadcast addresses. An IPv6 any-address takes IPv4 too.
 /// With `interface` it neither hears nor says anything by another one, whatever address a datagram is for.
-Expected<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
+Opened<UniqueFd> open_udp(const EndpointSpec& local, bool share_port, const std::string& interface = {});
 /// `stored`, made as new, if it is such a socket, connected to `peer` or to nobody; else it is closed.
 UniqueFd reuse_udp(UniqueFd stored, const EndpointSpec& local, const std::string& interface,
                    const std::optional<Endpoint>& peer = {});

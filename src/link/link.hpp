@@ -3,6 +3,7 @@
 #include <gateway/arrival.hpp>
 #include <gateway/channel.hpp>
 #include <gateway/settings.hpp>
+#include <link/link_error.hpp>
 #include <link/stored_link.hpp>
 
 #include <functional>
@@ -32,7 +33,7 @@ public:
     /// The wire is there: frames may leave. Opens the outbox of every channel the link has.
     virtual void link_up(Link& link) = 0;
     /// The wire is gone, `why` says it in a clause. Closes the outboxes. Repeated calls only change `why`.
-    virtual void link_down(Link& link, std::string why) = 0;
+    virtual void link_down(Link& link, LinkError why) = 0;
 
     /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
     virtual void report_unreachable(Link&) {}
@@ -95,7 +96,7 @@ public:
     virtual std::vector<StoredPeer> peers() const { return {}; }
     virtual LinkFacts facts() const { return {}; }
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
-    virtual std::string trouble() const { return {}; }
+    virtual LinkError trouble() const { return {}; }
     /// What was refused before it belonged to a channel.
     virtual UnassignedTraffic unassigned_traffic() const { return {}; }
 

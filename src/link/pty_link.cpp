@@ -32,7 +32,7 @@ void let_dialout_in(int terminal) {
 
 }    // namespace
 
-Expected<UniqueFd> PtyLink::open_wire() {
+Opened<UniqueFd> PtyLink::open_wire() {
     UniqueFd ours{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
     char name[64];
     if (!ours || ::grantpt(ours.get()) != 0 || ::unlockpt(ours.get()) != 0 || ::ptsname_r(ours.get(), name, sizeof name) != 0)
@@ -122,7 +122,7 @@ void PtyLink::look_for_users() {
 }
 
 void PtyLink::read_ended(int error) {
-    if (error != EIO) return fail(gone_text(error));
+    if (error != EIO) return fail(why_gone(error));
     pause_reading();
     if (up_) users_gone();
 }
@@ -166,15 +166,15 @@ std::size_t PtyLink::unsent() const {
     return user_side ? terminal::unread(user_side.get()) : 0;
 }
 
-std::string PtyLink::nobody_there() const {
+LinkError PtyLink::nobody_there() const {
     const std::string& path = settings().as<PtySettings>().path;
     std::error_code ec;
     const fs::path leads_to = fs::read_symlink(path, ec);
-    if (ec || leads_to == device_) return "no program has " + path + " open";
+    if (ec || leads_to == device_) return {"nobody_there", "no program has " + path + " open", {{"path", path}}};
     return path + " leads to " + leads_to.string() + ", which another program made: give this link a path of its own";
 }
 
-std::string PtyLink::gone_text(int error) const { return error_text(device_, error == 0 ? EIO : error); }
+LinkError PtyLink::why_gone(int error) const { return error_text(device_, error == 0 ? EIO : error); }
 
 LinkFacts PtyLink::facts() const {
     LinkFacts facts{{"path", settings().as<PtySettings>().path}, {"device", device_}};

@@ -17,11 +17,11 @@ public:
     LinkFacts facts() const override;
 
 private:
-    Expected<UniqueFd> open_wire() override;
+    Opened<UniqueFd> open_wire() override;
     const std::string& peer() const override { return settings().as<PtySettings>().path; }
     void leave_wire(int fd) override;
     void read_ended(int error) override;
-    std::string gone_text(int error) const override;
+    LinkError why_gone(int error) const override;
     void came_up() override;
 
     Expected<void> link_path();
@@ -32,7 +32,7 @@ private:
     void look_for_users();
     void users_gone();
     UniqueFd open_user_side() const;
-    std::string nobody_there() const;
+    LinkError nobody_there() const;
 
     std::string device_;    // /dev/pts/N
     PathClaim claim_;       // on the path, among gateways

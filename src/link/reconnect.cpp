@@ -8,7 +8,7 @@ Reconnect::Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Op
 
 Reconnect::Reconnect(const LinkContext& context, Link& link, Open open)
     : Reconnect{context.alarms, [&host = context.host] { return host.now(); }, std::move(open),
-                [&host = context.host, &link](std::string why) { host.link_down(link, std::move(why)); }} {}
+                [&host = context.host, &link](LinkError why) { host.link_down(link, std::move(why)); }} {}
 
 void Reconnect::start() {
     stopped_ = false;
@@ -30,7 +30,7 @@ void Reconnect::try_soon() {
     if (!stopped_) retry_.set(now_());
 }
 
-void Reconnect::lost(std::string why) {
+void Reconnect::lost(LinkError why) {
     const ano::TimePoint next = backoff_.retry_at(now_());
     if (!stopped_) retry_.set(next);
     down_(std::move(why));

@@ -3,7 +3,7 @@
 #include <ano/time.hpp>
 #include <gateway/backoff.hpp>
 #include <link/alarm.hpp>
-#include <link/expected.hpp>
+#include <link/link_error.hpp>
 
 #include <functional>
 #include <string>
@@ -23,9 +23,9 @@ inline constexpr ano::Duration retry_slack = std::chrono::milliseconds{250};
 class Reconnect {
 public:
     /// Begins to open, or says why that can't be done now.
-    using Open = std::function<Expected<void>()>;
+    using Open = std::function<Opened<void>()>;
     /// It is not open, or no longer. After each try that fails.
-    using Down = std::function<void(std::string why)>;
+    using Down = std::function<void(LinkError why)>;
 
     Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down);
     /// Of a link, whose host is told.
@@ -42,7 +42,7 @@ public:
 
     void came_up(ano::TimePoint now) noexcept { backoff_.came_up(now); }
     /// It has gone, or what open() had begun came to nothing.
-    void lost(std::string why);
+    void lost(LinkError why);
 
 private:
     std::function<ano::TimePoint()> now_;

@@ -33,42 +33,49 @@ std::string absent_text(const std::string& device) {
     return device + " is not there (did you mean " + meant + "?)";
 }
 
-std::string open_error_text(const std::string& device, int error) {
+LinkError port_error(std::string_view id, std::string text, const std::string& device) {
+    return {id, std::move(text), {{"device", device}}};
+}
+
+LinkError open_error(const std::string& device, int error) {
     switch (error) {
     case ENOENT:
     case ENXIO:
-    case ENODEV: return absent_text(device);
-    case EBUSY: return busy_text(device);
+    case ENODEV: return port_error("absent", absent_text(device), device);
+    case EBUSY: return port_error("in_use", busy_text(device), device);
     case EACCES:
-        return device +
-               ": no permission (the user must be in the group of the device, usually dialout: sudo usermod -aG dialout $USER, "
-               "and log in again)";
+        return port_error("no_permission",
+                          device +
+                              ": no permission (the user must be in the group of the device, usually dialout: "
+                              "sudo usermod -aG dialout $USER, and log in again)",
+                          device);
     default: return error_text(device, error);
     }
 }
 
 }    // namespace
 
-Expected<UniqueFd> SerialLink::open_port() {
+Opened<UniqueFd> SerialLink::open_port() {
     const std::string& device = settings().as<SerialSettings>().device;
     UniqueFd fd{::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-    if (!fd) return Unexpected{open_error_text(device, errno)};
+    if (!fd) return NotOpened{open_error(device, errno)};
     // Exclusive among programs that lock, by flock; for all but root's, by TIOCEXCL, where that is gone with us however we end.
-    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return Unexpected{busy_text(device)};
+    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        return NotOpened{port_error("in_use", busy_text(device), device)};
     return fd;
 }
 
 // Opened again, a port resets many a board by its DTR line.
-Expected<UniqueFd> SerialLink::open_wire() {
+Opened<UniqueFd> SerialLink::open_wire() {
     const std::string& device = settings().as<SerialSettings>().device;
     auto stored = context_.host.take_stored(*this);
     const bool is_stored = stored && terminal::is_port_at(stored->wire.get(), device);
-    auto fd = is_stored ? Expected<UniqueFd>{std::move(stored->wire)} : open_port();
+    auto fd = is_stored ? Opened<UniqueFd>{std::move(stored->wire)} : open_port();
     if (!fd) return fd;
     terminal::claim(fd->get());
     if (auto ready = make_ready(fd->get(), is_stored); !ready) {
         terminal::give_back(fd->get());
-        return Unexpected{device + ": " + ready.error()};
+        return NotOpened{port_error("unusable", device + ": " + ready.error(), device)};
     }
     if (is_stored) go_on_from(std::move(*stored));
     else terminal::discard_input(fd->get());
@@ -115,10 +122,11 @@ ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
     return n;
 }
 
-std::string SerialLink::gone_text(int error) const {
+LinkError SerialLink::why_gone(int error) const {
     const std::string& device = settings().as<SerialSettings>().device;
-    return error == 0 || error == EIO || error == ENXIO || error == ENODEV ? device + " was unplugged"
-                                                                           : error_text(device, error);
+    if (error == 0 || error == EIO || error == ENXIO || error == ENODEV)
+        return port_error("unplugged", device + " was unplugged", device);
+    return error_text(device, error);
 }
 
 std::size_t SerialLink::unsent() const {

@@ -18,17 +18,17 @@ public:
     int storable_wire() const override { return wire_; }
 
 private:
-    Expected<UniqueFd> open_wire() override;
+    Opened<UniqueFd> open_wire() override;
     const std::string& peer() const override { return settings().as<SerialSettings>().device; }
     ssize_t write_some(std::span<const iovec> pieces) override;
-    Expected<UniqueFd> open_port();
+    Opened<UniqueFd> open_port();
     Expected<void> make_ready(int fd, bool is_stored);
     Expected<void> begin_half_duplex(int fd);
     std::uint32_t byte_rate() const;
     std::uint32_t line_rate() const override;
     std::size_t held_by_driver() const override;
     void leave_wire(int fd) override;
-    std::string gone_text(int error) const override;
+    LinkError why_gone(int error) const override;
 
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;

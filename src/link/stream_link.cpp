@@ -3,9 +3,9 @@
 namespace anogate {
 
 StreamLink::StreamLink(LinkId id, LinkSettings settings, const LinkContext& context)
-    : Link{id, std::move(settings)}, StreamSession{context}, reconnect_{context, *this, [this]() -> Expected<void> {
+    : Link{id, std::move(settings)}, StreamSession{context}, reconnect_{context, *this, [this]() -> Opened<void> {
                                                                             auto wire = open_wire();
-                                                                            if (!wire) return Unexpected{std::move(wire.error())};
+                                                                            if (!wire) return NotOpened{std::move(wire.error())};
                                                                             open(std::move(*wire), *channel_);
                                                                             return {};
                                                                         }} {}
@@ -33,7 +33,7 @@ void StreamLink::stop() {
     close();
 }
 
-void StreamLink::fail(std::string why) {
+void StreamLink::fail(LinkError why) {
     leave_wire(fd());
     close();
     end_of_input();

@@ -16,7 +16,7 @@ public:
 
 protected:
     /// The open, non-blocking descriptor.
-    virtual Expected<UniqueFd> open_wire() = 0;
+    virtual Opened<UniqueFd> open_wire() = 0;
     /// What the channel is called.
     virtual const std::string& peer() const = 0;
     /// What the open wire carries, in bytes/s, when it is to be given no more; 0: it takes what it takes.
@@ -24,14 +24,14 @@ protected:
     /// Leaves the wire as it should be found; the descriptor is closed right after.
     virtual void leave_wire(int) {}
     /// What a read that ends (`error` is 0) or fails means to the user.
-    virtual std::string gone_text(int error) const = 0;
+    virtual LinkError why_gone(int error) const = 0;
     virtual void came_up() { context_.host.link_up(*this); }
 
     /// The wire is gone: closes it, says why, and tries again later.
-    void fail(std::string why);
+    void fail(LinkError why);
     void opened() override;
-    void read_ended(int error) override { fail(gone_text(error)); }
-    void failed(int error) override { fail(gone_text(error)); }
+    void read_ended(int error) override { fail(why_gone(error)); }
+    void failed(int error) override { fail(why_gone(error)); }
 
 private:
     Channel* channel_ = nullptr;

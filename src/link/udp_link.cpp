@@ -37,7 +37,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
               }},
       again_{context.alarms, [this] { flush(*channel_); }},
       rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
-      interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
+      interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush(*channel_); }} {}
 
 void UdpLink::start() {
@@ -45,13 +45,13 @@ void UdpLink::start() {
     reconnect_.start();
 }
 
-Expected<void> UdpLink::open() {
+Opened<void> UdpLink::open() {
     arrival_.found_empty(context_.host.turn().clocks());
     auto socket = open_to_peer();
-    if (!socket) return Unexpected{std::move(socket.error())};
+    if (!socket) return NotOpened{std::move(socket.error())};
     const TimePoint now = context_.host.now();
     reconnect_.came_up(now);
-    trouble_.clear();
+    trouble_ = {};
     local_ = local_endpoint(socket->get());
     pacing_.start(settings().rate, settings().latency);
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
@@ -70,10 +70,10 @@ EndpointSpec UdpLink::watched() const {
     return udp.bind && udp.peer.interface.empty() ? *udp.bind : udp.peer;
 }
 
-Expected<UniqueFd> UdpLink::open_to_peer() {
+Opened<UniqueFd> UdpLink::open_to_peer() {
     const EndpointSpec& written = settings().as<UdpSettings>().peer;
     const auto to = endpoint_now(written);
-    if (!to) return Unexpected{no_interface(written.interface)};
+    if (!to) return NotOpened{no_interface(written.interface)};
     const Endpoint& peer = *to;
     const bool multicast = peer.address.is_multicast();
     EndpointSpec local;
@@ -92,28 +92,29 @@ Expected<UniqueFd> UdpLink::open_to_peer() {
     UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), local, interface, connected_ ? std::optional{peer} : std::nullopt)
                            : UniqueFd{};
     if (wire) arrival_.found_empty(stored->unread_since);
-    auto socket = wire ? Expected<UniqueFd>{std::move(wire)} : open_udp(local, multicast, interface);
+    auto socket = wire ? Opened<UniqueFd>{std::move(wire)} : open_udp(local, multicast, interface);
     if (!socket) return socket;
     if (multicast) {
-        if (auto joined = join_group(socket->get()); !joined) return Unexpected{std::move(joined.error())};
+        if (auto joined = join_group(socket->get()); !joined) return NotOpened{std::move(joined.error())};
     } else if (connected_ && !connected_to(socket->get()) && ::connect(socket->get(), to_.get(), to_.size) != 0) {
-        return Unexpected{"no way to " + written.text() + " now: " + error_text(errno)};
+        return NotOpened{
+            LinkError{"no_way", "no way to " + written.text() + " now: " + error_text(errno), {{"address", written.text()}}}};
     }
     return socket;
 }
 
 // By `interface`, by the interface that has the address of `bind`, or the one that the kernel's routes choose. That the socket is
 // in the group already is as good.
-Expected<void> UdpLink::join_group(int fd) const {
+Opened<void> UdpLink::join_group(int fd) const {
     const EndpointSpec& peer = settings().as<UdpSettings>().peer;
     const auto& bind = settings().as<UdpSettings>().bind;
     const std::string& name = settings().as<UdpSettings>().interface;
     unsigned interface = name.empty() ? to_interface_ : ::if_nametoindex(name.c_str());
-    if (!name.empty() && interface == 0) return Unexpected{no_interface(name)};
+    if (!name.empty() && interface == 0) return NotOpened{no_interface(name)};
     if (name.empty() && bind && !bind->address.is_any()) {
         const auto now = endpoint_now(*bind);
         interface = now ? interface_of(now->address) : 0;
-        if (interface == 0) return Unexpected{"no interface has the address " + bind->text() + " now"};
+        if (interface == 0) return NotOpened{no_address(bind->text())};
     }
     const bool v6 = to_.storage.ss_family == AF_INET6;
     group_req group{};
@@ -129,8 +130,11 @@ Expected<void> UdpLink::join_group(int fd) const {
     }
     if (done) return {};
     if (interface == 0 && errno == ENODEV)
-        return Unexpected{"no route leads to the multicast group " + peer.address.text() +
-                          "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port)};
+        return NotOpened{
+            LinkError{"no_way",
+                      "no route leads to the multicast group " + peer.address.text() +
+                          "; name an interface: interface=NAME, or by its address bind=ADDRESS:" + std::to_string(peer.port),
+                      {{"address", peer.address.text()}}}};
     return Unexpected{"can't join the multicast group " + peer.address.text() + ": " + error_text(errno)};
 }
 
@@ -140,7 +144,7 @@ void UdpLink::keep_joined() {
     rejoin_.set(context_.host.now() + join_again);
 }
 
-void UdpLink::fail(std::string why) {
+void UdpLink::fail(LinkError why) {
     descriptor_.close();
     interface_watch_.stop();
     pacing_.stop();
@@ -183,7 +187,7 @@ void UdpLink::read() {
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
         if (!connected_ && own(context_.batch.sender(at), now)) continue;
-        trouble_.clear();
+        trouble_ = {};
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
         feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
     }
@@ -235,11 +239,12 @@ void UdpLink::note(const SendReport& report) {
     if (report.refused > 0) context_.host.report_unreachable(*this);
     if (report.error == 0 || report.error == EAGAIN || report.error == EINTR) return;
     trouble_at_ = context_.host.now();
-    trouble_ = report.error == ECONNREFUSED ? "refused: nothing listens at " + settings().as<UdpSettings>().peer.text()
-                                            : error_text(report.error);
+    const std::string peer = settings().as<UdpSettings>().peer.text();
+    trouble_ = report.error == ECONNREFUSED ? LinkError{"refused", "refused: nothing listens at " + peer, {{"peer", peer}}}
+                                            : LinkError{error_text(report.error)};
 }
 
-std::string UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : std::string{}; }
+LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < trouble_shown ? trouble_ : LinkError{}; }
 
 LinkFacts UdpLink::facts() const {
     LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};

@@ -24,15 +24,15 @@ public:
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
     int storable_wire() const override { return descriptor_.fd(); }
     LinkFacts facts() const override;
-    std::string trouble() const override;
+    LinkError trouble() const override;
 
 private:
-    Expected<void> open();
+    Opened<void> open();
     EndpointSpec watched() const;
-    Expected<UniqueFd> open_to_peer();
-    Expected<void> join_group(int fd) const;
+    Opened<UniqueFd> open_to_peer();
+    Opened<void> join_group(int fd) const;
     void keep_joined();
-    void fail(std::string why);
+    void fail(LinkError why);
     void read();
     bool own(const sockaddr_storage& sender, TimePoint now);
     void take(ano::FrameView frame);
@@ -56,7 +56,7 @@ private:
     std::vector<Network> networks_;    // ours, to know our own datagrams when they come back
     TimePoint networks_read_at_{};
     std::uint64_t refused_ = 0;
-    std::string trouble_;
+    LinkError trouble_;
     TimePoint trouble_at_{};
 };
 

@@ -53,7 +53,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       descriptor_{context.io},
       reconnect_{context, *this, [this] { return open(); }},
       look_{context.alarms, [this] { forget_overdue_peers(); }, look_slack},
-      interface_watch_{context, [this](std::string why) { fail(std::move(why)); }},
+      interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush_all(); }},
       probe_{{this->settings().max_data, 0, quiet}},
       book_{book_options(this->settings().as<UdpListenSettings>())},
@@ -63,13 +63,13 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
 
 UdpListenLink::~UdpListenLink() = default;
 
-Expected<void> UdpListenLink::open() {
+Opened<void> UdpListenLink::open() {
     const UdpListenSettings& listen = settings().as<UdpListenSettings>();
     auto stored = context_.host.take_stored(*this);
     UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), listen.local, listen.interface) : UniqueFd{};
     const bool is_stored{wire};
-    auto socket = is_stored ? Expected<UniqueFd>{std::move(wire)} : open_udp(listen.local, false, listen.interface);
-    if (!socket) return Unexpected{std::move(socket.error())};
+    auto socket = is_stored ? Opened<UniqueFd>{std::move(wire)} : open_udp(listen.local, false, listen.interface);
+    if (!socket) return NotOpened{std::move(socket.error())};
     reconnect_.came_up(context_.host.now());
     local_ = local_endpoint(socket->get());
     keep_error_reports(socket->get(), local_.address.v6);
@@ -86,7 +86,7 @@ Expected<void> UdpListenLink::open() {
     return {};
 }
 
-void UdpListenLink::fail(std::string why) {
+void UdpListenLink::fail(LinkError why) {
     descriptor_.close();
     interface_watch_.stop();
     pacing_.stop();
@@ -270,10 +270,13 @@ LinkFacts UdpListenLink::facts() const {
     return facts;
 }
 
-std::string UdpListenLink::trouble() const {
-    if (gateways_ > 0) return "another gateway listens at " + last_gateway_ + " and was refused";
-    if (no_place_ > 0) return std::to_string(no_place_) + " datagrams of strangers were refused: all places are taken";
-    return unassigned_.denied_in > 0 && peers_.empty() ? "senders outside `allow` were refused" : std::string{};
+LinkError UdpListenLink::trouble() const {
+    if (gateways_ > 0)
+        return {"other_gateway", "another gateway listens at " + last_gateway_ + " and was refused", {{"peer", last_gateway_}}};
+    if (const std::string count = std::to_string(no_place_); no_place_ > 0)
+        return {"no_place", count + " datagrams of strangers were refused: all places are taken", {{"count", count}}};
+    if (unassigned_.denied_in == 0 || !peers_.empty()) return {};
+    return {"sender_refused", "senders outside `allow` were refused", {}};
 }
 
 namespace {

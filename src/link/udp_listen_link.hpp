@@ -24,7 +24,7 @@ public:
     void flush(Channel& channel) override;
     void forget_peer(ChannelId channel) override;
     LinkFacts facts() const override;
-    std::string trouble() const override;
+    LinkError trouble() const override;
     int storable_wire() const override { return descriptor_.fd(); }
     std::vector<StoredPeer> peers() const override;
     UnassignedTraffic unassigned_traffic() const override {
@@ -56,9 +56,9 @@ protected:
 private:
     struct Peer;
 
-    Expected<void> open();
+    Opened<void> open();
     void restore_peers(const std::vector<StoredPeer>& peers, TimePoint now);
-    void fail(std::string why);
+    void fail(LinkError why);
     void read();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
     void take(Peer& peer, ano::FrameView frame, TimePoint now);

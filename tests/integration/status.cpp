@@ -1,5 +1,6 @@
 // GET /status: its shape is an interface, and its hints are what a user reads first.
 #include <daemon/status.hpp>
+#include <link/link_error.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/temp_dir.hpp>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace {
@@ -59,6 +61,8 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
         EXPECT_TRUE(link.at("error").is_string());
         EXPECT_TRUE(link.at("hint").is_string());
         EXPECT_EQ(link.at("hint_id") == "", link.at("hint") == "");
+        EXPECT_EQ(link.at("error_id") == "", link.at("error") == "");
+        EXPECT_TRUE(link.at("error_args").is_object());
         EXPECT_TRUE(link.at("hint_args").is_object());
         EXPECT_TRUE(link.at("channels").is_array());
         for (const char* counter : counters) EXPECT_TRUE(link.at(counter).is_number_unsigned()) << counter;
@@ -89,6 +93,26 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
 TEST(Status, survives_names_and_paths_that_are_not_utf_8) {
     RunningGateway daemon{serial("fc", "/nowhere/\xFF\xFE")};
     EXPECT_EQ(daemon.link("fc").at("state"), "waiting");
+}
+
+TEST(Status, says_why_a_link_is_not_up_to_people_and_to_programs) {
+    UdpPeer taken;
+    const TempDir dir;
+    RunningGateway daemon{
+        settings_of_texts({"serial:" + (dir / "absent") + ",name=fc", "udp-listen:" + taken.local().text() + ",name=ground",
+                           "udp-listen:192.0.2.1:0,name=elsewhere", "pty:" + (dir / "app") + ",name=app"})};
+    const auto id_of = [&](const char* link) {
+        const auto now = daemon.link(link);
+        const std::string id = now.at("error_id");
+        const bool is_known = std::any_of(std::begin(anogate::link_error_ids), std::end(anogate::link_error_ids),
+                                          [&](const anogate::LinkErrorId& row) { return row.id == id; });
+        EXPECT_TRUE(is_known) << id;
+        return id + " " + now.at("error_args").dump();
+    };
+    EXPECT_EQ(id_of("fc"), "absent {\"device\":\"" + (dir / "absent") + "\"}");
+    EXPECT_EQ(id_of("ground"), "port_in_use {\"port\":\"" + std::to_string(taken.port()) + "\"}");
+    EXPECT_EQ(id_of("elsewhere"), R"(no_address {"address":"192.0.2.1"})");
+    EXPECT_EQ(id_of("app"), "nobody_there {\"path\":\"" + (dir / "app") + "\"}");
 }
 
 class Hints : public testing::Test {

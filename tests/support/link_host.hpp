@@ -38,8 +38,8 @@ public:
         why.clear();
         for (const auto& channel : channels_) channel->outbox.open();
     }
-    void link_down(anogate::Link&, std::string reason) override {
-        why = std::move(reason);
+    void link_down(anogate::Link&, anogate::LinkError reason) override {
+        why = std::move(reason.text);
         for (const auto& channel : channels_) channel->outbox.close();
     }
     anogate::TimePoint now() override { return turn().now(); }

@@ -21,7 +21,7 @@ class UdpPeer {
 public:
     explicit UdpPeer(const std::string& local = "127.0.0.1:0") {
         auto opened = anogate::open_udp(endpoint(local), false);
-        if (!opened) throw std::runtime_error{opened.error()};
+        if (!opened) throw std::runtime_error{opened.error().text};
         socket_ = std::move(*opened);
         local_ = anogate::local_endpoint(socket_.get());
         if (!std::getenv("ANOGATE_IN_VM")) return;

@@ -1,6 +1,8 @@
 #include "manual.hpp"
 #include "page.hpp"
 
+#include <link/link_error.hpp>
+
 namespace reference {
 
 std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
@@ -32,6 +34,15 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     page.item("422", "", "The configuration has faults: \"faults\" lists them");
     page.item("429", "", "Too early, or too many wrong tokens: \"wait_s\" or the header Retry-After says how long to wait");
     page.item("503", "", "All places are taken: header Retry-After");
+    page.end_list();
+    page.section("ERRORS OF LINKS");
+    page.text(
+        "In the status each link has \"error\", a clause for people that is empty while all is well, \"error_id\" and "
+        "\"error_args\":");
+    page.begin_list();
+    for (const anogate::LinkErrorId& row : anogate::link_error_ids)
+        page.item(std::string{row.id} + (row.arguments.empty() ? "" : " {" + std::string{row.arguments} + "}"), "",
+                  std::string{row.meaning});
     page.end_list();
     page.section("EXAMPLES");
     page.literal(

@@ -33,13 +33,13 @@ struct Reconnects : testing::Test {
     bool at_once = true;             // or it only begins to open
     std::vector<std::string> told;
     Reconnect reconnect{clock, ano::Clock::now,
-                        [this]() -> Expected<void> {
+                        [this]() -> Opened<void> {
                             ++tries;
                             if (!fault.empty()) return Unexpected{fault};
                             if (at_once) reconnect.came_up(ano::Clock::now());
                             return {};
                         },
-                        [this](std::string why) { told.push_back(std::move(why)); }};
+                        [this](LinkError why) { told.push_back(std::move(why.text)); }};
 };
 
 }    // namespace

@@ -1,0 +1,69 @@
+// Why a link is not up.
+#pragma once
+#include <link/expected.hpp>
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace anogate {
+
+/// A clause for the user; and for programs that say it in another language, what it says: one of the ids of link_error_ids, with its
+/// arguments by name.
+struct LinkError {
+    using Arguments = std::vector<std::pair<std::string_view, std::string>>;
+
+    LinkError() = default;
+    /// What has no id of its own: "other".
+    LinkError(std::string its_text) : text{std::move(its_text)} {}    // NOLINT: every clause is one
+    LinkError(const char* its_text) : text{its_text} {}               // NOLINT
+    LinkError(std::string_view its_id, std::string its_text, Arguments its_arguments)
+        : text{std::move(its_text)}, id{its_id}, arguments{std::move(its_arguments)} {}
+
+    std::string text{};
+    std::string_view id = "other";
+    Arguments arguments{};
+};
+
+/// What was opened, or why not.
+template <class T>
+using Opened = tl::expected<T, LinkError>;
+using NotOpened = tl::unexpected<LinkError>;
+
+struct LinkErrorId {
+    std::string_view id;
+    std::string_view arguments;    // their names
+    std::string_view meaning;
+};
+
+/// For the manual.
+inline constexpr LinkErrorId link_error_ids[] = {
+    {"absent", "device", "there is no such port; it is waited for"},
+    {"in_use", "device", "another program has it open"},
+    {"no_permission", "device", "this user may not open it"},
+    {"unusable", "device", "it is not a serial port, or its driver refuses the settings"},
+    {"unplugged", "device", "it was there and is gone"},
+    {"nobody_there", "path", "no program has the other side of the pseudo-terminal open"},
+    {"no_interface", "interface", "there is no such network or CAN interface now"},
+    {"interface_down", "interface", "the CAN interface is down"},
+    {"bus_off", "interface", "the CAN controller has left the bus after too many errors"},
+    {"not_can", "interface", "it is not a CAN interface"},
+    {"no_can_fd", "interface", "the interface carries no CAN FD frames now"},
+    {"no_kernel_support", "what", "the kernel has no such sockets"},
+    {"no_address", "address", "no interface has the local address now"},
+    {"port_in_use", "port", "another program has the UDP port"},
+    {"no_port_permission", "port", "this user may not listen there"},
+    {"no_way", "address", "no route leads there now"},
+    {"refused", "peer", "while it is up: nothing listens at the peer's port"},
+    {"no_answer", "", "while it is up: the peer of ISO-TP does not answer"},
+    {"other_gateway", "peer", "while it is up: another gateway listens there and was refused"},
+    {"no_place", "count", "while it is up: datagrams of strangers were refused, all places are taken"},
+    {"sender_refused", "", "while it is up: senders outside `allow` were refused"},
+    {"bus_errors", "interface", "while it is up: the CAN controller counts many errors"},
+    {"bus_passive", "interface", "while it is up: the CAN controller is error-passive"},
+    {"bus_blocked", "interface", "while it is up: the CAN bus takes nothing"},
+    {"other", "", "anything else: the text says it"},
+};
+
+}    // namespace anogate
