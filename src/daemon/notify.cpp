@@ -17,7 +17,7 @@ namespace anogate {
 namespace {
 
 // A queue that is full has room again when systemd has had its turn.
-constexpr timeval patience{0, 200'000};
+constexpr timeval room_within{0, 200'000};
 
 bool send(std::string_view message, msghdr& header, int flags) noexcept {
     const char* path = std::getenv("NOTIFY_SOCKET");
@@ -28,7 +28,7 @@ bool send(std::string_view message, msghdr& header, int flags) noexcept {
     if (path[0] == '@') address.sun_path[0] = '\0';
     const UniqueFd fd{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     if (!fd) return false;
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &room_within, sizeof room_within);
     iovec text{const_cast<char*>(message.data()), message.size()};
     header.msg_name = &address;
     header.msg_namelen = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));

@@ -10,16 +10,15 @@
 namespace anogate {
 namespace {
 
-using nlohmann::json;
 
 constexpr int format = 1;
 
 std::int64_t nanoseconds(ano::Duration time) { return std::chrono::nanoseconds{time}.count(); }
 std::int64_t nanoseconds(ano::TimePoint time) { return nanoseconds(time.time_since_epoch()); }
-ano::Duration duration(const json& value) { return std::chrono::nanoseconds{value.get<std::int64_t>()}; }
+ano::Duration duration(const nlohmann::json& value) { return std::chrono::nanoseconds{value.get<std::int64_t>()}; }
 
 // A program is never started before what it goes on from.
-ano::TimePoint past(const json& value, ano::TimePoint now) {
+ano::TimePoint past(const nlohmann::json& value, ano::TimePoint now) {
     const ano::TimePoint time{duration(value)};
     return std::min(time, now);
 }
@@ -33,7 +32,7 @@ StoredChannel stored_channel(const Channel& channel, const Router& router) {
     return stored;
 }
 
-json json_of(const StoredPeer& peer) {
+nlohmann::json json_of(const StoredPeer& peer) {
     return {{"endpoint", peer.endpoint.text()},
             {"heard_at", nanoseconds(peer.memory.heard_at)},
             {"is_host", peer.memory.is_host},
@@ -42,7 +41,7 @@ json json_of(const StoredPeer& peer) {
 }
 
 // An endpoint on an interface that is gone is nobody's.
-std::optional<StoredPeer> peer_of(const json& from, ano::TimePoint now) {
+std::optional<StoredPeer> peer_of(const nlohmann::json& from, ano::TimePoint now) {
     const auto written = EndpointSpec::parse(from.at("endpoint").get<std::string>());
     const auto endpoint = written ? endpoint_now(*written) : std::nullopt;
     if (!endpoint) return std::nullopt;
@@ -51,15 +50,15 @@ std::optional<StoredPeer> peer_of(const json& from, ano::TimePoint now) {
                       from.at("is_proven").get<bool>()};
 }
 
-json json_of(const StoredChannel& channel) {
-    json addresses = json::array();
+nlohmann::json json_of(const StoredChannel& channel) {
+    nlohmann::json addresses = nlohmann::json::array();
     for (const StoredAddress& a : channel.addresses) addresses.push_back({a.address, nanoseconds(a.heard_at)});
     return {{"peer", channel.peer}, {"addresses", std::move(addresses)}};
 }
 
-StoredChannel channel_of(const json& from, ano::TimePoint now) {
+StoredChannel channel_of(const nlohmann::json& from, ano::TimePoint now) {
     StoredChannel channel{from.at("peer").get<std::string>()};
-    for (const json& a : from.at("addresses")) {
+    for (const nlohmann::json& a : from.at("addresses")) {
         const int address = a.at(0).get<int>();
         if (address >= 0 && address <= 0xFF)
             channel.addresses.push_back({static_cast<std::uint8_t>(address), past(a.at(1), now)});
@@ -67,21 +66,21 @@ StoredChannel channel_of(const json& from, ano::TimePoint now) {
     return channel;
 }
 
-json json_of(const StoredState::OfLink& link) {
-    json peers = json::array(), channels = json::array();
+nlohmann::json json_of(const StoredState::OfLink& link) {
+    nlohmann::json peers = nlohmann::json::array(), channels = nlohmann::json::array();
     for (const StoredPeer& peer : link.link.peers) peers.push_back(json_of(peer));
     for (const StoredChannel& channel : link.channels) channels.push_back(json_of(channel));
     return {
         {"name", link.name}, {"rest", ano::hex(link.link.rest)}, {"peers", std::move(peers)}, {"channels", std::move(channels)}};
 }
 
-StoredState::OfLink link_of(const json& from, const ClockReading& unread_since, ano::TimePoint now) {
+StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unread_since, ano::TimePoint now) {
     StoredState::OfLink link{from.at("name").get<std::string>()};
     link.link.unread_since = unread_since;
     link.link.rest = ano::from_hex(from.at("rest").get<std::string>()).value_or(std::vector<std::uint8_t>{});
-    for (const json& p : from.at("peers"))
+    for (const nlohmann::json& p : from.at("peers"))
         if (auto peer = peer_of(p, now)) link.link.peers.push_back(*peer);
-    for (const json& channel : from.at("channels")) link.channels.push_back(channel_of(channel, now));
+    for (const nlohmann::json& channel : from.at("channels")) link.channels.push_back(channel_of(channel, now));
     return link;
 }
 
@@ -105,23 +104,23 @@ StoredState state_of(const Gateway& gateway) {
 }
 
 std::string text_of(const StoredState& state) {
-    json links = json::array();
+    nlohmann::json links = nlohmann::json::array();
     for (const StoredState::OfLink& link : state.links) links.push_back(json_of(link));
-    const json unread_since{nanoseconds(state.unread_since.now), nanoseconds(state.unread_since.boot),
+    const nlohmann::json unread_since{nanoseconds(state.unread_since.now), nanoseconds(state.unread_since.boot),
                             nanoseconds(state.unread_since.real)};
-    return json{{"format", format}, {"unread_since", unread_since}, {"links", std::move(links)}}.dump(
-        -1, ' ', false, json::error_handler_t::replace);
+    return nlohmann::json{{"format", format}, {"unread_since", unread_since}, {"links", std::move(links)}}.dump(
+        -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now) try {
-    const json all = json::parse(text);
+    const nlohmann::json all = nlohmann::json::parse(text);
     if (all.at("format") != format) return std::nullopt;
-    const json& since = all.at("unread_since");
+    const nlohmann::json& since = all.at("unread_since");
     StoredState state{{ano::TimePoint{duration(since.at(0))}, duration(since.at(1)), duration(since.at(2))}};
     if (state.unread_since.now > now.now || state.unread_since.boot > now.boot) return std::nullopt;
-    for (const json& link : all.at("links")) state.links.push_back(link_of(link, state.unread_since, now.now));
+    for (const nlohmann::json& link : all.at("links")) state.links.push_back(link_of(link, state.unread_since, now.now));
     return state;
-} catch (const json::exception&) {
+} catch (const nlohmann::json::exception&) {
     return std::nullopt;
 }
 

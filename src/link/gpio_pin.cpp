@@ -24,7 +24,7 @@ void GpioPin::look() {
     else if (!line_->value()) lose();
 }
 
-Expected<void> GpioPin::open() {
+Opened<void> GpioPin::open() {
     auto line = direction_ == Direction::in ? GpioLine::open_input(settings_) : GpioLine::open_output(settings_, active_);
     if (!line) return Unexpected{std::move(line.error())};
     line_ = std::move(*line);

@@ -44,7 +44,7 @@ public:
     TimePoint edge_at() const noexcept { return edge_at_; }
 
 private:
-    Expected<void> open();
+    Opened<void> open();
     void not_held(std::string why);
     bool read_value();
     void take_edges();
