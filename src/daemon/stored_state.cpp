@@ -10,7 +10,6 @@
 namespace anogate {
 namespace {
 
-
 constexpr int format = 1;
 
 std::int64_t nanoseconds(ano::Duration time) { return std::chrono::nanoseconds{time}.count(); }
@@ -107,7 +106,7 @@ std::string text_of(const StoredState& state) {
     nlohmann::json links = nlohmann::json::array();
     for (const StoredState::OfLink& link : state.links) links.push_back(json_of(link));
     const nlohmann::json unread_since{nanoseconds(state.unread_since.now), nanoseconds(state.unread_since.boot),
-                            nanoseconds(state.unread_since.real)};
+                                      nanoseconds(state.unread_since.real)};
     return nlohmann::json{{"format", format}, {"unread_since", unread_since}, {"links", std::move(links)}}.dump(
         -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

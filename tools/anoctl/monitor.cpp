@@ -130,7 +130,8 @@ private:
         up_ = true;
         why_.clear();
     }
-    void link_down(Link& link, std::string why) override {
+    void link_down(Link& link, LinkError error) override {
+        std::string& why = error.text;
         const bool has_gateway = why.ends_with("in use by another gateway") || why.find("in use by anogated (") != why.npos;
         if (why != why_) complain() << link.name() << ": waiting: " << why << (has_gateway ? how_to_watch : "") << std::endl;
         up_ = false;
