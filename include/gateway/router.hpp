@@ -95,8 +95,12 @@ public:
 
     /// When `address` was heard by `channel`, where it is at home; nothing: it is not.
     std::optional<TimePoint> heard_at(std::uint8_t address, ChannelId channel) const noexcept;
+    /// Whether it was at home there before it moved: when it speaks there, it is back.
+    bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
     /// `source` was at home there when the program ran before, and was heard at `at`. Not for one that was learned since.
     void restore(std::uint8_t source, ChannelId channel, TimePoint at);
+    /// It was_first() there.
+    void restore_first(std::uint8_t source, ChannelId channel) { first_[source].insert(channel); }
 
     /// A frame that goes no further is a sign of life all the same, where its source is at home, or was first. True: that is a
     /// conflict.
@@ -160,7 +164,6 @@ private:
     std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
     void move(std::uint8_t source, ChannelId to);
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
-    bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
     bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const;

@@ -2,6 +2,7 @@
 #pragma once
 #include <link/stored_link.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,11 +21,21 @@ struct StoredAddress {
 struct StoredChannel {
     std::string peer;
     std::vector<StoredAddress> addresses{};
+    std::vector<std::uint8_t> first{};    // addresses that were at home there before they moved
+};
+
+/// Which file an open descriptor is of, whatever number it has.
+struct WireIdentity {
+    std::uint64_t device = 0, inode = 0;    // both 0: none
+
+    static WireIdentity of(int fd) noexcept;
+    friend bool operator==(const WireIdentity&, const WireIdentity&) = default;
 };
 
 struct StoredState {
     struct OfLink {
         std::string name;
+        WireIdentity wire{};
         StoredLink link{};
         std::vector<StoredChannel> channels{};
     };

@@ -49,7 +49,7 @@ Opened<void> CanLink::open() {
     descriptor_.open(std::move(*wire));
     keep_stamps(descriptor_.fd());
     const ClockReading clocks = context_.host.turn().clocks();
-    arrival_.found_empty(stored ? stored->unread_since : clocks);
+    begin_arrival(arrival_, descriptor_.fd(), stored ? &*stored : nullptr, clocks);
     pacing_.start(settings().rate, settings().latency);
     descriptor_.read_with([this] { read(); });
     context_.host.link_up(*this);

@@ -5,6 +5,8 @@
 #include <gateway/peer_book.hpp>
 #include <link/unique_fd.hpp>
 
+#include <poll.h>
+
 #include <cstdint>
 #include <vector>
 
@@ -23,5 +25,12 @@ struct StoredLink {
     std::vector<std::uint8_t> rest{};    // what was read of a frame whose end had not come
     std::vector<StoredPeer> peers{};
 };
+
+/// Reading begins now. What waits on a wire that was another program's may have come at any time since that stopped to read.
+inline void begin_arrival(Arrival& arrival, int wire, const StoredLink* stored, const ClockReading& now) noexcept {
+    pollfd waiting{wire, POLLIN, 0};
+    if (stored && ::poll(&waiting, 1, 0) > 0) arrival.unread_since(stored->unread_since);
+    else arrival.found_empty(now);
+}
 
 }    // namespace anogate

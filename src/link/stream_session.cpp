@@ -18,7 +18,8 @@ StreamSession::StreamSession(const LinkContext& context)
       descriptor_{context.io},
       expiry_{context.alarms,
               [this] {
-                  if (channel_->parser.expire(context_.host.now())) deliver();
+                  channel_->parser.expire(context_.host.now());
+                  deliver();
                   if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
               }},
       pacing_{context.alarms, [this] { write(); }} {}
@@ -44,13 +45,14 @@ void StreamSession::continue_opening() {
 
 void StreamSession::begin_input() {
     const ClockReading now = context_.host.turn().clocks();
-    if (!stored_) return arrival_.found_empty(now);
+    begin_arrival(arrival_, fd(), stored_ ? &*stored_ : nullptr, now);
+    if (!stored_) return;
     const StoredLink stored = *std::exchange(stored_, std::nullopt);
-    arrival_.unread_since(stored.unread_since);
     const auto room = channel_->parser.prepare();
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
     channel_->parser.commit(size, stored.unread_since.now);
+    expiry_.set(now.now);    // frames may stand behind a false header; the other links are up then
 }
 
 void StreamSession::close() noexcept {

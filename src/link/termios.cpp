@@ -4,6 +4,7 @@
 #include <link/termios.hpp>
 
 #include <asm/termbits.h>
+#include <fcntl.h>
 #include <linux/major.h>
 #include <linux/serial.h>
 #include <poll.h>
@@ -89,6 +90,7 @@ bool is_port_at(int fd, const std::string& path) noexcept {
     }, named{};
     if (::fstat(fd, &open) != 0 || ::stat(path.c_str(), &named) != 0) return false;
     if (!S_ISCHR(open.st_mode) || !S_ISCHR(named.st_mode) || open.st_rdev != named.st_rdev) return false;
+    if ((::fcntl(fd, F_GETFL) & O_ACCMODE) != O_RDWR) return false;
     pollfd hung_up{fd, 0, 0};
     return ::poll(&hung_up, 1, 0) >= 0 && (hung_up.revents & (POLLHUP | POLLERR | POLLNVAL)) == 0;
 }

@@ -91,7 +91,7 @@ Opened<UniqueFd> UdpLink::open_to_peer() {
     const std::string& interface = settings().as<UdpSettings>().interface;
     UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), local, interface, connected_ ? std::optional{peer} : std::nullopt)
                            : UniqueFd{};
-    if (wire) arrival_.found_empty(stored->unread_since);
+    if (wire) begin_arrival(arrival_, wire.get(), &*stored, context_.host.turn().clocks());
     auto socket = wire ? Opened<UniqueFd>{std::move(wire)} : open_udp(local, multicast, interface);
     if (!socket) return socket;
     if (multicast) {

@@ -22,7 +22,10 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     std::uint16_t local_port() const override { return descriptor_.is_open() ? local_.port : 0; }
-    int storable_wire() const override { return descriptor_.fd(); }
+    /// Not in a group: what a socket has joined and by which interface it sends can't be asked, and would stay.
+    int storable_wire() const override {
+        return settings().as<UdpSettings>().peer.address.is_multicast() ? -1 : descriptor_.fd();
+    }
     LinkFacts facts() const override;
     LinkError trouble() const override;
 

@@ -77,12 +77,12 @@ Opened<void> UdpListenLink::open() {
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
     descriptor_.open(std::move(*socket));
     const ClockReading clocks = context_.host.turn().clocks();
-    arrival_.found_empty(is_stored ? stored->unread_since : clocks);
+    begin_arrival(arrival_, descriptor_.fd(), is_stored ? &*stored : nullptr, clocks);
     opened(local_);
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(listen.interface.empty() ? listen.local : EndpointSpec{listen.local, listen.interface});
     context_.host.link_up(*this);
-    if (is_stored) restore_peers(stored->peers, clocks.now);
+    if (is_stored) restore_peers(std::move(stored->peers), clocks.now);
     return {};
 }
 

@@ -57,7 +57,7 @@ private:
     struct Peer;
 
     Opened<void> open();
-    void restore_peers(const std::vector<StoredPeer>& peers, TimePoint now);
+    void restore_peers(std::vector<StoredPeer> peers, TimePoint now);
     void fail(LinkError why);
     void read();
     void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);

@@ -22,7 +22,9 @@ std::vector<StoredPeer> UdpListenLink::peers() const {
 }
 
 // Or those that only listen would get nothing any more. They are admitted by the settings of now.
-void UdpListenLink::restore_peers(const std::vector<StoredPeer>& peers, TimePoint now) try {
+void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) try {
+    std::sort(peers.begin(), peers.end(),
+              [](const StoredPeer& a, const StoredPeer& b) { return a.memory.heard_at > b.memory.heard_at; });
     for (const StoredPeer& stored : peers) {
         if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
         const PeerBook::Place place = book_.place_for(stored.endpoint, now);
