@@ -82,6 +82,7 @@ public:
     void restore(std::uint8_t address, const Channel& channel, TimePoint heard_at) {
         router_.restore(address, channel.id, heard_at);
     }
+    void restore_first(std::uint8_t address, const Channel& channel) { router_.restore_first(address, channel.id); }
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
     /// removed. Called again, it changes what is carried.

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <string_view>
@@ -23,17 +24,7 @@ int number(const char* text) {
     return ec == std::errc{} && end == digits.data() + digits.size() ? value : -1;
 }
 
-// systemd has taken all that was sent before when it closes the other end.
-bool await_systemd() {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) return false;
-    const UniqueFd ours{ends[0]};
-    UniqueFd theirs{ends[1]};
-    if (!notify_systemd("BARRIER=1", theirs.get())) return false;
-    theirs = {};
-    pollfd closed{ours.get(), 0, 0};
-    return ::poll(&closed, 1, patience_ms) == 1;
-}
+void remove_from_store(const std::string& name) { notify_systemd("FDSTOREREMOVE=1\nFDNAME=" + name, {}, Patience::some); }
 
 }    // namespace
 
@@ -49,17 +40,29 @@ std::vector<NamedDescriptor> take_descriptors() {
         const std::string name = names.substr(0, end);
         names.erase(0, end + 1);
         if (::fcntl(first_passed + i, F_SETFD, FD_CLOEXEC) != 0) continue;
+        const bool is_new = std::none_of(descriptors.begin(), descriptors.end(), [&](const auto& d) { return d.first == name; });
         descriptors.emplace_back(name, UniqueFd{first_passed + i});
-        notify_systemd("FDSTOREREMOVE=1\nFDNAME=" + name);
+        if (is_new) remove_from_store(name);    // all of that name
     }
     return descriptors;
 }
 
-bool store_descriptors(const std::vector<NamedDescriptor>& descriptors) {
-    bool all = true;
-    // What it watches it closes when something is wrong there: of a UDP socket, that nobody listens at a peer's port.
-    for (const auto& [name, fd] : descriptors) all = notify_systemd("FDSTORE=1\nFDPOLL=0\nFDNAME=" + name, fd.get()) && all;
-    return all && await_systemd();
+// What systemd watches it closes when something is wrong there: of a UDP socket, that nobody listens at a peer's port.
+bool store_descriptors(const std::string& name, std::span<const int> descriptors) {
+    return notify_systemd("FDSTORE=1\nFDPOLL=0\nFDNAME=" + name, descriptors, Patience::some);
+}
+
+// It has, when it closes the other end.
+bool await_systemd() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) return false;
+    const UniqueFd ours{ends[0]};
+    UniqueFd theirs{ends[1]};
+    const int passed[] = {theirs.get()};
+    if (!notify_systemd("BARRIER=1", passed, Patience::some)) return false;
+    theirs = {};
+    pollfd closed{ours.get(), 0, 0};
+    return ::poll(&closed, 1, patience_ms) == 1;
 }
 
 }    // namespace anogate

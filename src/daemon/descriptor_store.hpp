@@ -3,6 +3,7 @@
 #pragma once
 #include <link/unique_fd.hpp>
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,8 +16,10 @@ using NamedDescriptor = std::pair<std::string, UniqueFd>;
 /// another thread runs.
 std::vector<NamedDescriptor> take_descriptors();
 
-/// Puts copies there, in place of what had these names, and returns when systemd has them, or does not take them in time. False: it has
-/// not; without systemd nothing happens.
-bool store_descriptors(const std::vector<NamedDescriptor>& descriptors);
+/// Puts copies there, all of one name; at most 253. False: systemd does not take them in time, or there is none.
+bool store_descriptors(const std::string& name, std::span<const int> descriptors);
+
+/// Returns when systemd has all that was sent to it, or does not take it in time: false.
+bool await_systemd();
 
 }    // namespace anogate

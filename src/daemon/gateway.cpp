@@ -168,17 +168,21 @@ std::optional<StoredLink> Gateway::take_stored(const Link& link) {
     return std::nullopt;
 }
 
+// Behind another wire under the same name there are others.
 void Gateway::restore_addresses() {
     for (const StoredState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
-            if (s.link->name() == stored.name) restore_addresses(*s.link, stored);
+            if (s.link->name() == stored.name && WireIdentity::of(s.link->storable_wire()) == stored.wire)
+                restore_addresses(*s.link, stored);
 }
 
 void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& stored) {
     for (const ChannelId id : forwarder_.traffic(link.id()).channels)
-        for (const StoredChannel& was : stored.channels)
-            if (was.peer == channel(id).peer)
-                for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
+        for (const StoredChannel& was : stored.channels) {
+            if (was.peer != channel(id).peer) continue;
+            for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
+            for (const std::uint8_t address : was.first) forwarder_.restore_first(address, channel(id));
+        }
 }
 
 void Gateway::check_required() {

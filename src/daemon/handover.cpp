@@ -14,13 +14,18 @@ namespace anogate {
 namespace {
 
 constexpr char state_name[] = "state";
-constexpr off_t max_state = 4 << 20;    // bytes; 64 channels that each know every address are some 400 KB
-
-std::string wire_name(std::size_t place) { return "wire-" + std::to_string(place); }
+constexpr char wire_name[] = "wire";
+constexpr off_t max_state = 1 << 20;    // bytes; 64 channels that each know every address are some 400 KB
 
 UniqueFd find(std::vector<NamedDescriptor>& descriptors, const std::string& name) {
     for (auto& [its_name, fd] : descriptors)
         if (its_name == name) return std::move(fd);
+    return {};
+}
+
+UniqueFd find(std::vector<NamedDescriptor>& descriptors, const WireIdentity& wire) {
+    for (auto& [name, fd] : descriptors)
+        if (name == wire_name && fd && WireIdentity::of(fd.get()) == wire) return std::move(fd);
     return {};
 }
 
@@ -45,19 +50,21 @@ StoredState take_handover() {
     std::vector<NamedDescriptor> descriptors = take_descriptors();
     auto state = parse_stored_state(read_all(find(descriptors, state_name)), read_clocks());
     if (!state) return {};
-    for (std::size_t i = 0; i < state->links.size(); ++i) state->links[i].link.wire = find(descriptors, wire_name(i));
+    for (StoredState::OfLink& link : state->links) link.link.wire = find(descriptors, link.wire);
     return std::move(*state);
 }
 
 void hand_over(const Gateway& gateway) {
     if (!std::getenv("NOTIFY_SOCKET")) return;
-    StoredState state = state_of(gateway);
-    std::vector<NamedDescriptor> descriptors;
-    descriptors.emplace_back(state_name, memory_with(text_of(state)));
-    if (!descriptors.front().second) return;
-    for (std::size_t i = 0; i < state.links.size(); ++i)
-        if (state.links[i].link.wire) descriptors.emplace_back(wire_name(i), std::move(state.links[i].link.wire));
-    if (!store_descriptors(descriptors)) spdlog::warn("systemd did not take all wires: a restart opens them again");
+    const StoredState state = state_of(gateway);
+    const UniqueFd text = memory_with(text_of(state));
+    std::vector<int> wires;
+    for (const StoredState::OfLink& link : state.links)
+        if (link.link.wire) wires.push_back(link.link.wire.get());
+    const int texts[] = {text.get()};
+    const bool is_stored = text && (wires.empty() || store_descriptors(wire_name, wires)) &&
+                           store_descriptors(state_name, texts) && await_systemd();
+    if (!is_stored) spdlog::warn("systemd does not answer: a restart opens all wires again");
 }
 
 }    // namespace anogate

@@ -39,22 +39,23 @@ bool send(std::string_view message, msghdr& header, int flags) noexcept {
 
 }    // namespace
 
-bool notify_systemd(std::string_view message) noexcept {
-    msghdr header{};
-    return send(message, header, MSG_DONTWAIT);
-}
+bool notify_systemd(std::string_view message) noexcept { return notify_systemd(message, {}, Patience::none); }
 
-bool notify_systemd(std::string_view message, int fd) noexcept {
-    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof fd)> control{};
+bool notify_systemd(std::string_view message, std::span<const int> descriptors, Patience patience) noexcept {
+    constexpr std::size_t most = 253;    // SCM_MAX_FD
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(most * sizeof(int))> control{};
     msghdr header{};
-    header.msg_control = control.data();
-    header.msg_controllen = control.size();
-    cmsghdr* const passed = CMSG_FIRSTHDR(&header);
-    passed->cmsg_level = SOL_SOCKET;
-    passed->cmsg_type = SCM_RIGHTS;
-    passed->cmsg_len = CMSG_LEN(sizeof fd);
-    std::memcpy(CMSG_DATA(passed), &fd, sizeof fd);
-    return send(message, header, 0);
+    if (descriptors.size() > most) return false;
+    if (!descriptors.empty()) {
+        header.msg_control = control.data();
+        header.msg_controllen = CMSG_SPACE(descriptors.size_bytes());
+        cmsghdr* const passed = CMSG_FIRSTHDR(&header);
+        passed->cmsg_level = SOL_SOCKET;
+        passed->cmsg_type = SCM_RIGHTS;
+        passed->cmsg_len = CMSG_LEN(descriptors.size_bytes());
+        std::memcpy(CMSG_DATA(passed), descriptors.data(), descriptors.size_bytes());
+    }
+    return send(message, header, patience == Patience::none ? MSG_DONTWAIT : 0);
 }
 
 std::optional<ano::Duration> watchdog_interval() noexcept {

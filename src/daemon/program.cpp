@@ -82,7 +82,7 @@ public:
             status_ = 1;
             stop("a required link is missing");
         });
-        notify_systemd("READY=1");
+        notify_systemd("READY=1", {}, Patience::some);
         keep_watchdog();
         hints_.start(between_hints);
         io_.run();

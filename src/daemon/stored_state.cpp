@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 
 namespace anogate {
 namespace {
@@ -22,11 +23,26 @@ ano::TimePoint past(const nlohmann::json& value, ano::TimePoint now) {
     return std::min(time, now);
 }
 
+// While the machine was suspended, one of the clocks went on.
+ano::Duration suspended_since(const ClockReading& then, const ClockReading& now) {
+    const ano::Duration asleep = (now.boot - then.boot) - (now.now - then.now);
+    return asleep > LoopWatch::lateness ? asleep : ano::Duration{};
+}
+
+void grow_older(StoredState& state, ano::Duration time) {
+    for (StoredState::OfLink& link : state.links) {
+        for (StoredPeer& peer : link.link.peers) peer.memory.heard_at -= time;
+        for (StoredChannel& channel : link.channels)
+            for (StoredAddress& address : channel.addresses) address.heard_at -= time;
+    }
+}
+
 StoredChannel stored_channel(const Channel& channel, const Router& router) {
     StoredChannel stored{channel.peer};
     for (unsigned a = 0; a < 256; ++a) {
         const auto address = static_cast<std::uint8_t>(a);
         if (const auto heard_at = router.heard_at(address, channel.id)) stored.addresses.push_back({address, *heard_at});
+        if (router.was_first(address, channel.id)) stored.first.push_back(address);
     }
     return stored;
 }
@@ -52,16 +68,20 @@ std::optional<StoredPeer> peer_of(const nlohmann::json& from, ano::TimePoint now
 nlohmann::json json_of(const StoredChannel& channel) {
     nlohmann::json addresses = nlohmann::json::array();
     for (const StoredAddress& a : channel.addresses) addresses.push_back({a.address, nanoseconds(a.heard_at)});
-    return {{"peer", channel.peer}, {"addresses", std::move(addresses)}};
+    return {{"peer", channel.peer}, {"addresses", std::move(addresses)}, {"first", channel.first}};
+}
+
+std::optional<std::uint8_t> address_of(const nlohmann::json& value) {
+    const int address = value.get<int>();
+    return address >= 0 && address <= 0xFF ? std::optional{static_cast<std::uint8_t>(address)} : std::nullopt;
 }
 
 StoredChannel channel_of(const nlohmann::json& from, ano::TimePoint now) {
     StoredChannel channel{from.at("peer").get<std::string>()};
-    for (const nlohmann::json& a : from.at("addresses")) {
-        const int address = a.at(0).get<int>();
-        if (address >= 0 && address <= 0xFF)
-            channel.addresses.push_back({static_cast<std::uint8_t>(address), past(a.at(1), now)});
-    }
+    for (const nlohmann::json& a : from.at("addresses"))
+        if (const auto address = address_of(a.at(0))) channel.addresses.push_back({*address, past(a.at(1), now)});
+    for (const nlohmann::json& a : from.at("first"))
+        if (const auto address = address_of(a)) channel.first.push_back(*address);
     return channel;
 }
 
@@ -69,12 +89,16 @@ nlohmann::json json_of(const StoredState::OfLink& link) {
     nlohmann::json peers = nlohmann::json::array(), channels = nlohmann::json::array();
     for (const StoredPeer& peer : link.link.peers) peers.push_back(json_of(peer));
     for (const StoredChannel& channel : link.channels) channels.push_back(json_of(channel));
-    return {
-        {"name", link.name}, {"rest", ano::hex(link.link.rest)}, {"peers", std::move(peers)}, {"channels", std::move(channels)}};
+    return {{"name", link.name},
+            {"wire", {link.wire.device, link.wire.inode}},
+            {"rest", ano::hex(link.link.rest)},
+            {"peers", std::move(peers)},
+            {"channels", std::move(channels)}};
 }
 
 StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unread_since, ano::TimePoint now) {
     StoredState::OfLink link{from.at("name").get<std::string>()};
+    link.wire = {from.at("wire").at(0).get<std::uint64_t>(), from.at("wire").at(1).get<std::uint64_t>()};
     link.link.unread_since = unread_since;
     link.link.rest = ano::from_hex(from.at("rest").get<std::string>()).value_or(std::vector<std::uint8_t>{});
     for (const nlohmann::json& p : from.at("peers"))
@@ -85,12 +109,19 @@ StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unre
 
 }    // namespace
 
+// Of a port it is the device file: another port under the same path is another one.
+WireIdentity WireIdentity::of(int fd) noexcept {
+    struct stat info {};
+    return fd >= 0 && ::fstat(fd, &info) == 0 ? WireIdentity{info.st_dev, info.st_ino} : WireIdentity{};
+}
+
 StoredState state_of(const Gateway& gateway) {
     StoredState state{gateway.unread_since()};
     for (const LinkState& s : gateway.links()) {
         StoredState::OfLink stored{s.link->name()};
         const int wire = s.link->storable_wire();
         if (wire >= 0) stored.link.wire = UniqueFd{::fcntl(wire, F_DUPFD_CLOEXEC, 0)};
+        stored.wire = WireIdentity::of(stored.link.wire.get());
         stored.link.peers = s.link->peers();
         for (const ChannelId id : gateway.forwarder().traffic(s.link->id()).channels) {
             const Channel& channel = gateway.channel(id);
@@ -118,6 +149,7 @@ std::optional<StoredState> parse_stored_state(std::string_view text, const Clock
     StoredState state{{ano::TimePoint{duration(since.at(0))}, duration(since.at(1)), duration(since.at(2))}};
     if (state.unread_since.now > now.now || state.unread_since.boot > now.boot) return std::nullopt;
     for (const nlohmann::json& link : all.at("links")) state.links.push_back(link_of(link, state.unread_since, now.now));
+    grow_older(state, suspended_since(state.unread_since, now));
     return state;
 } catch (const nlohmann::json::exception&) {
     return std::nullopt;

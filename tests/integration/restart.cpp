@@ -12,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <thread>
 
 namespace {
 
@@ -20,7 +21,7 @@ using nlohmann::json;
 
 constexpr std::uint8_t host = 0xFE, fc = 0xDC, other = 0xDD;
 
-bool is_open_elsewhere(const std::map<std::string, anogate::UniqueFd>& stored, const std::string& path) {
+bool is_open_elsewhere(const std::multimap<std::string, anogate::UniqueFd>& stored, const std::string& path) {
     struct stat named {
     }, open{};
     if (::stat(path.c_str(), &named) != 0) return false;
@@ -166,6 +167,98 @@ TEST_F(Restart, a_frame_that_was_half_there_is_whole_afterwards) {
     EXPECT_TRUE(hears(peer, whole));
 }
 
+// What waits on a wire may be as old as the restart. A wire that was silent has nothing old.
+TEST_F(Restart, the_first_frame_on_a_silent_line_is_as_young_as_it_is) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground,age.rest=50ms"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    UdpPeer peer;
+    peer.send(ground(), frame(host, 0xFF, 0x05));
+    ASSERT_TRUE(knows("0xFE"));
+    ASSERT_TRUE(restart());
+    ASSERT_TRUE(service->until_up("fc"));
+    std::this_thread::sleep_for(std::chrono::milliseconds{100});    // older than a frame may be, were it as old as the start
+    const Bytes first = frame(fc, host, 0xF1, Bytes(20, 7));
+    device.write(first);
+    EXPECT_TRUE(hears(peer, first));
+}
+
+TEST_F(Restart, a_good_frame_behind_a_false_header_comes_without_more_bytes) {
+    PtyDevice device{dir / "fc"};
+    configure({"serial:" + device.path() + ",name=fc,age.rest=1m", "udp-listen:127.0.0.1:0,name=ground,age.rest=1m"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
+    UdpPeer peer;
+    peer.send(ground(), frame(host, 0xFF, 0x05));
+    ASSERT_TRUE(knows("0xFE"));
+    const Bytes first = frame(fc, 0xFF, 0x06), good = frame(fc, host, 0xF1, Bytes(20, 7));
+    device.write(first + Bytes{0xAB, fc, host, 0x03, 0xC8, 0x00} + good);
+    ASSERT_TRUE(hears(peer, first));
+    ASSERT_TRUE(restart());
+    EXPECT_TRUE(hears(peer, good));
+}
+
+TEST_F(Restart, who_was_at_home_first_comes_back_still) {
+    PtyDevice home{dir / "home"}, thief{dir / "thief"};
+    configure({"serial:" + home.path() + ",name=home", "serial:" + thief.path() + ",name=thief"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("home") && service->until_up("thief"));
+    home.write(frame(fc, 0xFF, 0x06));
+    ASSERT_TRUE(knows("0xDC"));
+    const auto leads_to = [&](const char* link) { return route("0xDC").value("links", json::array()) == json::array({link}); };
+    ASSERT_TRUE(wait_until([&] {
+        thief.write(frame(fc, 0xFF, 0x06));
+        return leads_to("thief");
+    })) << "its holder does not answer";
+    ASSERT_TRUE(restart());
+    ASSERT_TRUE(service->until_up("home") && service->until_up("thief"));
+    EXPECT_TRUE(leads_to("thief"));
+    EXPECT_TRUE(wait_until([&] {
+        home.write(frame(fc, 0xFF, 0x06));
+        return leads_to("home");
+    }));
+}
+
+TEST_F(Restart, what_was_behind_another_wire_is_forgotten) {
+    PtyDevice left{dir / "a"}, right{dir / "b"};
+    std::filesystem::create_symlink(left.terminal(), dir / "left");
+    std::filesystem::create_symlink(right.terminal(), dir / "right");
+    configure({"serial:" + (dir / "left") + ",name=left", "serial:" + (dir / "right") + ",name=right"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("left") && service->until_up("right"));
+    left.write(frame(fc, 0xFF, 0x06));
+    ASSERT_TRUE(knows("0xDC"));
+    ASSERT_EQ(manager.stop(*service), 0);
+    for (const char* name : {"left", "right"}) std::filesystem::remove(dir / name);
+    std::filesystem::create_symlink(right.terminal(), dir / "left");
+    std::filesystem::create_symlink(left.terminal(), dir / "right");
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("left") && service->until_up("right"));
+    EXPECT_TRUE(route("0xDC").is_null());
+    left.write(frame(fc, 0xFF, 0x06));
+    EXPECT_TRUE(wait_until([&] { return route("0xDC").value("links", json::array()) == json::array({"right"}); }));
+}
+
+TEST_F(Restart, of_a_multicast_group_no_socket_is_kept) {
+    const std::string port = std::to_string(UdpPeer{}.port());
+    configure({"udp:239.9.9.1:" + port + ",bind=127.0.0.1:" + port + ",name=group"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("group"));
+    ASSERT_EQ(manager.stop(*service), 0);
+    EXPECT_EQ(manager.stored().count("wire"), 0u);
+}
+
+// Within TimeoutStopSec= of the unit.
+TEST_F(Restart, a_manager_who_does_not_answer_makes_the_end_little_longer) {
+    json links = json::array();
+    for (int i = 0; i < 40; ++i) links.push_back("udp-listen:127.0.0.1:0,name=l" + std::to_string(i));
+    configure(links);
+    ASSERT_TRUE(start());
+    service->signal(SIGTERM);
+    EXPECT_EQ(service->wait(std::chrono::seconds{5}), 0);
+}
+
 TEST_F(Restart, what_is_no_longer_configured_is_closed) {
     PtyDevice device{dir / "fc"};
     configure(
@@ -248,10 +341,10 @@ TEST_F(Restart, what_makes_no_sense_is_passed_over) {
                              R"({"format": 1, "unread_since": [0, 0, 0], "links": [{"name": "fc", "rest": "zz", "peers": [],
                                  "channels": [{"peer": "x", "addresses": [[300, -1]]}]}]})"}) {
         manager.forget();
-        manager.stored()["state"] = anogate::UniqueFd{::open(dir.write("junk", junk).c_str(), O_RDONLY | O_CLOEXEC)};
-        manager.stored()["wire-0"] = anogate::UniqueFd{::open("/dev/null", O_RDWR | O_CLOEXEC)};
-        manager.stored()["wire-1"] = anogate::UniqueFd{::open("/", O_RDONLY | O_CLOEXEC)};
-        manager.stored()["of another program"] = anogate::UniqueFd{::socket(AF_UNIX, SOCK_STREAM, 0)};
+        manager.stored().emplace("state", anogate::UniqueFd{::open(dir.write("junk", junk).c_str(), O_RDONLY | O_CLOEXEC)});
+        manager.stored().emplace("wire", anogate::UniqueFd{::open("/dev/null", O_RDWR | O_CLOEXEC)});
+        manager.stored().emplace("wire", anogate::UniqueFd{::open("/", O_RDONLY | O_CLOEXEC)});
+        manager.stored().emplace("of another program", anogate::UniqueFd{::socket(AF_UNIX, SOCK_STREAM, 0)});
         ASSERT_TRUE(start()) << junk;
         EXPECT_TRUE(service->until_up("fc") && service->until_up("ground")) << junk;
         EXPECT_TRUE(manager.stored().empty());

@@ -56,7 +56,7 @@ public:
         for (std::size_t i = 0; i < n; ++i) {
             const auto type = static_cast<std::uint8_t>(i % 10);
             Bytes value(ano::width(*ano::parameter_type(type)));
-            for (std::size_t k = 0; k < value.size(); ++k) value[k] = static_cast<std::uint8_t>(i + k);
+            for (std::size_t k = 0; k < value.size(); ++k) value.at(k) = static_cast<std::uint8_t>(i + k);
             parameters.push_back({type, "PAR_" + std::to_string(i), std::string(text, 'x'), value});
         }
     }

@@ -15,6 +15,8 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace support {
 
@@ -49,7 +51,7 @@ public:
         return ended ? service.wait() : -1;
     }
     /// By name.
-    std::map<std::string, anogate::UniqueFd>& stored() {
+    std::multimap<std::string, anogate::UniqueFd>& stored() {
         hear();
         return stored_;
     }
@@ -69,7 +71,7 @@ private:
 
     void hear() {
         std::array<char, 4096> text{};
-        alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+        alignas(cmsghdr) std::array<char, CMSG_SPACE(253 * sizeof(int))> control{};
         for (;;) {
             iovec piece{text.data(), text.size()};
             msghdr message{};
@@ -79,27 +81,29 @@ private:
             message.msg_controllen = control.size();
             const ssize_t n = ::recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
             if (n <= 0) return;
-            anogate::UniqueFd fd;
-            if (const cmsghdr* passed = CMSG_FIRSTHDR(&message)) {
-                int number = -1;
-                std::memcpy(&number, CMSG_DATA(passed), sizeof number);
-                fd = anogate::UniqueFd{number};
-            }
-            take(std::string{text.data(), static_cast<std::size_t>(n)}, std::move(fd));
+            std::vector<anogate::UniqueFd> descriptors;
+            if (const cmsghdr* passed = CMSG_FIRSTHDR(&message))
+                for (std::size_t i = 0; i < (passed->cmsg_len - CMSG_LEN(0)) / sizeof(int); ++i) {
+                    int number = -1;
+                    std::memcpy(&number, CMSG_DATA(passed) + i * sizeof number, sizeof number);
+                    descriptors.emplace_back(number);
+                }
+            take(std::string{text.data(), static_cast<std::size_t>(n)}, std::move(descriptors));
         }
     }
     // BARRIER=1 is answered by closing what came with it.
-    void take(const std::string& message, anogate::UniqueFd fd) {
+    void take(const std::string& message, std::vector<anogate::UniqueFd> descriptors) {
         const std::string field = "FDNAME=";
         const std::size_t at = message.find(field);
         const std::string name = at == message.npos ? "" : message.substr(at + field.size());
-        if (message.starts_with("FDSTORE=1")) stored_[name] = std::move(fd);
+        if (message.starts_with("FDSTORE=1"))
+            for (anogate::UniqueFd& fd : descriptors) stored_.emplace(name, std::move(fd));
         else if (message.starts_with("FDSTOREREMOVE=1")) stored_.erase(name);
     }
 
     std::string path_;
     anogate::UniqueFd socket_;
-    std::map<std::string, anogate::UniqueFd> stored_;
+    std::multimap<std::string, anogate::UniqueFd> stored_;
 };
 
 }    // namespace support

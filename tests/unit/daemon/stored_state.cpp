@@ -16,7 +16,8 @@ StoredState sample() {
     link.link.rest = {0xAB, 0xFE};
     link.link.peers.push_back({*Endpoint::parse("192.168.1.20:5000"), {now.now - 2s, true, false}, true});
     link.link.peers.push_back({*Endpoint::parse("[2001:db8::1]:6"), {now.now - 3s, false, true}, false});
-    link.channels.push_back({"192.168.1.20:5000", {{0xFE, now.now - 2s}, {0xDC, now.now - 4s}}});
+    link.wire = {7, std::uint64_t{1} << 60};
+    link.channels.push_back({"192.168.1.20:5000", {{0xFE, now.now - 2s}, {0xDC, now.now - 4s}}, {0xDD}});
     state.links.push_back({"empty"});
     return state;
 }
@@ -46,6 +47,8 @@ TEST(StoredState, is_read_as_it_was_written) {
     ASSERT_EQ(one.channels[0].addresses.size(), 2u);
     EXPECT_EQ(one.channels[0].addresses[1].address, 0xDC);
     EXPECT_EQ(one.channels[0].addresses[1].heard_at, now.now - 4s);
+    EXPECT_EQ(one.channels[0].first, std::vector<std::uint8_t>{0xDD});
+    EXPECT_EQ(one.wire, was.wire);
     EXPECT_EQ(read->links[1].name, "empty");
 }
 
@@ -63,6 +66,13 @@ TEST(StoredState, knows_nothing_that_is_still_to_come) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now);
     EXPECT_EQ(read->links[0].channels[0].addresses[0].heard_at, now.now);
+}
+
+TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
+    const auto read = parse_stored_state(text_of(sample()), {now.now, now.boot + 1h, now.real + 1h});
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now - 2s - 1h);
+    EXPECT_EQ(read->links[0].channels[0].addresses[1].heard_at, now.now - 4s - 1h);
 }
 
 TEST(StoredState, that_is_damaged_is_none) {
