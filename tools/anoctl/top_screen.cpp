@@ -15,22 +15,22 @@ namespace {
 using Status = nlohmann::json;
 
 // Of a status: what is missing or of another type counts as nothing.
-const Status& at(const Status& object, std::string_view key) {
+const Status& member(const Status& object, std::string_view key) {
     static const Status nothing;
     if (!object.is_object()) return nothing;
     const auto found = object.find(std::string{key});
     return found != object.end() ? *found : nothing;
 }
 std::string text_at(const Status& object, std::string_view key) {
-    const Status& value = at(object, key);
+    const Status& value = member(object, key);
     return value.is_string() ? value.get<std::string>() : std::string{};
 }
 std::uint64_t count_at(const Status& object, std::string_view key) {
-    const Status& value = at(object, key);
+    const Status& value = member(object, key);
     return value.is_number_integer() && value >= 0 ? value.get<std::uint64_t>() : 0;
 }
 std::optional<double> seconds_at(const Status& object, std::string_view key) {
-    const Status& value = at(object, key);
+    const Status& value = member(object, key);
     return value.is_number() ? std::optional{value.get<double>()} : std::nullopt;
 }
 
@@ -76,7 +76,7 @@ void add_rates(TopChannel& row, const Status& before, const Status& now, double 
 
 void add_link(TopView& view, const Status& before, const Status& now, double seconds) {
     const std::string name = text_at(now, "name");
-    const Status& channels = at(now, "channels");
+    const Status& channels = member(now, "channels");
     if (!channels.is_array() || channels.empty()) {
         TopChannel row{name, "-"};
         add_rates(row, before, now, seconds);
@@ -86,7 +86,7 @@ void add_link(TopView& view, const Status& before, const Status& now, double sec
     }
     for (const Status& channel : channels) {
         TopChannel row{name, text_at(channel, "peer")};
-        add_rates(row, named(at(before, "channels"), "peer", row.peer), channel, seconds);
+        add_rates(row, named(member(before, "channels"), "peer", row.peer), channel, seconds);
         row.age = seconds_at(channel, "heard_s");
         if (text_at(now, "state") == "waiting" && row.causes.empty()) row.causes = text_at(now, "error");
         view.channels.push_back(std::move(row));
@@ -95,7 +95,7 @@ void add_link(TopView& view, const Status& before, const Status& now, double sec
 
 void add_address(TopView& view, const Status& route, double seconds, const HeardFrames& heard) {
     TopAddress row{text_at(route, "address"), text_at(route, "who"), {}};
-    const Status& links = at(route, "links");
+    const Status& links = member(route, "links");
     if (links.is_array())
         for (const Status& link : links)
             if (link.is_string()) row.links.append(row.links.empty() ? "" : ", ").append(link.get<std::string>());
@@ -176,11 +176,12 @@ TopSort next(TopSort sort) noexcept {
 
 TopView top_view(const Status& before, const Status& now, double seconds, const HeardFrames& heard) {
     TopView view;
-    const Status& gateway = at(now, "gateway");
-    const Status& links = at(now, "links");
+    const Status& gateway = member(now, "gateway");
+    const Status& links = member(now, "links");
     if (links.is_array())
-        for (const Status& link : links) add_link(view, named(at(before, "links"), "name", text_at(link, "name")), link, seconds);
-    const Status& routes = at(now, "routes");
+        for (const Status& link : links)
+            add_link(view, named(member(before, "links"), "name", text_at(link, "name")), link, seconds);
+    const Status& routes = member(now, "routes");
     if (routes.is_array())
         for (const Status& route : routes) add_address(view, route, seconds, heard);
     double in = 0, out = 0, dropped = 0;
