@@ -55,8 +55,9 @@ public:
     void make_parameters(std::size_t n, std::size_t text = 30) {
         for (std::size_t i = 0; i < n; ++i) {
             const auto type = static_cast<std::uint8_t>(i % 10);
-            Bytes value(ano::width(*ano::parameter_type(type)));
-            for (std::size_t k = 0; k < value.size(); ++k) value.at(k) = static_cast<std::uint8_t>(i + k);
+            Bytes value;
+            while (value.size() < ano::width(*ano::parameter_type(type)))
+                value.push_back(static_cast<std::uint8_t>(i + value.size()));
             parameters.push_back({type, "PAR_" + std::to_string(i), std::string(text, 'x'), value});
         }
     }
