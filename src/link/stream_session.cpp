@@ -51,6 +51,7 @@ void StreamSession::begin_input() {
     const auto room = channel_->parser.prepare();
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
+    channel_->arrived_at = stored.unread_since.now;
     channel_->parser.commit(size, stored.unread_since.now);
     expiry_.set(now.now);    // frames may stand behind a false header; the other links are up then
 }

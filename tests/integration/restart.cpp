@@ -234,6 +234,7 @@ TEST_F(Restart, what_was_behind_another_wire_is_forgotten) {
     std::filesystem::create_symlink(right.terminal(), dir / "left");
     std::filesystem::create_symlink(left.terminal(), dir / "right");
     ASSERT_TRUE(start());
+    ASSERT_TRUE(manager.stored().empty()) << "or the ports are in use";
     ASSERT_TRUE(service->until_up("left") && service->until_up("right"));
     EXPECT_TRUE(route("0xDC").is_null());
     left.write(frame(fc, 0xFF, 0x06));
