@@ -15,22 +15,22 @@ namespace {
 using Status = nlohmann::json;
 
 // Of a status: what is missing or of another type counts as nothing.
-const Status& member(const Status& object, std::string_view key) {
+const Status& member_of(const Status& object, std::string_view key) {
     static const Status nothing;
     if (!object.is_object()) return nothing;
     const auto found = object.find(std::string{key});
     return found != object.end() ? *found : nothing;
 }
-std::string text_at(const Status& object, std::string_view key) {
-    const Status& value = member(object, key);
+std::string text_of_member(const Status& object, std::string_view key) {
+    const Status& value = member_of(object, key);
     return value.is_string() ? value.get<std::string>() : std::string{};
 }
 std::uint64_t count_at(const Status& object, std::string_view key) {
-    const Status& value = member(object, key);
+    const Status& value = member_of(object, key);
     return value.is_number_integer() && value >= 0 ? value.get<std::uint64_t>() : 0;
 }
 std::optional<double> seconds_at(const Status& object, std::string_view key) {
-    const Status& value = member(object, key);
+    const Status& value = member_of(object, key);
     return value.is_number() ? std::optional{value.get<double>()} : std::nullopt;
 }
 
@@ -38,7 +38,7 @@ const Status& named(const Status& list, std::string_view key, const std::string&
     static const Status nothing;
     if (list.is_array())
         for (const Status& entry : list)
-            if (text_at(entry, key) == name) return entry;
+            if (text_of_member(entry, key) == name) return entry;
     return nothing;
 }
 
@@ -75,27 +75,27 @@ void add_rates(TopChannel& row, const Status& before, const Status& now, double 
 }
 
 void add_link(TopView& view, const Status& before, const Status& now, double seconds) {
-    const std::string name = text_at(now, "name");
-    const Status& channels = member(now, "channels");
+    const std::string name = text_of_member(now, "name");
+    const Status& channels = member_of(now, "channels");
     if (!channels.is_array() || channels.empty()) {
         TopChannel row{name, "-"};
         add_rates(row, before, now, seconds);
-        if (row.causes.empty()) row.causes = text_at(now, "error");
+        if (row.causes.empty()) row.causes = text_of_member(now, "error");
         view.channels.push_back(std::move(row));
         return;
     }
     for (const Status& channel : channels) {
-        TopChannel row{name, text_at(channel, "peer")};
-        add_rates(row, named(member(before, "channels"), "peer", row.peer), channel, seconds);
+        TopChannel row{name, text_of_member(channel, "peer")};
+        add_rates(row, named(member_of(before, "channels"), "peer", row.peer), channel, seconds);
         row.age = seconds_at(channel, "heard_s");
-        if (text_at(now, "state") == "waiting" && row.causes.empty()) row.causes = text_at(now, "error");
+        if (text_of_member(now, "state") == "waiting" && row.causes.empty()) row.causes = text_of_member(now, "error");
         view.channels.push_back(std::move(row));
     }
 }
 
 void add_address(TopView& view, const Status& route, double seconds, const HeardFrames& heard) {
-    TopAddress row{text_at(route, "address"), text_at(route, "who"), {}};
-    const Status& links = member(route, "links");
+    TopAddress row{text_of_member(route, "address"), text_of_member(route, "who"), {}};
+    const Status& links = member_of(route, "links");
     if (links.is_array())
         for (const Status& link : links)
             if (link.is_string()) row.links.append(row.links.empty() ? "" : ", ").append(link.get<std::string>());
@@ -176,12 +176,12 @@ TopSort next(TopSort sort) noexcept {
 
 TopView top_view(const Status& before, const Status& now, double seconds, const HeardFrames& heard) {
     TopView view;
-    const Status& gateway = member(now, "gateway");
-    const Status& links = member(now, "links");
+    const Status& gateway = member_of(now, "gateway");
+    const Status& links = member_of(now, "links");
     if (links.is_array())
         for (const Status& link : links)
-            add_link(view, named(member(before, "links"), "name", text_at(link, "name")), link, seconds);
-    const Status& routes = member(now, "routes");
+            add_link(view, named(member_of(before, "links"), "name", text_of_member(link, "name")), link, seconds);
+    const Status& routes = member_of(now, "routes");
     if (routes.is_array())
         for (const Status& route : routes) add_address(view, route, seconds, heard);
     double in = 0, out = 0, dropped = 0;
@@ -190,7 +190,7 @@ TopView top_view(const Status& before, const Status& now, double seconds, const 
         out += channel.out;
         dropped += channel.dropped;
     }
-    view.title = text_at(gateway, "name") + " " + text_at(gateway, "version") + ", up " +
+    view.title = text_of_member(gateway, "name") + " " + text_of_member(gateway, "version") + ", up " +
                  age_text(seconds_at(gateway, "uptime_s")) + "; frames/s: " + number(in) + " in, " + number(out) + " out, " +
                  number(dropped) + " dropped";
     return view;
