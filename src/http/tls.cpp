@@ -2,9 +2,13 @@
 #include <http/tls.hpp>
 
 #include <http/asio_ssl.hpp>
+#include <link/errors.hpp>
 
+#include <cerrno>
 #include <utility>
 #include <vector>
+
+#include <unistd.h>
 
 namespace anogate::http {
 
@@ -88,6 +92,8 @@ Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const s
     // Not by Asio: its options are long, which has no room for them on 32 bits and would set those from 2^32 up.
     ::SSL_CTX_set_options(context->ssl.native_handle(),
                           SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
+    for (const std::string& file : {certificate, key})    // of what can't be read, OpenSSL does not say why
+        if (::access(file.c_str(), R_OK) != 0) return Unexpected{error_text(file, errno)};
     error_code ec;
     context->ssl.use_certificate_chain_file(certificate, ec);
     if (ec) return Unexpected{certificate + ": " + ec.message()};

@@ -279,6 +279,12 @@ TEST_F(AnoctlReload, changes_nothing_in_a_dry_run) {
     EXPECT_EQ(reload({"--dry-run"}).said, "nothing changes\n");
 }
 
+TEST_F(AnoctlReload, says_what_needs_a_restart) {
+    body =
+        R"({"dry_run": false, "changed": false, "links": [], "gateway": [], "needs_restart": ["control.http: not set -> 1.2.3.4:8"]})";
+    EXPECT_EQ(reload({}).said, "at the next start:\n    control.http: not set -> 1.2.3.4:8\n");
+}
+
 TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
     status = 422;
     body = R"({"error": "the configuration has 2 faults", "what": "invalid", "faults": ["/links/0/baud: one", "/links/1: two"]})";

@@ -77,11 +77,14 @@ private:
 
     void tell(const Json& came, std::ostream& out) const {
         const bool changed = text_at(came, "changed") == "true";
-        if (!changed) {
+        if (changed) write_difference(came, out);
+        if (const Json& later = at(came, "needs_restart"); !later.empty()) {
+            out << "at the next start:\n";
+            write_lines(later, out);
+        } else if (!changed) {
             out << "nothing changes\n";
-            return;
         }
-        write_difference(came, out);
+        if (!changed) return;
         if (dry_run) out << "nothing was changed: --dry-run\n";
         else if (number_at(came, "confirm_within_s") > 0)
             out << "the old configuration comes back in " << time_text(number_at(came, "confirm_within_s"))
