@@ -10,6 +10,9 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <climits>
+#include <iostream>
 #include <optional>
 
 namespace {
@@ -49,38 +52,71 @@ private:
     Bytes waiting_;
 };
 
-TEST(Restarts, lose_none_of_ten_thousand_frames_each_way) {
-    constexpr int frames = 10'000, restarts = 5;
+/// Of a stream of numbered frames, in their order, how many did not come.
+class LossyStream {
+public:
+    static constexpr int most_under_way = 100;
+
+    LossyStream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
+    bool may_go_on() const { return sent_ - next_ < most_under_way; }
+    Bytes next() { return numbered(from_, to_, sent_++); }
+    void take(const std::vector<Bytes>& frames) {
+        for (const Bytes& f : frames) {
+            if (f[1] != from_ || f[3] != 0xF1) continue;
+            const int number = f[6] | f[7] << 8 | f[8] << 16 | f[9] << 24;
+            EXPECT_GE(number, next_) << "twice, or out of order";
+            missing_ += number - next_;
+            next_ = number + 1;
+        }
+    }
+    int sent() const { return sent_; }
+    int came() const { return next_; }
+    int missing() const { return missing_; }
+
+private:
+    std::uint8_t from_, to_;
+    int sent_ = 0, next_ = 0, missing_ = 0;
+};
+
+// An emulated machine may not take in half a second what its driver was given: that is lost, and nothing else.
+TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
+    constexpr int frames = 10'000, restarts = 5, behind_the_last = 500;
     Terminal device{device_path};
     UdpPeer peer;
     const anogate::Endpoint to = endpoint(std::string{"127.0.0.1:"} + port);
-    Stream up{fc, host}, down{host, fc};
+    LossyStream up{fc, host}, down{host, fc};
     Bytes rest;
     peer.send(to, frame(host, 0xFF, 0x05));    // a peer from here on
     device.write(frame(fc, 0xFF, 0x06));
     ASSERT_TRUE(wait_until([&] { return !peer.frames().empty(); }));
-    int restarted = 0;
+    int restarted = 0, end = INT_MAX;
     std::optional<Shell> restarting;
+    const auto begin_or_end_restart = [&] {
+        if (restarting && !restarting->is_running()) {
+            EXPECT_EQ(restarting->wait(), 0) << restarting->output();
+            restarting.reset();
+            if (restarted == restarts) end = std::max({frames, up.sent(), down.sent()}) + behind_the_last;
+        }
+        if (restarting || restarted == restarts || up.came() < (restarted + 1) * frames / (restarts + 1)) return;
+        ++restarted;
+        restarting.emplace(command);
+    };
     EXPECT_TRUE(wait_until(
         [&] {
-            for (int i = 0; i < 20 && up.may_go_on(frames); ++i) device.write(up.next());
-            for (int i = 0; i < 20 && down.may_go_on(frames); ++i) peer.send(to, down.next());
+            for (int i = 0; i < 20 && up.may_go_on(); ++i) device.write(up.next());
+            for (int i = 0; i < 20 && down.may_go_on(); ++i) peer.send(to, down.next());
             device.write({});
             up.take(peer.frames());
             down.take(frames_of(device, rest));
-            if (restarting && !restarting->is_running()) {
-                EXPECT_EQ(restarting->wait(), 0) << restarting->output();
-                restarting.reset();
-            }
-            if (!restarting && restarted < restarts && up.came() >= (restarted + 1) * frames / (restarts + 1)) {
-                ++restarted;
-                restarting.emplace(command);
-            }
-            return testing::Test::HasFailure() || (up.came() == frames && down.came() == frames && !restarting);
+            begin_or_end_restart();
+            return testing::Test::HasFailure() || (up.came() >= end && down.came() >= end);
         },
         std::chrono::minutes{5}))
-        << up.came() << " and " << down.came() << " of " << frames;
+        << up.came() << " and " << down.came() << " of " << end;
     EXPECT_EQ(restarted, restarts);
+    std::cout << "lost from the device: " << up.missing() << ", to it: " << down.missing() << " of " << up.sent() << " each\n";
+    EXPECT_LE(up.missing(), restarts * LossyStream::most_under_way);
+    EXPECT_LE(down.missing(), restarts * LossyStream::most_under_way);
 }
 
 }    // namespace
