@@ -7,6 +7,7 @@
 #include <link/link_context.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
+#include <link/udp_settings.hpp>
 
 namespace anogate {
 
