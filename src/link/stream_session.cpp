@@ -52,8 +52,8 @@ void StreamSession::begin_input() {
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
     channel_->arrived_at = stored.unread_since.now;
-    channel_->parser.commit(size, stored.unread_since.now);
-    expiry_.set(now.now);    // frames may stand behind a false header; the other links are up then
+    channel_->parser.commit(size, now.now);    // what follows may wait on the wire
+    expiry_.set(now.now);                      // frames may stand behind a false header; the other links are up then
 }
 
 void StreamSession::close() noexcept {
