@@ -2,9 +2,9 @@
 //
 // Flow:    device.firmware().allow({.max_size = 1 << 20, .install = [](const Image& image) { return write(image); }});
 #pragma once
+#include <ano/crc16.hpp>
 #include <ano/time.hpp>
 #include <ano/typed.hpp>
-#include <device/crc16.hpp>
 #include <device/info.hpp>
 #include <device/outgoing.hpp>
 #include <device/profile.hpp>

@@ -1,6 +1,6 @@
 // A file of firmware: .bia with a header, or .bin without (protocol text, section 4).
 #pragma once
-#include <host/crc16.hpp>
+#include <ano/crc16.hpp>
 #include <host/device.hpp>
 
 #include <cstddef>
@@ -36,6 +36,6 @@ struct FirmwareFile {
     std::string wrong;
 };
 /// `kind` is for a .bin; a .bia brings its CRC.
-FirmwareFile read_firmware(std::span<const std::uint8_t> file, Crc16 kind = Crc16::ibm_3740);
+FirmwareFile read_firmware(std::span<const std::uint8_t> file, const Crc16& crc = usual_crc16);
 
 }    // namespace ano::host

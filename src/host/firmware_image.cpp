@@ -31,7 +31,7 @@ FirmwareImage with_header(std::span<const std::uint8_t> file) {
 
 }    // namespace
 
-FirmwareFile read_firmware(std::span<const std::uint8_t> file, Crc16 kind) {
+FirmwareFile read_firmware(std::span<const std::uint8_t> file, const Crc16& crc) {
     if (file.empty()) return {std::nullopt, "the file is empty"};
     if (file.size() > FirmwareImage::max_bytes) return {std::nullopt, "the file is larger than 64 MiB"};
     if (begins_with_magic(file)) {
@@ -43,7 +43,7 @@ FirmwareFile read_firmware(std::span<const std::uint8_t> file, Crc16 kind) {
     }
     FirmwareImage image;
     image.bytes.assign(file.begin(), file.end());
-    image.crc = crc16_of(kind, file);
+    image.crc = crc16_of(file, crc);
     return {std::move(image), {}};
 }
 

@@ -269,7 +269,7 @@ TEST(Device, passes_an_image_that_is_whole) {
         info[0] = 1;
         ano::store(info.data() + 1, static_cast<std::uint32_t>(image.size()));
         ano::store(info.data() + 5, static_cast<std::uint16_t>(part));
-        ano::store(info.data() + 7, crc16_of(image));
+        ano::store(info.data() + 7, ano::crc16_of(image));
         ASSERT_EQ(say(info), 0x0102);
         ASSERT_EQ(say({0, 0x10, 0x01}), 0x0112);
         std::vector<bool> arrived(parts);

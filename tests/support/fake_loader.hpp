@@ -1,6 +1,6 @@
 // A device's loader, as simple as a test needs it: hook it in as FakeDevice::instead.
 #pragma once
-#include <host/crc16.hpp>
+#include <ano/crc16.hpp>
 #include <support/fake_device.hpp>
 
 #include <optional>
@@ -44,7 +44,7 @@ public:
         ++checks;
         if (checks_silently) return std::vector<Bytes>{};
         const bool whole = flash.size() == ano::load<std::uint32_t>(info.data() + 1);
-        const auto crc = ano::host::crc16_of(ano::host::Crc16::ibm_3740, flash);
+        const auto crc = ano::crc16_of(flash);
         return said(whole && crc == ano::load<std::uint16_t>(info.data() + 7) ? 0x1012 : 0x1011);
     }
 

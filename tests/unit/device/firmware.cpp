@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <device/crc16.hpp>
+#include <ano/crc16.hpp>
 #include <device/device.hpp>
 
 #include <numeric>
@@ -65,7 +65,7 @@ struct Loader {
             return works;
         };
     }
-    ImageInfo info() const { return {.size = 25, .frame_size = 10, .crc = ano::device::crc16_of(image)}; }
+    ImageInfo info() const { return {.size = 25, .frame_size = 10, .crc = ano::crc16_of(image)}; }
     Bytes part(std::size_t number) const {
         const std::size_t begin = number * 10, end = std::min<std::size_t>(begin + 10, image.size());
         return {image.begin() + static_cast<std::ptrdiff_t>(begin), image.begin() + static_cast<std::ptrdiff_t>(end)};
@@ -193,7 +193,7 @@ TEST(Firmware, with_a_gap_or_damage_does_not_pass) {
 
 TEST(Firmware, checks_the_crc_that_it_is_told_to) {
     Loader loader;
-    loader.flash.crc = ano::device::find_crc16("crc16/modbus");
+    loader.flash.crc = ano::find_crc16("crc16/modbus");
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
     EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011));

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-namespace ano::device {
+namespace ano {
 
 /// A CRC-16 as catalogues describe it: `reflected` ones take the lowest bit of a byte first. None of these inverts its result.
 struct Crc16 {
@@ -44,4 +44,4 @@ constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc1
     return static_cast<std::uint16_t>(crc.reflected ? reversed(value, 16) : value);
 }
 
-}    // namespace ano::device
+}    // namespace ano

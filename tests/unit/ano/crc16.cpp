@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <device/crc16.hpp>
+#include <ano/crc16.hpp>
 
 #include <array>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace {
 
-using namespace ano::device;
+using namespace ano;
 
 // What the catalogue of CRCs gives for these nine digits.
 constexpr std::array<std::uint8_t, 9> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
