@@ -16,8 +16,8 @@ struct LinkError {
 
     LinkError() = default;
     /// What has no id of its own: "other".
-    LinkError(std::string its_text) : text{std::move(its_text)} {}    // NOLINT: every clause is one
-    LinkError(const char* its_text) : text{its_text} {}               // NOLINT
+    LinkError(std::string its_text) : text{std::move(its_text)} {}
+    LinkError(const char* its_text) : text{its_text} {}
     LinkError(std::string_view its_id, std::string its_text, Arguments its_arguments)
         : text{std::move(its_text)}, id{its_id}, arguments{std::move(its_arguments)} {}
 
