@@ -1,6 +1,6 @@
 #!/bin/bash
 # Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host. Two headers of ours include Asio, one source
-# libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
+# libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
 # kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -36,6 +36,7 @@ only_in 'src/(link|http)/asio(_ssl)?\.hpp' 'boost/asio'
 only_in 'src/http/(tls|certificate)\.cpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
 only_in 'src/link/gpio_line\.cpp' 'gpiod'
+only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'
