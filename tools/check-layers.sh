@@ -1,6 +1,6 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host. Two headers of ours include Asio, one source
-# libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
+# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host < devices < daemon. Two headers of ours include Asio, one source
+# libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
 # kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -20,6 +20,9 @@ forbid "gateway/|device/|config/|link/|http/|daemon/|$third_party|$system" inclu
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
 forbid "host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
 forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
+forbid "gateway/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
+if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(producer|request|response|routes)\.hpp>'; then bad=1; fi
+forbid "devices/" include src/ano src/device src/host src/gateway src/ano_json src/config src/link src/http
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side.
 if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi
@@ -36,6 +39,7 @@ only_in 'src/(link|http)/asio(_ssl)?\.hpp' 'boost/asio'
 only_in 'src/http/(tls|certificate)\.cpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
 only_in 'src/link/gpio_line\.cpp' 'gpiod'
+only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'

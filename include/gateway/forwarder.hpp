@@ -45,6 +45,8 @@ public:
     public:
         /// A good frame came in, as it was sent.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
+        /// Nothing keeps it back: it goes to whom it concerns, as these are to see it.
+        virtual void passes(const Channel& /*from*/, ano::FrameView /*frame*/) {}
         /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. left() or
         /// gave_up() tell what becomes of it there. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;

@@ -1,6 +1,7 @@
 // What can be configured, as plain values with their defaults. How they are written is the key table's business
 // (src/config/keys.cpp); what each one does stands where it is used.
 #pragma once
+#include <ano/address.hpp>
 #include <ano/flexible.hpp>
 #include <ano/time.hpp>
 #include <ano/values.hpp>
@@ -205,7 +206,8 @@ struct ControlSettings {
     std::vector<std::string> hosts;      // names of ours beside the host's own
     std::vector<std::string> origins;    // pages of others that may ask
     TlsFiles tls;
-    RuleSettings rules;    // of the link `control`
+    std::uint8_t host = ano::address::host;    // as whom devices are asked
+    RuleSettings rules;                        // of the link `control`
     bool operator==(const ControlSettings&) const = default;
 };
 

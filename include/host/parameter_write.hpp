@@ -21,9 +21,10 @@ struct TextLimits {
 };
 
 /// The old value is read first: a text is never longer than it unless asked for, and it tells apart a device that stored less from one
-/// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer.
+/// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer. A device
+/// that was away meanwhile says first how many parameters it has, and that this one is the same.
 ///
-/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Invalid, with nothing sent to be written: the
+/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid, with nothing sent to be written: the
 /// value does not fit the type, or the parameter is not there.
 class ParameterWrite final : public Task {
 public:
@@ -37,30 +38,38 @@ public:
     const ParameterInfo& info() const noexcept { return info_; }
     const AnyValue& written() const noexcept { return value_; }
     /// Nothing as long as they are not known.
-    std::optional<AnyValue> before() const { return decoded(before_); }
-    std::optional<AnyValue> stored() const { return decoded(stored_); }
+    std::optional<AnyValue> before() const { return before_ ? decoded(*before_) : std::nullopt; }
+    std::optional<AnyValue> stored() const { return stored_ ? decoded(*stored_) : std::nullopt; }
     /// The device stored another value than was written: a success.
-    bool is_clamped() const noexcept { return end() && end()->ending == Ending::done && !same(stored_, wire_); }
+    bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
     /// Whether the write has left: the device may have stored it.
-    bool was_sent() const noexcept { return step_ >= write_value; }
+    bool was_sent() const noexcept { return was_sent_; }
 
 private:
-    enum Step : std::uint32_t { ask_count, read_before, write_value, read_back, read_again };
+    enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, ask_description };
+    using Wire = std::vector<std::uint8_t>;
 
-    void counted(TimePoint now);
-    void ask_value(Step step, TimePoint now);
+    void go_on(TimePoint now);
+    void described(const Ended& ended, TimePoint now);
+    void ask_value(Step step, TimePoint now) {
+        step_ = step;
+        go_on(now);
+    }
     void write(TimePoint now);
     void took(const Ended& ended, TimePoint now);
     void compare(TimePoint now);
-    bool same(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) const;
-    std::optional<AnyValue> decoded(const std::vector<std::uint8_t>& bytes) const;
+    bool same(const Wire& a, const Wire& b) const;
+    std::optional<AnyValue> decoded(const Wire& bytes) const;
     void refuse(const std::string& why, TimePoint now);
 
     ParameterInfo info_;
     AnyValue value_;
     TextLimits limits_;
-    std::uint32_t step_ = ask_count;
-    std::vector<std::uint8_t> wire_, before_, stored_;
+    Step step_ = read_before;
+    bool was_sent_ = false;
+    std::uint32_t presence_ = 0;    // of the device that `info` is of
+    Wire wire_;
+    std::optional<Wire> before_, stored_;
 };
 
 /// What a device is told to do with all its parameters (0xE0 0x10).

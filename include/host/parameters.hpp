@@ -36,6 +36,12 @@ public:
         read(Values::named, now);
     }
 
+    /// The values of these alone, by id; those that are not there are left out.
+    void read_numbered(std::vector<std::uint16_t> ids, TimePoint now) {
+        wanted_ = std::move(ids);
+        read(Values::named, now);
+    }
+
     /// By id, from 0 without gaps; complete when it is done. Those that did not come have no name and no type.
     const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
     /// The bytes as they came; empty: it did not.
@@ -81,7 +87,8 @@ private:
     std::uint32_t presence_ = 0;
     Asks asks_ = Asks::both;
     std::vector<std::string> names_;
-    std::vector<std::uint16_t> named_;    // their ids
+    std::vector<std::uint16_t> wanted_;    // by id
+    std::vector<std::uint16_t> named_;     // the ids of both
     bool from_cache_ = false;
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;

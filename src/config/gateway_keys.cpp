@@ -91,6 +91,7 @@ constexpr Key<C> own_control_rows[] = {
                       .help = "pages of other hosts that may ask it, such as https://ground.example",
                       .least = 1,
                       .most = max_path}),
+    address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),
     text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |
         as("PATH"),
     text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),

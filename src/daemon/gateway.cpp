@@ -196,6 +196,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
         return;
     }
     on_stopped_ = std::move(on_stopped);
+    before_stopping_();
     required_check_.cancel();
     change_check_.cancel();
     changing_.reset();

@@ -49,6 +49,8 @@ public:
     void go_on_from(StoredState stored);
     /// What the program started next may go on from, when nothing is read any more: `call` is called before the links are closed.
     void before_closing(std::function<void()> call) { before_closing_ = std::move(call); }
+    /// What speaks by itself is to end: `call` is called when stop() is, first of all.
+    void before_stopping(std::function<void()> call) { before_stopping_ = std::move(call); }
     /// Reads no more, lets what waits leave for at most `patience`, closes everything and calls `on_stopped`; nothing of the
     /// gateway keeps the loop alive after that. A second call makes an end at once.
     void stop(Duration patience, std::function<void()> on_stopped);
@@ -82,6 +84,7 @@ public:
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// When it stopped to read, by stop().
     const ClockReading& unread_since() const noexcept { return unread_since_; }
+    const LinkSettings& settings(LinkId link) const { return links_by_id_[index(link)]->settings(); }
     const std::string& name(LinkId link) const { return links_by_id_[index(link)]->name(); }
     /// nullptr when there is none.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
@@ -166,6 +169,7 @@ private:
     Alarm required_check_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;
+    std::function<void()> before_stopping_ = [] {};
     std::function<void()> before_closing_ = [] {};
     std::function<void()> on_stopped_;
     StoredState stored_;    // until start() ends

@@ -5,12 +5,14 @@
 #include <daemon/control_link.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/gateway_devices.hpp>
 #include <daemon/gpio_control.hpp>
 #include <daemon/metrics.hpp>
 #include <daemon/routes.hpp>
 #include <daemon/send_frame.hpp>
 #include <daemon/status.hpp>
 #include <daemon/watch_session.hpp>
+#include <devices/device_routes.hpp>
 #include <http/routes.hpp>
 
 #include <nlohmann/json.hpp>
@@ -73,6 +75,20 @@ struct Streams {
     FrameStreams frames;
 };
 
+// The rows keep it; the gateway, that may live longer, does not.
+void add_devices(http::Routes& routes, Gateway& gateway) {
+    const auto devices = std::make_shared<GatewayDevices>(gateway);
+    gateway.before_stopping([weak = std::weak_ptr{devices}] {
+        if (const auto still = weak.lock()) still->stop();
+    });
+    http::Routes rows;
+    add_device_routes(rows, devices->service());
+    for (http::Routes::Row row : rows.rows()) {
+        row.function = [devices, function = std::move(row.function)](const Request& request) { return function(request); };
+        routes.add(std::move(row));
+    }
+}
+
 http::Response join_link(Gateway& gateway, const http::Request& request) {
     if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
     ControlLink* const link = gateway.control();
@@ -109,6 +125,7 @@ void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoo
          [streams = std::make_shared<Streams>(gateway)](const Request& request) { return streams->frames.answer(request); }});
     routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
                 [&gateway](const Request& request) { return join_link(gateway, request); }});
+    add_devices(routes, gateway);
 }
 
 }    // namespace anogate

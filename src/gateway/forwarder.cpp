@@ -126,6 +126,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
 
 [[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said,
                                                       std::uint32_t copies) {
+    if (!observers_.empty()) [[unlikely]]
+        for (Observer* observer : observers_) observer->passes(from, frame);
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_link_ && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);

@@ -20,28 +20,36 @@ void ParameterWrite::start(TimePoint now) {
     if (!misfit.empty()) return refuse(std::string{misfit}, now);
     if (limits_.most_bytes && *info_.type == Type::text && wire_.size() > *limits_.most_bytes)
         return refuse("is longer than " + std::to_string(*limits_.most_bytes) + " bytes", now);
-    if (device().parameter_count()) return counted(now);
-    ask(question::parameter_count(ask_count), now);
+    presence_ = device().presence();
+    go_on(now);
 }
 
-void ParameterWrite::counted(TimePoint now) {
-    if (info_.id >= device().parameter_count().value_or(0))
+// Asks what the step is; of a device that was silent for long first what else must be known.
+void ParameterWrite::go_on(TimePoint now) {
+    const auto count = device().parameter_count();
+    if (!count) return ask(question::parameter_count(ask_count), now);
+    if (info_.id >= *count)
         return finish({Ending::invalid, hex_of(device().address()) + " has no parameter " + std::to_string(info_.id), {}}, now);
-    ask_value(read_before, now);
+    if (device().presence() != presence_) return ask(question::parameter_info(info_.id, ask_description), now);
+    if (step_ == write_value) return write(now);
+    ask(question::parameter_value(info_.id, step_), now);
 }
 
-void ParameterWrite::ask_value(Step step, TimePoint now) {
-    step_ = step;
-    ask(question::parameter_value(info_.id, step), now);
+void ParameterWrite::described(const Ended& ended, TimePoint now) {
+    const auto info = parameter_info_in(*ended.answer);
+    if (!info || info->name != info_.name || info->type != info_.type)
+        return finish({Ending::failed, hex_of(device().address()) + " became another device meanwhile", {}}, now);
+    presence_ = device().presence();
+    go_on(now);
 }
 
 void ParameterWrite::ended(const Ended& ended, TimePoint now) {
+    if (ended.outcome == Outcome::not_there) return go_on(now);
     const bool answered = ended.outcome == Outcome::answered;
-    if (ended.outcome == Outcome::not_there)
-        return finish({Ending::invalid, hex_of(device().address()) + " no longer has parameter " + std::to_string(info_.id), {}},
-                      now);
     switch (ended.tag) {
-    case ask_count: return answered ? counted(now) : finish_silent("number of parameters", ended.evidence, now);
+    case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
+    case ask_description:
+        return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
     case write_value: return answered ? ask_value(read_back, now) : finish_silent("write of " + info_.name, ended.evidence, now);
     default:
         if (answered) return took(ended, now);
@@ -59,22 +67,22 @@ void ParameterWrite::took(const Ended& ended, TimePoint now) {
             {Ending::failed, hex_of(device().address()) + " gives " + info_.name + " shorter than its type", ended.evidence},
             now);
     auto& kept = ended.tag == read_before ? before_ : stored_;
-    kept.assign(value.begin(), value.end());
-    if (ended.tag == read_before) return write(now);
-    if (ended.tag == read_back && !same(stored_, wire_)) return ask_value(read_again, now);
+    kept.emplace(value.begin(), value.end());
+    if (ended.tag == read_before) return ask_value(write_value, now);
+    if (ended.tag == read_back && !same(*stored_, wire_)) return ask_value(read_again, now);
     compare(now);
 }
 
 // A shorter text is filled up with NULs, so that nothing of the old one stays behind it.
 void ParameterWrite::write(TimePoint now) {
-    std::vector<std::uint8_t> value = wire_;
+    Wire value = wire_;
     if (*info_.type == Type::text) {
-        if (value.size() > before_.size() && !limits_.longer)
-            return refuse("is longer than the " + std::to_string(before_.size()) + " bytes that the device has", now);
-        value.resize(
-            std::max({value.size(), std::min(before_.size(), limits_.most_bytes.value_or(before_.size())), std::size_t{1}}));
+        const std::size_t had = before_->size();
+        if (value.size() > had && !limits_.longer)
+            return refuse("is longer than the " + std::to_string(had) + " bytes that the device has", now);
+        value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
     }
-    step_ = write_value;
+    was_sent_ = true;
     Draft<"parameter_value"> draft;
     (void)draft.set<"par_id">(info_.id);
     (void)draft.set<"value">(Bytes{value});
@@ -82,27 +90,24 @@ void ParameterWrite::write(TimePoint now) {
 }
 
 void ParameterWrite::compare(TimePoint now) {
-    if (!same(stored_, wire_) && same(stored_, before_))
+    if (same(*stored_, wire_)) return finish({}, now);
+    if (same(*stored_, *before_))
         return finish({Ending::refused,
-                       hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(decoded(before_).value_or(value_)),
+                       hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),
                        {}},
                       now);
-    std::string what;
-    if (!same(stored_, wire_))
-        what = info_.name + " is " + words_of(decoded(stored_).value_or(value_)) + ": the device clamped it";
-    finish({Ending::done, std::move(what), {}}, now);
+    finish({Ending::done, info_.name + " is " + words_of(stored().value_or(value_)) + ": the device clamped it", {}}, now);
 }
 
 // Behind its type, or behind the NUL of a text, bytes mean nothing.
-bool ParameterWrite::same(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) const {
+bool ParameterWrite::same(const Wire& a, const Wire& b) const {
     if (*info_.type == Type::text) return decoded(a) == decoded(b);
     const auto n = static_cast<std::ptrdiff_t>(width(*info_.type));
     return std::equal(a.begin(), a.begin() + n, b.begin(), b.begin() + n);
 }
 
-std::optional<AnyValue> ParameterWrite::decoded(const std::vector<std::uint8_t>& bytes) const {
-    if (bytes.empty() || !info_.type) return std::nullopt;
-    return value_of(bytes, *info_.type);
+std::optional<AnyValue> ParameterWrite::decoded(const Wire& bytes) const {
+    return info_.type ? value_of(bytes, *info_.type) : std::nullopt;
 }
 
 void ParameterWrite::cancel(TimePoint now) {

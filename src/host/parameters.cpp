@@ -66,6 +66,8 @@ void Parameters::ask_named(TimePoint now) {
     named_.clear();
     for (const std::string& name : names_)
         if (const auto* found = find(name).parameter) named_.push_back(found->id);
+    for (const std::uint16_t id : wanted_)
+        if (id < descriptions_.size()) named_.push_back(id);
     gather(named_.size(), now);
 }
 

@@ -15,7 +15,7 @@ namespace anogate::http {
 struct Response;
 
 /// Is given a function that it calls once, from the loop, with the response; who has gone meanwhile is not told. It must not say `later`
-/// again.
+/// or `patient` again.
 using Later = std::function<void(std::function<void(Response)> say)>;
 
 struct Response {
@@ -26,6 +26,8 @@ struct Response {
     std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
     Later later;                                  // it comes later, in the place of all this; within SessionLimits::patience
+    bool patient = false;                         // `later` may take as long as it takes
+    std::shared_ptr<void> needed{};               // of a patient one: destroyed when it is answered, or its client is gone
 };
 
 /// In a word for programs, what an answer of this status says: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".

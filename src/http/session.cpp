@@ -22,6 +22,7 @@ void Session::close() {
     if (const auto socket = web_socket_.lock()) socket->end();
     if (stream_) stream_->close();
     stream_.reset();
+    needed_.reset();
 }
 
 void Session::leave(const Response& words) {
@@ -31,7 +32,7 @@ void Session::leave(const Response& words) {
 }
 
 Visitor Session::visitor(ano::TimePoint now) const {
-    bool stalled = !awaits_turn_ && !part_awaited_ && now - since_ >= limits_.stalled_after;
+    bool stalled = !awaits_turn_ && !part_awaited_ && !answer_awaited_ && now - since_ >= limits_.stalled_after;
     if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
     return {user_, stalled ? Asking::nothing : asking_, since_};
 }
@@ -75,14 +76,14 @@ void Session::came(error_code ec, std::size_t size) {
         return hear();
     }
     if (input_.size() > limits_.request.header) return close();
-    if (part_awaited_) read();
+    if (part_awaited_ || answer_awaited_) read();
 }
 
 // The client may still read an answer. But a part of a stream may never come, and then nothing else would show that he is gone.
 void Session::input_ended() {
     input_ended_ = true;
     if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was whole"));
-    if (asking_ != Asking::whole || part_awaited_) close();
+    if (asking_ != Asking::whole || part_awaited_ || needed_) close();
 }
 
 void Session::hear() {
@@ -133,12 +134,23 @@ void Session::answer(Request request) {
         response = std::move(fault);
     }
     if (!response.later) return send(std::move(response), head_only);
+    if (response.patient) await_answer(std::move(response.needed));
     response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
         if (self->stream_) self->send(std::move(known), head_only);
     });
 }
 
+// read() shows whether the client is still there.
+void Session::await_answer(std::shared_ptr<void> needed) {
+    deadline_.cancel();
+    answer_awaited_ = true;
+    needed_ = std::move(needed);
+    read();
+}
+
 void Session::send(Response response, bool head_only) {
+    if (std::exchange(answer_awaited_, false)) expect_progress();
+    needed_.reset();
     if (response.producer && sending_.version == 10)
         sending_.keep_alive = false;    // the end of the body is that of the connection
     sending_.chunked = response.producer && sending_.version != 10;

@@ -60,6 +60,7 @@ private:
     void input_ended();
     void hear();
     void answer(Request request);
+    void await_answer(std::shared_ptr<void> needed);
     void send(Response response, bool head_only);
     void write();
     void wrote();
@@ -89,7 +90,9 @@ private:
     std::string head_, body_;    // what is being written
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
-    bool part_awaited_ = false;    // the producer has none for now
+    bool part_awaited_ = false;      // the producer has none for now
+    bool answer_awaited_ = false;    // a patient one
+    std::shared_ptr<void> needed_;
     bool woken_ = false;
     std::weak_ptr<OpenWebSocket> web_socket_;
 };

@@ -22,7 +22,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 13> all{{
+    static constexpr std::array<Subcommand, 15> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -34,6 +34,8 @@ std::span<const Subcommand> subcommands() noexcept {
         {"metrics", "Shows its counters as Prometheus reads them", add_metrics},
         {"reload", "Has it read its configuration again", add_reload},
         {"send", "Sends a frame by the gateway that runs", add_send},
+        {"log", "Shows what devices write, in their colours", add_log},
+        {"image", "Writes the pictures that devices send as PNG files", add_image},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
         {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
     }};
@@ -61,6 +63,21 @@ void reject_unknown_command(int argc, const char* const* argv) {
         names.emplace_back(s.name);
     }
     throw UsageError{"there is no command " + ano::in_quotes(argv[1]) + ano::did_you_mean(argv[1], names) + commands()};
+}
+
+// CLI11 would take -1.5 for options: behind this it is a word.
+constexpr char negative_mark = '\x01';
+
+bool is_negative_number(std::string_view word) { return word.starts_with('-') && ano::parse_number(word).has_value(); }
+std::string unmarked(std::string word) {
+    if (word.starts_with(negative_mark)) word.erase(0, 1);
+    return word;
+}
+/// `words` with each negative number as a value, never an option; `kept` holds what is new of them.
+void mark_negative_numbers(std::vector<const char*>& words, std::vector<std::string>& kept) {
+    kept.reserve(words.size());
+    for (const char*& word : words)
+        if (is_negative_number(word)) word = kept.emplace_back(negative_mark + std::string{word}).c_str();
 }
 
 /// Moves --json and --control PATH behind the subcommand, and turns "help decode" into "decode --help".
@@ -99,6 +116,7 @@ CLI::Option* declare(CLI::App& app, const std::string& name, const Option::Into&
 void declare(CLI::App& app, const Options& options) {
     for (const Option& option : options) {
         CLI::Option* declared = declare(app, option.name, option.into, option.help)->required(option.required);
+        if (!option.value.empty()) declared->transform(unmarked);
         if (!option.value.empty()) declared->option_text(option.value);
     }
     for (const Option& option : options)
@@ -111,7 +129,8 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
         return what.substr(0, what.find(':')) + ": its value is missing";
     if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return what;
-    const std::vector<std::string> extras = command.remaining(true);
+    std::vector<std::string> extras = command.remaining(true);
+    std::transform(extras.begin(), extras.end(), extras.begin(), unmarked);
     const auto option = std::find_if(extras.begin(), extras.end(), [](const std::string& word) { return word.starts_with('-'); });
     if (option == extras.end()) return extras.empty() ? what : ano::in_quotes(extras.front()) + " is a word too many";
     std::vector<std::string> names;
@@ -139,7 +158,9 @@ bool wants_color(const char* no_color, const char* term) noexcept {
 int run(int argc, const char* const* given, Streams& streams) {
     if (argc > 1 && std::string_view{given[1]} == complete_command)
         return complete(std::span{given, static_cast<std::size_t>(argc)}.subspan(2), streams);
-    const std::vector<const char*> words = as_meant(argc, given);
+    std::vector<const char*> words = as_meant(argc, given);
+    std::vector<std::string> kept;
+    mark_negative_numbers(words, kept);
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
@@ -185,6 +206,8 @@ int run(int argc, const char* const* given, Streams& streams) {
         return usage;
     } catch (const UsageError& e) {
         return complain(e.what(), usage);
+    } catch (const Interrupted& e) {
+        return complain(e.what(), interrupted);
     } catch (const std::exception& e) {
         return complain(e.what(), failed);
     }

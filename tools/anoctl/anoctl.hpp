@@ -15,6 +15,7 @@ enum Exit : int {
     fine = 0,
     failed = 1,    // the work failed: nothing decoded, no answer, refused
     usage = 2,     // a usage error
+    interrupted = 130,
 };
 
 /// Where a subcommand reads and writes.
@@ -25,6 +26,7 @@ struct Streams {
     bool terminal = false;          // `out` is a terminal: write columns
     bool color = false;             // and colours
     bool in_is_terminal = false;    // the input would have to be typed
+    bool err_is_terminal = false;
 };
 
 /// A usage error: one line on `err`, exit 2.
@@ -33,6 +35,11 @@ struct UsageError : std::runtime_error {
 };
 /// The work can't be done: one line on `err`, exit 1.
 struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Ctrl-C ended the work: one line on `err` of what is half done, exit 130.
+struct Interrupted : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
@@ -52,7 +59,9 @@ Run add_ports(Options& options);
 Run add_send(Options& options);
 Run add_top(Options& options);
 Run add_status(Options& options);
+Run add_image(Options& options);
 Run add_links(Options& options);
+Run add_log(Options& options);
 Run add_routes(Options& options);
 Run add_metrics(Options& options);
 Run add_reload(Options& options);

@@ -85,20 +85,9 @@ std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) 
     return words.empty() ? words : " (" + words + ")";
 }
 
-// "14:03:07.123"
-std::string clock_text(double time) {
-    const auto seconds = static_cast<std::time_t>(time);
-    std::tm local{};
-    localtime_r(&seconds, &local);
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
-                  static_cast<int>((time - static_cast<double>(seconds)) * 1000));
-    return text.data();
-}
-
 }    // namespace
 
-void FrameOptions::add(Options& options, FrameOptions& self) {
+void FrameOptions::add_encoding(Options& options, FrameOptions& self) {
     const auto read_encoding = [&self](const std::string& word) -> std::string {
         std::string name = word;
         std::transform(name.begin(), name.end(), name.begin(),
@@ -107,15 +96,19 @@ void FrameOptions::add(Options& options, FrameOptions& self) {
         self.encoding = name == "gbk" ? Encoding::gbk : Encoding::utf8;
         return {};
     };
+    options.push_back({"--encoding", Option::Read{read_encoding}, "utf8|gbk",
+                       "What text on the wire is written in (default: read as UTF-8, as GBK "
+                       "where it is not UTF-8; written as UTF-8)"});
+}
+
+void FrameOptions::add(Options& options, FrameOptions& self) {
     const auto read_value_type = [&self](const std::string& word) -> std::string {
         if (word != "f32" && word != "u64") return in_quotes(word) + " is neither f32 nor u64";
         self.value_type_7 = word == "u64" ? ValueType7::u64 : ValueType7::f32;
         return {};
     };
     options.push_back({"--json", &self.json, "", "One JSON object a line"});
-    options.push_back({"--encoding", Option::Read{read_encoding}, "utf8|gbk",
-                       "What text on the wire is written in (default: read as UTF-8, as GBK "
-                       "where it is not UTF-8; written as UTF-8)"});
+    add_encoding(options, self);
     options.push_back({"--value-type-7", Option::Read{read_value_type}, "f32|u64",
                        "What 7 is among the types of a command's values: f32 (default), or u64 "
                        "as on current devices"});
@@ -208,6 +201,16 @@ void FramePrinter::columns(FrameView frame, const Json& json) {
 
 std::string FramePrinter::colored(const char* color, const std::string& text) const {
     return streams_.color ? color + text + "\x1b[0m" : text;
+}
+
+std::string clock_text(double time) {
+    const auto seconds = static_cast<std::time_t>(time);
+    std::tm local{};
+    localtime_r(&seconds, &local);
+    std::array<char, 40> text{};
+    std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
+                  static_cast<int>((time - static_cast<double>(seconds)) * 1000));
+    return text.data();
 }
 
 std::string malformation(FrameView frame, const FlexibleLayouts& layouts) {

@@ -1,6 +1,7 @@
 // A frame as one line: for people on a terminal, for awk in a pipe, or as JSON.
 #pragma once
 #include "anoctl.hpp"
+#include "frame_taker.hpp"
 
 #include <ano/flexible.hpp>
 #include <ano_json/frame_json.hpp>
@@ -20,21 +21,14 @@ struct FrameOptions {
 
     /// `self` must live as long as the run.
     static void add(Options& options, FrameOptions& self);
+    /// --encoding alone.
+    static void add_encoding(Options& options, FrameOptions& self);
     /// Throws UsageError when `config` can't be read.
     ano::FlexibleLayouts layouts() const;
     /// For reading and writing frames; `layouts` must live as long as the result.
     ano::JsonOptions json_options(const ano::FlexibleLayouts& layouts) const {
         return {&layouts, encoding.value_or(ano::Encoding::automatic), value_type_7.value_or(ano::ValueType7::f32)};
     }
-};
-
-/// When and where a frame passed; without a link it is not told.
-struct Passage {
-    std::string link{};
-    double time = 0;            // seconds since 1970
-    std::string peer{};         // empty: it is not told
-    std::string direction{};    // "in", "out", "dropped"; empty as well
-    std::string cause{};        // why it was dropped; empty: it was not
 };
 
 class FramePrinter {
@@ -58,6 +52,9 @@ private:
     ano::FlexibleLayouts layouts_;
     ano::JsonOptions options_;
 };
+
+/// "14:03:07.123", local time; `time` in seconds since 1970.
+std::string clock_text(double time);
 
 /// What is wrong with DATA of a frame, in a clause; empty when it is fine or of no known message.
 std::string malformation(ano::FrameView frame, const ano::FlexibleLayouts& layouts);

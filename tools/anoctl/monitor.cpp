@@ -2,27 +2,16 @@
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 #include "gateway.hpp"
+#include "own_link.hpp"
 #include "watch.hpp"
 
-#include <config/config.hpp>
-#include <config/key_facts.hpp>
-#include <gateway/hints.hpp>
-#include <link/alarm.hpp>
-#include <link/asio.hpp>
-#include <link/clocks.hpp>
-#include <link/datagram_batch.hpp>
-#include <link/datagram_sender.hpp>
-#include <link/kinds.hpp>
-#include <link/link_context.hpp>
+#include <ano_json/frame_json.hpp>
+#include <ano_json/text.hpp>
 
-#include <algorithm>
 #include <bitset>
-#include <chrono>
-#include <csignal>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <ostream>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -33,33 +22,7 @@ namespace {
 
 using namespace anogate;
 
-constexpr Duration look_every = std::chrono::seconds{3};
-constexpr char only_listens[] =
-    "; monitor itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
-
-constexpr char how_to_watch[] = "; to watch the gateway that has it: anoctl monitor, without a LINK";
-
 using IdSet = std::bitset<256>;
-
-// Keys of a link that concern sending, or what a gateway does with received frames.
-bool matters_to_a_listener(std::string_view key) {
-    constexpr std::string_view others[]{"id",   "hello",   "flood", "broadcast", "group",   "present_as",   "queue",   "rate",
-                                        "pace", "latency", "pack",  "mtu",       "trusted", "max_data_out", "required"};
-    constexpr std::string_view groups[]{"send.", "receive.", "limit.", "age."};
-    return std::find(std::begin(others), std::end(others), key) == std::end(others) &&
-           std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
-}
-
-/// "hello, limit.0x01": the keys of a LINK text that have no effect here.
-std::string idle_keys(std::string_view link) {
-    std::string idle;
-    const auto pieces = split(link, ',');
-    for (const std::string_view piece : std::span{pieces}.subspan(1)) {
-        const std::string_view key = piece.substr(0, piece.find('='));
-        if (!matters_to_a_listener(key)) idle.append(idle.empty() ? "" : ", ").append(key);
-    }
-    return idle;
-}
 
 struct Filter {
     IdSet ids, from, to;
@@ -67,166 +30,29 @@ struct Filter {
     bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
 };
 
-/// The host of the one link: shows what it receives, sends nothing.
-class Monitor final : public LinkHost {
+/// Shows what it takes and the filter wants, until it is enough.
+class Shown final : public FrameTaker {
 public:
-    Monitor(const LinkSettings& settings, const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
-        : filter_{filter},
-          left_{count},
-          streams_{streams},
-          printer_{streams, frames},
-          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
+    Shown(const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
+        : filter_{filter}, left_{count}, streams_{streams}, printer_{streams, frames} {}
 
-    int run() {
-        asio::signal_set signals{io_, SIGINT, SIGTERM};
-        signals.async_wait([this](error_code ec, int) {
-            if (!ec) stop();
-        });
-        link_->start();
-        look_later();
-        io_.run();
-        complain() << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown of " << seen_ << ", " << skipped()
-                   << " bytes of no frame\n";
-        return fine;
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        ++seen;
+        if (!filter_.takes(frame)) return true;
+        printer_.print(frame, passage);
+        ++shown;
+        return left_ == 0 || --left_ > 0;
     }
+    bool flush() override { return bool{streams_.out.flush()}; }
+    void miss(std::uint64_t, const std::string&, std::string_view) override {}
+
+    std::uint64_t seen = 0, shown = 0;
 
 private:
-    Channel* open_channel(Link& link, std::string peer) override {
-        std::size_t i = 0;
-        while (i < channels_.size() && channels_[i]) ++i;
-        if (i == max_channels) return nullptr;
-        if (i == channels_.size()) channels_.emplace_back();
-        const LinkSettings& s = link.settings();
-        channels_[i] = std::make_unique<Channel>(static_cast<ChannelId>(i), link.id(), std::move(peer),
-                                                 ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind)},
-                                                 Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
-        return channels_[i].get();
-    }
-    void close_channel(Channel& channel) override {
-        gone_skipped_ += channel.parser.counters().skipped_bytes;
-        channels_[index(channel.id)].reset();
-    }
-    void receive(Channel& channel, ano::FrameView frame) override {
-        channel.hear(now_);
-        ++seen_;
-        if (done_ || !filter_.takes(frame)) return;
-        const auto time = std::chrono::system_clock::now().time_since_epoch();
-        const std::string& where = channel.peer.empty() ? link_->name() : channel.peer;
-        printer_.print(frame, {where, std::chrono::duration<double>(time).count()});
-        ++shown_;
-        if (left_ > 0 && --left_ == 0) finish_soon();
-    }
-    void flush() override {
-        if (!streams_.out.flush()) finish_soon();
-    }
-    void link_up(Link& link) override {
-        std::string facts;
-        for (const auto& [name, value] : link.facts()) {
-            facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
-            std::visit([&](const auto& v) { facts += text_of(v); }, value);
-        }
-        if (!up_) complain() << link.name() << " is up" << facts << std::endl;
-        if (!up_) up_at_ = now();
-        up_ = true;
-        why_.clear();
-    }
-    void link_down(Link& link, LinkError error) override {
-        std::string& why = error.text;
-        const bool has_gateway = why.ends_with("in use by another gateway") || why.find("in use by anogated (") != why.npos;
-        if (why != why_) complain() << link.name() << ": waiting: " << why << (has_gateway ? how_to_watch : "") << std::endl;
-        up_ = false;
-        why_ = std::move(why);
-    }
-    TimePoint now() override { return now_ = Clock::now(); }
-    const LoopWatch& turn() override {
-        loop_.turn(read_clocks());
-        now_ = loop_.now();
-        return loop_;
-    }
-
-    // The hint that a gateway's status would have; after the first frame, only when something is wrong.
-    void look_later() {
-        look_.expires_after(look_every);
-        look_.async_wait([this](error_code ec) {
-            if (ec || done_) return;
-            std::string hint = seen_ > 0 ? hint_of_trouble(figures()) : anogate::hint(figures());
-            if (!hint.empty() && figures().received.bytes_in == 0 && !figures().listens) hint += only_listens;
-            if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
-            hint_ = std::move(hint);
-            look_later();
-        });
-    }
-    LinkFigures figures() {
-        const UnassignedTraffic unassigned = link_->unassigned_traffic();
-        LinkFigures f;
-        f.words = link_->settings().kind->hints;
-        f.up = up_;
-        f.listens = link_->settings().kind->listens;
-        f.received = unassigned.received;
-        f.v7_frames = unassigned.v7_frames;
-        f.up_for = now() - up_at_;
-        for (const auto& channel : channels_) {
-            if (!channel) continue;
-            ++f.channels;
-            add(f.received, channel->received());
-            f.skipped_since += channel->skipped_since_heard();
-            const auto ago = [&](TimePoint then, std::optional<Duration>& least) {
-                if (then != TimePoint{}) least = std::min(least.value_or(Duration::max()), now_ - then);
-            };
-            ago(channel->heard_at, f.silent_for);
-            ago(channel->arrived_at, f.bytes_ago);
-            f.v7_frames += channel->parser.counters().v7_frames;
-        }
-        return f;
-    }
-
-    static std::string text_of(const std::string& text) { return text; }
-    static std::string text_of(std::int64_t number) { return std::to_string(number); }
-
-    // A link must not be closed while it calls us.
-    void finish_soon() {
-        if (done_) return;
-        done_ = true;
-        asio::post(io_, [this] { stop(); });
-    }
-    void stop() {
-        done_ = true;
-        link_->stop_reading();
-        link_->stop();
-        io_.stop();
-    }
-    std::uint64_t skipped() const {
-        std::uint64_t bytes = gone_skipped_ + link_->unassigned_traffic().received.skipped_bytes;
-        for (const auto& channel : channels_)
-            if (channel) bytes += channel->parser.counters().skipped_bytes;
-        return bytes;
-    }
-    std::ostream& complain() {
-        streams_.out.flush();
-        return streams_.err << "anoctl: ";
-    }
-
-    asio::io_context io_{1};
-    AlarmClock alarms_{io_};
-    DatagramBatch batch_;
-    DatagramSender sender_;
-    Filter filter_;
+    const Filter filter_;
     std::uint64_t left_;    // 0: no end
     Streams& streams_;
     FramePrinter printer_;
-    std::vector<std::unique_ptr<Channel>> channels_;
-    std::unique_ptr<Link> link_;
-    TimePoint now_{};
-    LoopWatch loop_;    // needed by links; the age of a frame is not used here
-    asio::steady_timer look_{io_};
-    std::string hint_;
-    bool up_ = false;
-    TimePoint up_at_{};
-    bool done_ = false;
-    std::string why_;
-    std::uint64_t seen_ = 0;
-    std::uint64_t shown_ = 0;
-    std::uint64_t gone_skipped_ = 0;
 };
 
 struct MonitorOptions {
@@ -241,11 +67,12 @@ struct MonitorOptions {
         if (!links.empty() || !directions.empty())
             throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
-        const LinkSettings settings = link_settings();
-        if (const std::string idle = idle_keys(link); !idle.empty())
-            streams.err << "anoctl: of no effect here: " << idle
-                        << ". monitor only listens; --id, --from and --to choose what is shown\n";
-        return Monitor{settings, filter, count, streams, as_said_of(settings)}.run();
+        Shown shown{filter, count, streams, as_said_of(link_settings_of(link))};
+        const std::uint64_t skipped = listen(link, shown, streams, "monitor");
+        streams.out.flush();
+        streams.err << "anoctl: " << shown.shown << (shown.shown == 1 ? " frame" : " frames") << " shown of " << shown.seen
+                    << ", " << skipped << " bytes of no frame\n";
+        return fine;
     }
 
 private:
@@ -263,16 +90,6 @@ private:
         if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
         if (!options.value_type_7) options.value_type_7 = settings.meaning_of_type_7();
         return options;
-    }
-    LinkSettings link_settings() const {
-        anogate::Draft draft{link_kinds()};
-        read_link(link, "", draft);
-        validate(draft);
-        if (!draft.errors.empty()) {
-            const ConfigError& first = draft.errors.front();
-            throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};
-        }
-        return draft.settings.links.at(0);
     }
     static IdSet ids_of(const std::vector<std::string>& words) {
         if (words.empty()) return IdSet{}.set();

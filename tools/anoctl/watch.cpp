@@ -40,33 +40,28 @@ private:
 
 class FrameWatcher {
 public:
-    FrameWatcher(const Watching& watching, Streams& streams)
-        : watching_{watching}, streams_{streams}, printer_{streams, watching.frames}, client_{io_, watching.socket} {}
+    FrameWatcher(const std::string& socket, FrameTaker& taker) : taker_{taker}, client_{io_, socket} {}
 
-    int run() {
+    std::string run(const std::string& query) {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
         signals.async_wait([this](anogate::error_code ec, int) {
             if (!ec) io_.stop();
         });
         http::Request request;
         request.method = "GET";
-        request.target = "/frames?format=binary" + watching_.query;
+        request.target = "/frames?format=binary" + query;
         client_.open(std::move(request), std::make_unique<User>(*this), [this](http::Outcome outcome) {
             outcome_ = std::move(outcome);
             io_.stop();
         });
         io_.run();
         client_.cancel();
-        streams_.out.flush();
-        if (outcome_ && outcome_->answer.status != 101) {
+        if (!outcome_) return {};
+        if (outcome_->answer.status != 101) {
             if (outcome_->answer.status == 400) throw UsageError{words_of(outcome_->answer)};
             throw Failure{outcome_->answer.status == 0 ? outcome_->fault : words_of(outcome_->answer)};
         }
-        streams_.err << "anoctl: " << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown";
-        if (lost_ > 0) streams_.err << ", " << lost_ << " were not: the gateway had no room for them";
-        streams_.err << '\n';
-        if (outcome_) throw Failure{outcome_->fault.empty() ? "the gateway ended it" : outcome_->fault};
-        return fine;
+        return outcome_->fault.empty() ? "the gateway ended it" : outcome_->fault;
     }
 
 private:
@@ -77,8 +72,8 @@ private:
         void heard(std::string_view message, http::WebSocket::Kind kind) override {
             if (watcher_.done_) return;
             if (kind == http::WebSocket::Kind::text) watcher_.hear(message);
-            else watcher_.show(message);
-            if (!watcher_.streams_.out.flush()) watcher_.finish();
+            else watcher_.take(message);
+            if (!watcher_.taker_.flush()) watcher_.finish();
         }
 
     private:
@@ -103,24 +98,17 @@ private:
             words += (words.empty() ? "" : ", ") + name + " " + number.dump();
             count += number.get<std::uint64_t>();
         }
-        lost_ += count;
-        if (watching_.frames.json) {
-            streams_.out << text << '\n';
-            return;
-        }
-        streams_.out.flush();
-        streams_.err << "anoctl: " << count << " frames are not shown, the gateway had no room for them: " << words << std::endl;
+        taker_.miss(count, words, text);
     }
 
-    void show(std::string_view records) {
+    void take(std::string_view records) {
         while (const auto record = anogate::take_record(records)) {
             const std::uint64_t microseconds = record->time_ns / 1000;
             anoctl::Passage passage{links_.of(record->link), static_cast<double>(microseconds) / 1e6};
             if (record->channel != FrameRecord::no_channel) passage.peer = peers_.of(record->channel);
             passage.direction = text(record->direction);
             if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);
-            printer_.print(record->frame, passage);
-            if (++shown_ == watching_.count) return finish();
+            if (!taker_.take(record->frame, passage)) return finish();
         }
     }
 
@@ -129,20 +117,60 @@ private:
         io_.stop();
     }
 
-    const Watching& watching_;
-    Streams& streams_;
-    FramePrinter printer_;
+    FrameTaker& taker_;
     Names links_, peers_, causes_;
-    std::uint64_t shown_ = 0, lost_ = 0;
     bool done_ = false;
     asio::io_context io_{1};
     http::Client client_;
     std::optional<http::Outcome> outcome_;
 };
 
+class Watched final : public FrameTaker {
+public:
+    Watched(const Watching& watching, Streams& streams)
+        : watching_{watching}, streams_{streams}, printer_{streams, watching.frames} {}
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        printer_.print(frame, passage);
+        return ++shown_ != watching_.count;
+    }
+    bool flush() override { return bool{streams_.out.flush()}; }
+    void miss(std::uint64_t count, const std::string& names, std::string_view json) override {
+        lost_ += count;
+        if (watching_.frames.json) {
+            streams_.out << json << '\n';
+            return;
+        }
+        streams_.out.flush();
+        streams_.err << "anoctl: " << count << " frames are not shown, the gateway had no room for them: " << names << std::endl;
+    }
+    void sum_up() {
+        streams_.out.flush();
+        streams_.err << "anoctl: " << shown_ << (shown_ == 1 ? " frame" : " frames") << " shown";
+        if (lost_ > 0) streams_.err << ", " << lost_ << " were not: the gateway had no room for them";
+        streams_.err << '\n';
+    }
+
+private:
+    const Watching& watching_;
+    Streams& streams_;
+    FramePrinter printer_;
+    std::uint64_t shown_ = 0, lost_ = 0;
+};
+
 }    // namespace
 
-int watch(const Watching& watching, Streams& streams) { return FrameWatcher{watching, streams}.run(); }
+std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker) {
+    return FrameWatcher{socket, taker}.run(query);
+}
+
+int watch(const Watching& watching, Streams& streams) {
+    Watched watched{watching, streams};
+    const std::string why = watch_frames(watching.socket, watching.query, watched);
+    watched.sum_up();
+    if (!why.empty()) throw Failure{why};
+    return fine;
+}
 
 std::string filter_words(const std::string& name, const std::vector<std::string>& words) {
     constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~";

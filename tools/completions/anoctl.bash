@@ -29,9 +29,9 @@ _anoctl_link_names() { _anoctl_words "$(_anoctl_known links)"; }
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send log image top web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send top web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send log image top web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -68,6 +68,14 @@ _anoctl() {
         'send --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'send --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'send --config') _anoctl_files; return ;;
+        'log --device') _anoctl_addresses; return ;;
+        'log --link') _anoctl_links; return ;;
+        'log --control') _anoctl_files; return ;;
+        'log --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'image --count') :; return ;;
+        'image --device') _anoctl_addresses; return ;;
+        'image --link') _anoctl_links; return ;;
+        'image --control') _anoctl_files; return ;;
         'top --control') _anoctl_files; return ;;
         'web --into') :; return ;;
         'web --control') _anoctl_files; return ;;
@@ -84,6 +92,8 @@ _anoctl() {
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
+        'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;
         'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
     esac

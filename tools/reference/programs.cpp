@@ -29,10 +29,10 @@ bool is_word(std::string_view text) {
 
 Offer Argument::offer() const {
     if (value == "[LINK...]" || (value.starts_with("LINK") && !names.empty())) return Offer::link_names;
-    if (value.starts_with("LINK")) return Offer::links;
+    if (value.starts_with("LINK") || value.starts_with("KIND:")) return Offer::links;
     if (value.starts_with("ADDRESS")) return Offer::addresses;
     if (value.starts_with("PORT")) return Offer::ports;
-    if (value.find("FILE") != value.npos || value.find("PATH") != value.npos) return Offer::files;
+    if (value.find("FILE") != value.npos || value.find("PATH") != value.npos || value == "DIR") return Offer::files;
     if (value == "ID..." || value == "NAME" || value == "[NAME...]") return Offer::messages;
     return words().empty() ? Offer::nothing : Offer::words;
 }

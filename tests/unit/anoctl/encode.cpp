@@ -106,7 +106,7 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "--help"}).exit, 0);
     EXPECT_EQ(anoctl({"--json"}).err,
               "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, status, links, "
-              "routes, metrics, reload, send, top, web\n");
+              "routes, metrics, reload, send, log, image, top, web\n");
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 
@@ -140,6 +140,14 @@ TEST(Anoctl, help_and_version_are_fine_and_nothing_is_not) {
     const auto encoding = anoctl({"decode", "--encoding", "latin1", "AB"});
     EXPECT_EQ(encoding.exit, 2);
     EXPECT_EQ(encoding.err.substr(0, encoding.err.find('\n')), "anoctl: --encoding: 'latin1' is neither utf8 nor gbk");
+}
+
+TEST(Anoctl, takes_a_negative_number_for_a_value) {
+    const auto ran = anoctl({"encode", "wind", "-1.5"});
+    EXPECT_EQ(ran.exit, 2);
+    EXPECT_EQ(ran.err.find("anoctl: '-1.5' "), 0u) << ran.err;
+    EXPECT_EQ(ran.err.find("there is no option"), std::string::npos) << ran.err;
+    EXPECT_EQ(anoctl({"encode", "wind", "-x"}).err.find("anoctl: there is no option '-x'"), 0u);
 }
 
 }    // namespace

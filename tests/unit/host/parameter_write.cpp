@@ -107,6 +107,41 @@ TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
     EXPECT_EQ(write(info(0), std::int64_t{200})->end()->ending, Ending::timeout);
 }
 
+TEST_F(Writes, an_empty_text_is_written_as_it_is) {
+    for (const bool keeps_nuls : {true, false}) {
+        if (!keeps_nuls) fake.parameters[2].store = [](const Bytes&) { return Bytes{}; };
+        fake.parameters[2].value = {'a', 'b', 'c', 'd', 0, 0};
+        const auto task = write(info(2), std::string{});
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->what, "");
+        EXPECT_FALSE(task->is_clamped());
+        EXPECT_EQ(task->stored(), AnyValue{std::string{}});
+        EXPECT_EQ(task->before(), AnyValue{std::string{"abcd"}});
+    }
+}
+
+// What it said of itself is forgotten when its first answer comes.
+TEST_F(Writes, a_device_that_was_silent_for_long_says_first_what_it_has) {
+    write(info(0), std::int64_t{1});
+    simulation.pass(Device::away_after);
+    const auto task = write(info(0), std::int64_t{2});
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(fake.parameters[0].value, Bytes{2});
+}
+
+TEST_F(Writes, nothing_is_written_to_a_device_that_became_another_one) {
+    write(info(0), std::int64_t{1});
+    simulation.pass(Device::away_after);
+    const ParameterInfo as_before = info(0);
+    fake.parameters[0].name = "OTHER";
+    const std::size_t until_now = writes();
+    const auto task = write(as_before, std::int64_t{2});
+    EXPECT_EQ(task->end()->ending, Ending::failed);
+    EXPECT_EQ(task->end()->what, "0xDC became another device meanwhile");
+    EXPECT_FALSE(task->was_sent());
+    EXPECT_EQ(writes(), until_now);
+}
+
 TEST_F(Writes, an_id_at_the_count_is_never_sent) {
     ParameterInfo beyond = info(3);
     beyond.id = 4;

@@ -1,0 +1,129 @@
+#include <ano/address.hpp>
+#include <ano/hex.hpp>
+#include <daemon/control_link.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/gateway_devices.hpp>
+#include <daemon/route_rows.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+// The profile's parser has so many bytes for a text.
+constexpr std::size_t vendor_text = 29;
+
+// Who is asked again meets the same, unlike one whose link is down for a moment.
+bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
+bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out || cause == &SendCounters::too_big; }
+
+}    // namespace
+
+GatewayDevices::GatewayDevices(Gateway& gateway)
+    : gateway_{gateway},
+      alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
+      service_{*this, gateway.settings().control.host} {}
+
+void GatewayDevices::stop() {
+    service_.stop(gateway_.now());
+    alarm_.cancel();
+}
+
+ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
+
+void GatewayDevices::listen(bool wants) {
+    if (wants) gateway_.add_observer(*this);
+    else gateway_.remove_observer(*this);
+}
+
+bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
+    gateway_.turn();
+    return gateway_.loop().may_have_waited(came_at);
+}
+
+std::string GatewayDevices::send(ano::FrameView frame) {
+    ControlLink* const link = gateway_.control();
+    if (!link) return "all 64 links are in use: there is no place for the link 'control'";
+    if (frame.destination() == gateway_.settings().gateway.id)
+        return ano::hex_byte(frame.destination()) + " is the gateway itself";
+    was_taken_ = false;
+    refusal_.clear();
+    sends_ = true;
+    link->send(frame);
+    sends_ = false;
+    gateway_.flush();
+    return was_taken_ ? std::string{} : std::exchange(refusal_, {});
+}
+
+void GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
+    if (from.id != ourselves) service_.hear(frame, gateway_.time());
+}
+
+void GatewayDevices::offered(const Channel&, ano::FrameView, ChannelId from) {
+    if (sends_ && from == ourselves) was_taken_ = true;
+}
+
+void GatewayDevices::dropped(const Channel& from, ano::FrameView, ReceiveCause cause) {
+    if (!sends_ || from.id != ourselves || !is_for_good(cause)) return;
+    refusal_ = cause == &ReceiveCounters::inhibited ? "a GPIO switch that inhibits the link 'control' keeps this off"
+                                                    : "the rules 'control.receive' do not let this pass";
+}
+
+void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
+    if (!sends_ || !is_for_good(cause)) return;
+    const std::string& name = gateway_.name(to);
+    refusal_ = cause == &SendCounters::too_big ? "it has more DATA than the link '" + name + "' carries"
+                                               : "the rules 'send' of the link '" + name + "' do not let this pass";
+}
+
+std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {
+    std::vector<HeardAddress> all;
+    for (const RouteRow& row : route_rows(gateway_, now)) {
+        if (row.via != Via::learned || ano::address::is_host(row.address) || row.address == service_.own()) continue;
+        HeardAddress heard{row.address, {}, {}, row.heard_at};
+        for (const ChannelId id : gateway_.forwarder().channels()) {
+            const Channel& channel = gateway_.channel(id);
+            const auto at = gateway_.forwarder().router().heard_at(row.address, id);
+            if (!at || (!heard.link.empty() && *at < *heard.heard_at)) continue;
+            heard.link = gateway_.name(channel.link);
+            heard.peer = channel.peer;
+            heard.heard_at = at;
+        }
+        all.push_back(std::move(heard));
+    }
+    return all;
+}
+
+ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::TimePoint now) {
+    const Forwarder& forwarder = gateway_.forwarder();
+    const Router& router = forwarder.router();
+    ano::host::Whereabouts where;
+    LinkSet links = router.port(address);
+    if (links.empty()) links = router.pinned(address);
+    if (links.empty()) links = router.learned(address, now).links;
+    where.is_known = !links.empty() || address == gateway_.settings().gateway.id;
+    const auto conflicts = router.conflicts(now);
+    where.in_conflict = std::any_of(conflicts.begin(), conflicts.end(), [&](const Conflict& c) { return c.address == address; });
+    std::size_t channels = 0;
+    std::string group;
+    for (const ChannelId id : forwarder.channels()) {
+        const LinkId link = gateway_.channel(id).link;
+        if (!links.contains(link) || !router.heard_at(address, id)) continue;
+        const std::string& of_link = gateway_.settings(link).group;
+        if (!of_link.empty() && of_link == group) continue;
+        group = of_link;
+        ++channels;
+    }
+    where.on_several_channels = channels > 1;
+    return where;
+}
+
+ano::host::TextLimits GatewayDevices::text_limits(std::uint8_t address) {
+    const LinkSet links = gateway_.forwarder().router().learned(address, gateway_.time()).links;
+    for (const LinkState& state : gateway_.links())
+        if (links.contains(state.link->id()) && state.link->settings().profile == Profile::vendor) return {false, vendor_text};
+    return {};
+}
+
+}    // namespace anogate

@@ -1,0 +1,49 @@
+// The host engine of the gateway: what it sends enters by the link `control`, what it hears is what the Forwarder tells observers.
+#pragma once
+#include <devices/device_net.hpp>
+#include <devices/device_service.hpp>
+#include <gateway/forwarder.hpp>
+#include <link/alarm.hpp>
+
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+class Gateway;
+
+/// While nothing is asked of devices, and for DeviceService::idle_after behind that, it is in nobody's way. It teaches no address.
+class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
+public:
+    /// `gateway` outlives it.
+    explicit GatewayDevices(Gateway& gateway);
+
+    DeviceService& service() noexcept { return service_; }
+    /// The gateway ends.
+    void stop();
+
+    ano::TimePoint now() override;
+    std::string send(ano::FrameView frame) override;
+    void listen(bool wants) override;
+    void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
+    std::vector<HeardAddress> heard(ano::TimePoint now) override;
+    ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
+    ano::host::TextLimits text_limits(std::uint8_t address) override;
+    bool may_have_waited(ano::TimePoint came_at) override;
+
+private:
+    void received(const Channel&, ano::FrameView, TimePoint) override {}
+    void passes(const Channel& from, ano::FrameView frame) override;
+    void offered(const Channel& to, ano::FrameView frame, ChannelId from) override;
+    void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
+    void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
+
+    Gateway& gateway_;
+    Alarm alarm_;
+    bool sends_ = false;
+    bool was_taken_ = false;
+    std::string refusal_;
+    DeviceService service_;    // last: it says that it no longer listens when it goes
+};
+
+}    // namespace anogate

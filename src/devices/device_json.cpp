@@ -1,0 +1,94 @@
+#include <ano/hex.hpp>
+#include <ano_json/text.hpp>
+#include <devices/device_json.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ano::host::AnyValue;
+
+double tenths(double value) { return std::round(value * 10) / 10; }
+
+}    // namespace
+
+Json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info) {
+    Json json{{"address", ano::hex_byte(address)}};
+    if (!info) return json;
+    json["name"] = info->name;
+    json["dev_id"] = info->dev_id;
+    json["hw"] = info->hw_ver;
+    json["sw"] = info->sw_ver;
+    json["bl"] = info->bl_ver;
+    json["pt"] = info->pt_ver;
+    return json;
+}
+
+Json device_json(const DeviceReport& report, ano::TimePoint now) {
+    Json json = identity_json(report.heard.address, report.info);
+    if (!report.heard.link.empty()) json["link"] = report.heard.link;
+    if (!report.heard.peer.empty()) json["peer"] = report.heard.peer;
+    if (report.heard.heard_at) json["age"] = tenths(std::chrono::duration<double>(now - *report.heard.heard_at).count());
+    if (report.rate) json["rate"] = tenths(*report.rate);
+    if (report.parameters) json["parameters"] = *report.parameters;
+    if (report.job) json["job"] = *report.job;
+    return json;
+}
+
+Json value_json(const AnyValue& value, std::optional<ano::Type> type) {
+    if (const auto* number = std::get_if<double>(&value)) {
+        if (!std::isfinite(*number)) return nullptr;
+        return type == ano::Type::f32 ? ano::widened(static_cast<float>(*number)) : *number;
+    }
+    return std::visit([](const auto& plain) { return Json(plain); }, value);
+}
+
+std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type) {
+    if (json.is_boolean()) return AnyValue{std::int64_t{json.get<bool>()}};
+    if (json.is_number_unsigned()) return AnyValue{json.get<std::uint64_t>()};
+    if (json.is_number_integer()) return AnyValue{json.get<std::int64_t>()};
+    if (json.is_number_float()) return AnyValue{json.get<double>()};
+    if (!json.is_string()) return std::nullopt;
+    auto text = json.get<std::string>();
+    if (!type || *type == ano::Type::text) return AnyValue{std::move(text)};
+    const auto number = ano::parse_number(text);
+    if (!number) return AnyValue{std::move(text)};    // so that what is wrong is said by who knows the type
+    return std::visit([](auto plain) { return AnyValue{plain}; }, *number);
+}
+
+Json parameter_json(const ano::host::ParameterInfo& info, const std::optional<AnyValue>& value, bool with_value) {
+    Json json{{"id", info.id}};
+    const bool came = !info.name.empty() || info.type;
+    if (came) {
+        json["name"] = info.name;
+        json["type"] = info.type ? Json(name_of(*info.type)) : Json(nullptr);
+    }
+    if (value) json["value"] = value_json(*value, info.type);
+    if (info.limits) {
+        json["min"] = info.limits->min;
+        json["max"] = info.limits->max;
+    }
+    if (!info.info.empty()) json["text"] = info.info;
+    if (info.limits) json["older"] = true;
+    if (!came || (with_value && !value)) json["missing"] = true;
+    return json;
+}
+
+ano::host::Found parameter_called(const ano::host::Parameters& all, std::string_view word) {
+    const ano::host::Found found = all.find(word);
+    if (found.parameter != nullptr || found.several) return found;
+    std::uint16_t id = 0;
+    const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), id);
+    if (ec != std::errc{} || end != word.data() + word.size() || id >= all.descriptions().size()) return {};
+    return {&all.descriptions()[id], false};
+}
+
+}    // namespace anogate

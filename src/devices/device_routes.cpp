@@ -1,0 +1,212 @@
+#include <ano_json/json_line.hpp>
+#include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
+#include <devices/device_json.hpp>
+#include <devices/device_routes.hpp>
+#include <devices/job_answers.hpp>
+#include <devices/parameter_works.hpp>
+#include <http/routes.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <initializer_list>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ano::host::Deed;
+using http::Access;
+using http::Request;
+using http::Response;
+using MakeWork = std::function<std::unique_ptr<Work>(const WorkPlace& place)>;
+
+Response json_response(const Json& json) {
+    Response response;
+    response.body = ano::json_line(json);
+    return response;
+}
+
+Response devices_answer(DeviceService& service) {
+    const ano::TimePoint now = service.net().now();
+    Json devices = Json::array();
+    for (const DeviceReport& report : service.devices(now)) devices.push_back(device_json(report, now));
+    return json_response({{"devices", std::move(devices)}});
+}
+
+/// What a client wants of one device.
+struct Wish {
+    JobKind kind;
+    Deed deed;
+    MakeWork work;
+    bool at_once = false;    // answered by the job, not by what came of it
+};
+
+std::string client_of(const Request& request) {
+    const std::string name{request.query_value("client").value_or(request.header("User-Agent"))};
+    constexpr std::size_t longest = 64;
+    std::string clean;
+    for (std::size_t i = 0; i < name.size() && clean.size() < longest; ++i)
+        if (ano::control_size(name, i) == 0) clean += name[i];
+    return clean;
+}
+
+Response begin(DeviceService& service, const Request& request, Wish wish) {
+    DeviceNet& net = service.net();
+    if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
+        return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
+    const ano::TimePoint now = net.now();
+    const auto address = service.address_of(request.parameter("device"), now);
+    if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
+    JobOrder order{
+        wish.kind,          wish.deed,           std::get<std::uint8_t>(address), request.query_value("force").has_value(),
+        client_of(request), std::move(wish.work)};
+    const auto begun = service.begin(std::move(order), now);
+    if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
+    const auto& job = std::get<std::shared_ptr<Job>>(begun);
+    return wish.at_once ? job_answer(service, job, request, 202) : answer_of(service, job, request);
+}
+
+/// The body as an object; or what is wrong with it.
+std::variant<Json, std::string> object_in(const Request& request) {
+    Json json = request.body.empty() ? Json::object() : Json::parse(request.body, nullptr, false);
+    if (json.is_discarded()) return std::string{"the body is no JSON"};
+    if (!json.is_object()) return std::string{"the body must be an object"};
+    return json;
+}
+
+/// What is not among `known` is refused: who mistyped "rollback" must not be left without.
+std::string stranger_in(const Json& object, std::initializer_list<std::string_view> known) {
+    for (const auto& [key, value] : object.items())
+        if (std::find(known.begin(), known.end(), key) == known.end())
+            return "unknown key " + ano::in_quotes(key) + ano::did_you_mean(key, {known.begin(), known.size()});
+    return {};
+}
+
+/// False where it is not there; nothing: it is no boolean.
+std::optional<bool> flag_in(const Json& object, const char* key) {
+    if (!object.contains(key)) return false;
+    return object[key].is_boolean() ? std::optional{object[key].get<bool>()} : std::nullopt;
+}
+
+Response put_parameter(DeviceService& service, const Request& request) {
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    const Json& json = std::get<Json>(body);
+    if (const std::string wrong = stranger_in(json, {"value", "longer"}); !wrong.empty()) return http::error(400, wrong);
+    const auto longer = flag_in(json, "longer");
+    if (!json.contains("value") || json["value"].is_structured() || json["value"].is_null())
+        return http::error(400, "'value' must be a number or a text");
+    if (!longer) return http::error(400, "'longer' must be true or false");
+    return begin(service, request,
+                 {JobKind::write, Deed::write,
+                  [name = std::string{request.parameter("parameter")}, value = json["value"], longer](const WorkPlace& place) {
+                      return write_parameter(place, name, value, *longer);
+                  }});
+}
+
+// The short form has the names themselves; an object under "parameters" tells the long one.
+Response apply(DeviceService& service, const Request& request) {
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    const Json& json = std::get<Json>(body);
+    const bool is_long = json.contains("parameters") && json["parameters"].is_object();
+    ApplyOrder order;
+    if (is_long) {
+        if (const std::string wrong = stranger_in(json, {"parameters", "rollback", "dry_run", "longer"}); !wrong.empty())
+            return http::error(400, wrong);
+        for (const auto& [key, flag] :
+             {std::pair{"rollback", &order.rollback}, std::pair{"dry_run", &order.dry_run}, std::pair{"longer", &order.longer}}) {
+            const auto said = flag_in(json, key);
+            if (!said) return http::error(400, "'" + std::string{key} + "' must be true or false");
+            *flag = *said;
+        }
+    }
+    const Json& values = is_long ? json["parameters"] : json;
+    for (const auto& [name, value] : values.items())
+        if (value.is_structured() || value.is_null())
+            return http::error(422, ano::in_quotes(name) + " must be a number or a text");
+    return begin(service, request,
+                 {JobKind::apply, order.dry_run ? Deed::read : Deed::write,
+                  [values, order](const WorkPlace& place) { return apply_parameters(place, values, order); }});
+}
+
+std::optional<unsigned> number_in(std::string_view text) {
+    unsigned number = 0;
+    const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return ec == std::errc{} && end == text.data() + text.size() ? std::optional{number} : std::nullopt;
+}
+
+/// Calls `function` with the job that the path names.
+http::Routes::Function with_job(DeviceService& service,
+                                std::function<Response(const Request& request, const std::shared_ptr<Job>& job)> function) {
+    return [&service, function = std::move(function)](const Request& request) {
+        const std::string_view word = request.parameter("job");
+        const auto id = number_in(word);
+        const auto job = id ? service.job(*id) : nullptr;
+        if (!job) return http::error(404, "there is no job " + ano::in_quotes(word) + ": it never was, or ended long ago");
+        return function(request, job);
+    };
+}
+
+void add_job_routes(http::Routes& routes, DeviceService& service) {
+    routes.add(
+        {"GET", "/jobs", Access::view, "what is asked of devices now, and what came of it lately", [&service](const Request&) {
+             Json jobs = Json::array();
+             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
+             return json_response({{"jobs", std::move(jobs)}});
+         }});
+    routes.add({"GET", "/jobs/{job}", Access::view, "one job; with Accept: application/x-ndjson a line for each change",
+                with_job(service, [&service](const Request& request, const std::shared_ptr<Job>& job) {
+                    return job_answer(service, job, request, 200);
+                })});
+    routes.add({"DELETE", "/jobs/{job}", Access::control, "cancels the job, and says how it ended",
+                with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
+                    service.cancel(*job, service.net().now());
+                    return job_at_its_end(job);
+                })});
+    routes.add({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
+                with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
+                    if (!service.go_on(*job, service.net().now())) return http::error(409, "the job does not wait for anybody");
+                    return json_response(job_json(*job));
+                })});
+}
+
+void add_parameter_routes(http::Routes& routes, DeviceService& service) {
+    routes.add({"GET", "/devices/{device}/parameters", Access::view,
+                "the parameters of a device and their values (values=0: without)", [&service](const Request& request) {
+                    const bool values = request.query_value("values").value_or("1") != "0";
+                    return begin(service, request, {JobKind::parameters, Deed::read, [values](const WorkPlace& place) {
+                                                        return read_parameters(place, values);
+                                                    }});
+                }});
+    routes.add({"GET", "/devices/{device}/parameters/{parameter}", Access::view, "one parameter, by its name or number",
+                [&service](const Request& request) {
+                    return begin(service, request,
+                                 {JobKind::parameters, Deed::read,
+                                  [name = std::string{request.parameter("parameter")}](const WorkPlace& place) {
+                                      return read_parameter(place, name);
+                                  }});
+                }});
+    routes.add({"PUT", "/devices/{device}/parameters/{parameter}", Access::control,
+                "writes a parameter, {\"value\": v}, and says what the device stored",
+                [&service](const Request& request) { return put_parameter(service, request); }});
+    routes.add({"POST", "/devices/{device}/apply", Access::control,
+                "writes those of {NAME: value} that differ, and says what became of each (in \"parameters\" with rollback or "
+                "dry_run beside)",
+                [&service](const Request& request) { return apply(service, request); }});
+}
+
+}    // namespace
+
+void add_device_routes(http::Routes& routes, DeviceService& service) {
+    routes.add({"GET", "/devices", Access::view, "the devices that were heard, and what they say of themselves",
+                [&service](const Request&) { return devices_answer(service); }});
+    add_parameter_routes(routes, service);
+    add_job_routes(routes, service);
+}
+
+}    // namespace anogate

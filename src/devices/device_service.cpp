@@ -1,0 +1,340 @@
+#include <ano/hex.hpp>
+#include <ano/typed.hpp>
+#include <ano_json/frame_json.hpp>
+#include <ano_json/text.hpp>
+#include <devices/device_service.hpp>
+#include <http/response.hpp>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using ano::Duration;
+using ano::TimePoint;
+using ano::host::Deed;
+using ano::host::Refusal;
+
+constexpr Duration rate_over = std::chrono::seconds{2};
+
+NotBegun not_begun(unsigned status, std::string error) {
+    return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
+}
+
+std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_t> writer) {
+    const std::string device = ano::hex_byte(address);
+    switch (refusal) {
+    case Refusal::no_device: return device + " is no address of a device";
+    case Refusal::not_known: return device + " was not heard";
+    case Refusal::in_conflict: return "several devices have the address " + device + ": which of them is meant is not known";
+    case Refusal::on_several_channels:
+        return device + " is heard by several links that are no group: a frame to it would go by all of them";
+    case Refusal::in_the_air: return device + " is unlocked or flies: this is for the ground";
+    case Refusal::busy: break;
+    }
+    return "the host " + ano::hex_byte(writer.value_or(0)) + " is writing to " + device + " just now";
+}
+
+unsigned status_of(Refusal refusal) {
+    if (refusal == Refusal::no_device) return 400;
+    return refusal == Refusal::not_known ? 404 : 409;
+}
+
+// While it is upgraded, a device answers nothing else.
+bool has_it_alone(JobKind kind) { return kind == JobKind::firmware; }
+
+}    // namespace
+
+DeviceService::~DeviceService() {
+    if (listens_since_) net_.listen(false);
+}
+
+void DeviceService::use(TimePoint now) {
+    used_at_ = now;
+    if (!listens_since_) {
+        listens_since_ = now;
+        net_.listen(true);
+    }
+    net_.wake(now + idle_after);
+}
+
+void DeviceService::hear(ano::FrameView frame, TimePoint now) {
+    guard_.hear(frame, now);
+    try {
+        auto& known = known_[frame.source()];
+        if (!known) known = std::make_unique<Known>();
+        count(*known, now);
+        if (const auto said = ano::as<"device_info">(frame))
+            known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
+                           said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
+        bool is_news = false;
+        for (const auto& one : known_)
+            if (one && one->device && one->device->take(frame, now) == ano::host::Taken::ended) is_news = true;
+        for (const auto& job : jobs_)
+            if (job->work) job->work->hear(frame, now);
+        if (is_news) net_.wake(now);
+    } catch (const std::bad_alloc&) {    // it was not heard
+        return;
+    }
+}
+
+void DeviceService::count(Known& known, TimePoint now) {
+    known.heard_at = now;
+    ++known.frames;
+    const Duration passed = now - known.counted_since;
+    if (passed < rate_over) return;
+    if (passed < 2 * rate_over) known.rate = known.frames / std::chrono::duration<double>(passed).count();
+    known.frames = 0;
+    known.counted_since = now;
+}
+
+ano::host::Device& DeviceService::device(std::uint8_t address) {
+    auto& known = known_[address];
+    if (!known) known = std::make_unique<Known>();
+    if (!known->device) known->device = std::make_unique<ano::host::Device>(address, own_);
+    return *known->device;
+}
+
+WorkPlace DeviceService::place(const Job& job) {
+    if (job.order.address) return {device(*job.order.address), cache_, net_};
+    if (!everybody_) everybody_ = std::make_unique<ano::host::Device>(ano::address::broadcast, own_);
+    return {*everybody_, cache_, net_};
+}
+
+std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
+    const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
+        return !job->is_over() && job->is_writing() && job->order.address == address;
+    });
+    return found != jobs_.end() ? *found : nullptr;
+}
+
+std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint now) {
+    if (!order.address) return std::nullopt;
+    const std::uint8_t address = *order.address;
+    const auto where = net_.whereabouts(address, now);
+    auto refused = guard_.refusal(order.deed, address, where, now, order.force);
+    if (!refused && !where.is_known) refused = Refusal::not_known;
+    if (!refused) return std::nullopt;
+    NotBegun told = not_begun(status_of(*refused), why(*refused, address, guard_.busy_with(address, now)));
+    if (told.status == 409 && *refused != Refusal::busy) told.what = "refused";
+    return told;
+}
+
+std::size_t DeviceService::running() const {
+    return static_cast<std::size_t>(std::count_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over(); }));
+}
+
+// Those that ended are forgotten, the oldest first.
+bool DeviceService::make_room(TimePoint now) {
+    const auto is_old = [&](const auto& job) { return job->is_over() && now - job->ended_at >= kept_for; };
+    jobs_.erase(std::remove_if(jobs_.begin(), jobs_.end(), is_old), jobs_.end());
+    if (jobs_.size() < max_jobs) return true;
+    const auto oldest = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return job->is_over(); });
+    if (oldest == jobs_.end()) return false;
+    jobs_.erase(oldest);
+    return true;
+}
+
+std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order, TimePoint now) {
+    if (stopped_) return not_begun(503, "the gateway ends");
+    use(now);
+    if (auto refused = refusal(order, now)) return *std::move(refused);
+    if (order.address)
+        if (auto has_it = holder(*order.address); has_it && (order.deed != Deed::read || has_it_alone(has_it->order.kind)))
+            return NotBegun{409, words_of(*has_it) + " has " + ano::hex_byte(*order.address), "busy", has_it};
+    if (running() >= max_running || !make_room(now)) return not_begun(503, "too many jobs run: ask again when one has ended");
+    auto job = std::make_shared<Job>();
+    job->id = next_id_++;
+    job->order = std::move(order);
+    job->begins_at = now;
+    if (job->order.deed == Deed::ground) {
+        job->begins_at = std::max(now, *listens_since_ + ano::host::AirGuard::busy_for);
+        job->message = "listening whether it flies, or another host writes to it";
+    }
+    jobs_.push_back(job);
+    net_.wake(now);
+    return job;
+}
+
+bool DeviceService::cancel(Job& job, TimePoint now) {
+    if (job.is_over()) return false;
+    if (job.work) job.work->cancel(now);
+    else finish(job, {409, {}, "cancelled before it began", "refused", {}, true}, now);
+    net_.wake(now);
+    return true;
+}
+
+void DeviceService::left(Job& job) {
+    if (job.needed_by > 0 && --job.needed_by == 0) cancel(job, net_.now());
+}
+
+bool DeviceService::go_on(Job& job, TimePoint now) {
+    if (job.is_over() || !job.work || !job.work->go_on(now)) return false;
+    net_.wake(now);
+    return true;
+}
+
+std::shared_ptr<Job> DeviceService::job(unsigned id) const {
+    const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) { return job->id == id; });
+    return found != jobs_.end() ? *found : nullptr;
+}
+
+void DeviceService::stop(TimePoint now) {
+    stopped_ = true;
+    const auto all = jobs_;
+    for (const auto& job : all)
+        if (!job->is_over())
+            finish(*job, {503, {}, "the gateway ends: what was under way is left as it is", "refused", {}, true}, now);
+    if (std::exchange(listens_since_, std::nullopt)) net_.listen(false);
+}
+
+// A job that ends may be answered at once, and its client may ask for the next: so all is looked at until nothing changes.
+void DeviceService::run(TimePoint now) {
+    if (stopped_ || std::exchange(runs_, true)) return;
+    const auto all = jobs_;
+    for (const auto& job : all)
+        if (!job->is_over()) advance(job, now);
+    send_all(now);
+    for (const auto& job : all)
+        if (!job->is_over()) look(*job, now);
+    runs_ = false;
+    await(now);
+}
+
+void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
+    if (!job->work) {
+        if (now < job->begins_at) return;
+        if (const auto refused = refusal(job->order, now); refused && job->order.deed == Deed::ground)
+            return finish(*job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
+        job->work = job->order.work(place(*job));
+        job->message.clear();
+        job->work->start(now);
+    }
+    job->work->run(now);
+    if (job->work->end()) finish(*job, *job->work->end(), now);
+}
+
+void DeviceService::send_all(TimePoint now) {
+    for (unsigned a = 0; a < known_.size(); ++a) {
+        if (!known_[a] || !known_[a]->device) continue;
+        while (const auto frame = known_[a]->device->next_frame(now)) {
+            const std::uint8_t id = frame->id();
+            if (const std::string never = net_.send(*frame); !never.empty()) fail(static_cast<std::uint8_t>(a), id, never, now);
+        }
+    }
+}
+
+// What one frame meets, all of its kind meet.
+void DeviceService::fail(std::uint8_t address, std::uint8_t id, const std::string& why, TimePoint now) {
+    const auto all = jobs_;
+    for (const auto& job : all)
+        if (!job->is_over() && job->order.address == address && sends(job->order.kind, id))
+            finish(*job, {403, {}, why, "refused", {}, false}, now);
+}
+
+void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
+    if (job.work) {
+        job.progress = job.work->progress();
+        job.step = job.work->step();
+    }
+    job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
+    job.message = end.error;
+    job.end = std::move(end);
+    job.ended_at = now;
+    job.work.reset();
+    job.order.work = nullptr;
+    used_at_ = now;
+    for (const auto& told : std::exchange(job.on_end, {})) told(job);
+    changed(job);
+}
+
+void DeviceService::changed(Job& job) {
+    ++job.version;
+    const auto watchers = job.on_change;
+    for (const auto* told : watchers) (*told)();
+}
+
+// What is to be told of a job that runs.
+void DeviceService::look(Job& job, TimePoint now) {
+    if (!job.work) return;
+    const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
+    std::string message = job.work->message();
+    if (state != job.state || message != job.message) {
+        job.state = state;
+        job.message = std::move(message);
+        job.told_at = TimePoint::min();
+    }
+    if (job.told_at != TimePoint::min() && now - job.told_at < between_progress) return;
+    const ano::host::Progress progress = job.work->progress();
+    std::string step = job.work->step();
+    const bool is_new = progress.done != job.progress.done || progress.total != job.progress.total || step != job.step;
+    if (!is_new && job.told_at != TimePoint::min()) return;
+    job.progress = progress;
+    job.step = std::move(step);
+    job.told_at = now;
+    changed(job);
+}
+
+void DeviceService::await(TimePoint now) {
+    std::optional<TimePoint> at;
+    const auto no_later = [&](std::optional<TimePoint> time) {
+        if (time && (!at || *time < *at)) at = time;
+    };
+    for (const auto& job : jobs_) {
+        if (job->is_over()) continue;
+        if (!job->work) no_later(job->begins_at);
+        else if (job->work->end()) no_later(now);
+        else {
+            no_later(job->work->due());
+            no_later(now + between_progress);
+        }
+    }
+    for (const auto& known : known_)
+        if (known && known->device) no_later(known->device->due());
+    if (at) return net_.wake(std::max(*at, now));
+    if (!listens_since_) return;
+    if (now - used_at_ < idle_after) return net_.wake(used_at_ + idle_after);
+    listens_since_.reset();
+    net_.listen(false);
+}
+
+std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) const {
+    return known_[address] ? known_[address]->info : std::nullopt;
+}
+
+std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view word, TimePoint now) {
+    std::optional<std::uint8_t> named;
+    for (const HeardAddress& one : net_.heard(now)) {
+        const auto said = info(one.address);
+        if (!said || said->name != word) continue;
+        if (named) return not_begun(409, "several devices are called " + ano::in_quotes(word) + ": say which by its address");
+        named = one.address;
+    }
+    if (named) return *named;
+    const auto called = ano::address_called(word);
+    if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
+    return not_begun(404, "no device is called " + ano::in_quotes(word) + ", and it is no address");
+}
+
+std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
+    if (!stopped_) use(now);
+    std::vector<DeviceReport> all;
+    for (HeardAddress& heard : net_.heard(now)) {
+        DeviceReport report{std::move(heard), {}, {}, {}, {}};
+        const std::uint8_t address = report.heard.address;
+        if (const auto& known = known_[address]) {
+            report.info = known->info;
+            if (known->heard_at && now - *known->heard_at < 2 * rate_over) report.rate = known->rate;
+            if (known->heard_at && (!report.heard.heard_at || *known->heard_at > *report.heard.heard_at))
+                report.heard.heard_at = known->heard_at;
+            if (known->device) report.parameters = known->device->parameter_count();
+        }
+        if (const auto job = holder(address)) report.job = job->id;
+        all.push_back(std::move(report));
+    }
+    return all;
+}
+
+}    // namespace anogate

@@ -1,0 +1,78 @@
+// One thing that is asked of a device, from its beginning to what came of it.
+#pragma once
+#include <ano/time.hpp>
+#include <devices/work.hpp>
+#include <host/air_guard.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+enum class JobKind : std::uint8_t {
+    parameters,
+    write,
+    apply,
+    action,
+    commands,
+    command,
+    waypoints,
+    put_waypoints,
+    firmware,
+    calibration,
+    scan,
+};
+
+enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled };
+
+/// What is to be done to whom, and who asked.
+struct JobOrder {
+    JobKind kind{};
+    ano::host::Deed deed = ano::host::Deed::read;
+    std::optional<std::uint8_t> address;    // nothing: everybody
+    bool force = false;                     // although it flies
+    std::string client;                     // who asked, as he calls himself
+    std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
+};
+
+struct Job {
+    unsigned id = 0;
+    JobOrder order;
+    JobState state = JobState::running;
+    std::unique_ptr<Work> work;    // null when it has ended, and until it begins
+    std::optional<WorkEnd> end;
+    std::string message;
+    std::string step;    // JSON
+    ano::host::Progress progress{};
+    ano::TimePoint begins_at{};    // not before: until then it is listened whether it may
+    ano::TimePoint ended_at{};
+    std::uint64_t version = 0;    // grows whenever there is something to tell
+    ano::TimePoint told_at{};     // of progress
+    std::size_t needed_by = 0;    // clients who want it to end when they go
+    std::vector<std::function<void(const Job&)>> on_end;
+    std::vector<std::function<void()>*> on_change;    // of those who watch
+
+    bool is_over() const noexcept { return end.has_value(); }
+    bool is_writing() const noexcept { return order.deed != ano::host::Deed::read; }
+};
+
+std::string_view name_of(JobKind kind) noexcept;
+std::string_view name_of(JobState state) noexcept;
+/// What the progress of a kind counts in: "bytes".
+std::string_view unit_of(JobKind kind) noexcept;
+/// Frames of this id leave for jobs of this kind.
+bool sends(JobKind kind, std::uint8_t id) noexcept;
+
+/// The object that is told of it.
+nlohmann::ordered_json job_json(const Job& job);
+/// "job 7 (firmware, of anoctl)"
+std::string words_of(const Job& job);
+
+}    // namespace anogate

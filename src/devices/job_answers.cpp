@@ -1,0 +1,123 @@
+#include <ano_json/json_line.hpp>
+#include <devices/job_answers.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view lines = "application/x-ndjson";
+
+http::Response json_answer(unsigned status, const Json& json) {
+    http::Response response;
+    response.status = status;
+    response.body = ano::json_line(json);
+    return response;
+}
+
+// What came of a job, without the job.
+http::Response end_answer(const Job& job) {
+    const Json all = job_json(job);
+    if (job.end->status < 300) return json_answer(job.end->status, all.value("result", Json{}));
+    Json json{{"error", job.end->error}, {"what", job.end->what}, {"job", job.id}};
+    if (all.contains("result")) json["result"] = all["result"];
+    json["evidence"] = all["evidence"];
+    return json_answer(job.end->status, json);
+}
+
+/// Who asked for a job and wants it to end when he goes.
+class Need {
+public:
+    Need(DeviceService& service, std::shared_ptr<Job> job) : service_{service}, job_{std::move(job)} { ++job_->needed_by; }
+    ~Need() { service_.left(*job_); }
+    Need(const Need&) = delete;
+    Need& operator=(const Need&) = delete;
+
+private:
+    DeviceService& service_;
+    std::shared_ptr<Job> job_;
+};
+
+std::shared_ptr<Need> need_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
+    return request.query_value("while_connected") ? std::make_shared<Need>(service, job) : nullptr;
+}
+
+// A line for each change; what changed while its client took nothing is one.
+class JobLines final : public http::Producer {
+public:
+    JobLines(std::shared_ptr<Job> job, std::shared_ptr<Need> need) : job_{std::move(job)}, need_{std::move(need)} {
+        job_->on_change.push_back(&wake_);
+    }
+    ~JobLines() override {
+        auto& all = job_->on_change;
+        all.erase(std::remove(all.begin(), all.end(), &wake_), all.end());
+    }
+
+    void start(std::function<void()> wake) override { wake_ = std::move(wake); }
+    Next next(std::string& into) override {
+        if (told_ != job_->version) {
+            told_ = job_->version;
+            into += ano::json_line(job_json(*job_));
+        }
+        return job_->is_over() ? Next::end : Next::later;
+    }
+
+private:
+    std::shared_ptr<Job> job_;
+    std::shared_ptr<Need> need_;
+    std::optional<std::uint64_t> told_;
+    std::function<void()> wake_ = [] {};
+};
+
+http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<Need> need) {
+    http::Response response;
+    response.type = lines;
+    response.producer = std::make_unique<JobLines>(std::move(job), std::move(need));
+    return response;
+}
+
+bool accepts_lines(const http::Request& request) { return request.header("Accept").find(lines) != std::string_view::npos; }
+
+using Tell = http::Response (*)(const Job& job);
+
+http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Need> need, Tell tell) {
+    if (job->is_over()) return tell(*job);
+    http::Response response = http::later([job, tell](const std::function<void(http::Response)>& say) {
+        if (job->is_over()) return say(tell(*job));
+        job->on_end.push_back([say, tell](const Job& ended) { say(tell(ended)); });
+    });
+    response.patient = true;
+    response.needed = std::move(need);
+    return response;
+}
+
+}    // namespace
+
+http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
+    auto need = need_of(service, job, request);
+    if (accepts_lines(request)) return lines_of(job, std::move(need));
+    return at_its_end(job, std::move(need), end_answer);
+}
+
+http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request,
+                          unsigned status) {
+    if (accepts_lines(request)) return lines_of(job, need_of(service, job, request));
+    return json_answer(status, job_json(*job));
+}
+
+http::Response job_at_its_end(const std::shared_ptr<Job>& job) {
+    return at_its_end(job, nullptr, [](const Job& ended) { return json_answer(200, job_json(ended)); });
+}
+
+http::Response answer_of(const NotBegun& refused) {
+    Json json{{"error", refused.error}, {"what", refused.what}};
+    if (refused.has_it) json["job"] = refused.has_it->id;
+    return json_answer(refused.status, json);
+}
+
+}    // namespace anogate

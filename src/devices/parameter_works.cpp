@@ -1,0 +1,240 @@
+#include <ano_json/text.hpp>
+#include <devices/device_json.hpp>
+#include <devices/parameter_works.hpp>
+#include <host/parameter_apply.hpp>
+#include <host/parameters.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <utility>
+#include <vector>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ano::TimePoint;
+using ano::host::Ending;
+using ano::host::ParameterApply;
+using ano::host::Parameters;
+using ano::host::ParameterWrite;
+using ano::host::Task;
+
+WorkEnd with_result(WorkEnd end, const Json& result) {
+    end.result = result.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return end;
+}
+
+// Reads what is known of all parameters, then goes on.
+class ParameterWork : public TaskWork {
+public:
+    using TaskWork::TaskWork;
+
+protected:
+    void read(Parameters::Values values, TimePoint now) {
+        parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
+        parameters_->read(values, now);
+    }
+    const Parameters& parameters() const { return *parameters_; }
+    /// Null, and it has ended, when there is none.
+    const ano::host::ParameterInfo* parameter(const std::string& word) {
+        const ano::host::Found found = parameter_called(*parameters_, word);
+        if (found.parameter == nullptr)
+            finish(work_fault(
+                found.several ? 409 : 404,
+                (found.several ? "several parameters are called " : "no parameter is called ") + ano::in_quotes(word)));
+        return found.parameter;
+    }
+
+private:
+    Parameters* parameters_ = nullptr;
+};
+
+class ReadAll final : public ParameterWork {
+public:
+    ReadAll(const WorkPlace& place, bool values) : ParameterWork{place}, values_{values} {}
+    void start(TimePoint now) override { read(values_ ? Parameters::Values::all : Parameters::Values::none, now); }
+    std::string message() const override { return "reading parameters"; }
+
+private:
+    void done(const Task& task, TimePoint) override { tell(end_of(*task.end())); }
+    // What came is of use, though some did not.
+    void failed(const Task& task, TimePoint) override {
+        WorkEnd end = end_of(*task.end());
+        if (task.end()->ending != Ending::incomplete) return finish(std::move(end));
+        end.status = 200;
+        tell(std::move(end));
+    }
+    void tell(WorkEnd end) {
+        Json rows = Json::array();
+        std::uint16_t id = 0;
+        for (const ano::host::ParameterInfo& info : parameters().descriptions()) {
+            ano::host::ParameterInfo row = info;
+            row.id = id;
+            rows.push_back(parameter_json(row, parameters().value(id), values_));
+            ++id;
+        }
+        const auto& device = place().device;
+        Json result{{"device", identity_json(device.address(), device.info())}, {"parameters", std::move(rows)}};
+        if (!end.error.empty()) result["incomplete"] = end.error;
+        finish(with_result(std::move(end), result));
+    }
+
+    bool values_;
+};
+
+class ReadOne final : public ParameterWork {
+public:
+    ReadOne(const WorkPlace& place, std::string name) : ParameterWork{place}, name_{std::move(name)} {}
+    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    std::string message() const override { return "reading " + name_; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        const ano::host::ParameterInfo* const info = parameter(name_);
+        if (info == nullptr) return;
+        if (!std::exchange(is_described_, true)) {
+            auto one = std::make_unique<Parameters>(place().device, &place().cache);
+            one_ = one.get();
+            id_ = info->id;
+            next(std::move(one)).read_numbered({id_}, now);
+            return;
+        }
+        finish(with_result(end_of(*task.end()), parameter_json(one_->descriptions()[id_], one_->value(id_), true)));
+    }
+
+    std::string name_;
+    bool is_described_ = false;
+    std::uint16_t id_ = 0;
+    Parameters* one_ = nullptr;
+};
+
+class WriteOne final : public ParameterWork {
+public:
+    WriteOne(const WorkPlace& place, std::string name, const Json& value, bool longer)
+        : ParameterWork{place}, name_{std::move(name)}, json_{value.dump()}, longer_{longer} {}
+    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    std::string message() const override { return "writing " + name_; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        if (write_ != nullptr) return tell(*task.end());
+        const ano::host::ParameterInfo* const info = parameter(name_);
+        if (info == nullptr) return;
+        const auto value = value_in(Json::parse(json_), info->type);
+        if (!value) return finish(work_fault(422, "the value must be a number or a text"));
+        auto limits = place().net.text_limits(place().device.address());
+        limits.longer = longer_;
+        write_ = &next(std::make_unique<ParameterWrite>(place().device, *info, *value, limits));
+        write_->start(now);
+    }
+    void tell(const ano::host::End& end) {
+        const ano::host::ParameterInfo& info = write_->info();
+        Json result{{"id", info.id}, {"name", info.name}, {"type", name_of(*info.type)}};
+        if (const auto before = write_->before()) result["was"] = value_json(*before, info.type);
+        result["written"] = value_json(write_->written(), info.type);
+        result["stored"] = value_json(*write_->stored(), info.type);
+        result["clamped"] = write_->is_clamped();
+        finish(with_result(end_of(end), result));
+    }
+
+    std::string name_, json_;
+    bool longer_;
+    ParameterWrite* write_ = nullptr;
+};
+
+// In the order of ParameterApply::State.
+constexpr std::string_view apply_states[] = {"waiting", "unchanged", "written", "clamped", "failed", "undone", "not_undone"};
+constexpr std::string_view dry_states[] = {"differs", "unchanged"};
+
+class Apply final : public ParameterWork {
+public:
+    Apply(const WorkPlace& place, const Json& values, ApplyOrder order)
+        : ParameterWork{place}, json_{values.dump()}, order_{order} {}
+    void start(TimePoint now) override { read(Parameters::Values::none, now); }
+    std::string message() const override { return order_.dry_run ? "comparing parameters" : "writing parameters"; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        if (apply_ != nullptr) return finish(with_result(end_of(*task.end()), rows()));
+        std::vector<std::pair<std::string, ano::host::AnyValue>> values;
+        const Json given = Json::parse(json_);
+        for (const auto& [name, json] : given.items()) {
+            const auto* info = parameters().find(name).parameter;
+            types_.push_back(info != nullptr ? info->type : std::nullopt);
+            const auto value = value_in(json, types_.back());
+            if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));
+            values.emplace_back(name, *value);
+        }
+        ano::host::ApplyOptions options{order_.rollback, order_.dry_run, false,
+                                        place().net.text_limits(place().device.address())};
+        options.text.longer = order_.longer;
+        apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
+        apply_->start(now);
+    }
+    // What is half done is told as well.
+    void failed(const Task& task, TimePoint) override {
+        WorkEnd end = end_of(*task.end());
+        finish(apply_ != nullptr ? with_result(std::move(end), rows()) : std::move(end));
+    }
+    Json rows() const {
+        Json rows = Json::array();
+        std::size_t i = 0;
+        for (const ParameterApply::Row& row : apply_->rows()) {
+            const auto type = types_[i++];
+            const auto state = static_cast<std::size_t>(row.state);
+            Json json{{"name", row.name}};
+            if (row.before) json["was"] = value_json(*row.before, type);
+            json["written"] = value_json(row.wanted, type);
+            if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type);
+            json["clamped"] = row.state == ParameterApply::State::clamped;
+            json["state"] = order_.dry_run && state < std::size(dry_states) ? dry_states[state] : apply_states[state];
+            if (!row.what.empty()) json["what"] = row.what;
+            rows.push_back(std::move(json));
+        }
+        return {{"dry_run", order_.dry_run}, {"parameters", std::move(rows)}};
+    }
+
+    std::string json_;
+    ApplyOrder order_;
+    std::vector<std::optional<ano::Type>> types_;    // of the values
+    ParameterApply* apply_ = nullptr;
+};
+
+class Act final : public TaskWork {
+public:
+    Act(const WorkPlace& place, ano::host::Action action, std::string name)
+        : TaskWork{place}, action_{action}, name_{std::move(name)} {}
+    void start(TimePoint now) override { next(std::make_unique<ano::host::ParameterAction>(place().device, action_)).start(now); }
+    std::string message() const override { return name_; }
+
+private:
+    void done(const Task& task, TimePoint) override {
+        finish(with_result(end_of(*task.end()), {{"action", name_}, {"done", true}}));
+    }
+
+    ano::host::Action action_;
+    std::string name_;
+};
+
+}    // namespace
+
+std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values) { return std::make_unique<ReadAll>(place, values); }
+
+std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name) {
+    return std::make_unique<ReadOne>(place, std::move(name));
+}
+
+std::unique_ptr<Work> write_parameter(const WorkPlace& place, std::string name, const Json& value, bool longer) {
+    return std::make_unique<WriteOne>(place, std::move(name), value, longer);
+}
+
+std::unique_ptr<Work> apply_parameters(const WorkPlace& place, const Json& values, ApplyOrder order) {
+    return std::make_unique<Apply>(place, values, order);
+}
+
+std::unique_ptr<Work> act(const WorkPlace& place, ano::host::Action action, std::string name) {
+    return std::make_unique<Act>(place, action, std::move(name));
+}
+
+}    // namespace anogate

@@ -1,0 +1,179 @@
+// `anoctl log` and `anoctl image`: of a gateway that runs, and by a link of their own.
+#include <support/bytes.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+Bytes log_line(std::uint8_t color, const std::string& text) {
+    return frame(0xDC, 0xFE, 0xA0, Bytes{color} + Bytes(text.begin(), text.end()));
+}
+Bytes rows(std::uint16_t flag, const Bytes& pixels) {
+    Bytes data{static_cast<std::uint8_t>(flag), 0, 0, 2, 0, 2, 0};
+    data.resize(17);
+    return frame(0xDF, 0xFE, 0xB0, data + pixels);
+}
+
+class AnoctlListening : public testing::Test {
+protected:
+    void SetUp() override { ASSERT_TRUE(gateway.until_answers()) << gateway.output(); }
+    Process anoctl(std::vector<std::string> words) {
+        words.insert(words.end(), {"--control", socket});
+        return Process{ANOCTL, std::move(words)};
+    }
+    /// Until it shows something, frames are sent: before it is attached it sees nothing.
+    bool until_shows(Process& process, const std::string& words, const Bytes& bytes) {
+        return wait_until([&] {
+            a.send(gateway.port("a"), bytes);
+            return process.output().find(words) != std::string::npos;
+        });
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    UdpPeer a;
+    Daemon gateway{ANOGATED, socket, {a.link("a")}};
+};
+
+TEST_F(AnoctlListening, log_shows_lines_and_values_with_time_and_device) {
+    Process log = anoctl({"log"});
+    EXPECT_TRUE(until_shows(log, " 0xDC low ?battery\n",
+                            log_line(1,
+                                     "low \x1b"
+                                     "battery\r\n")))
+        << log.output();
+    const Bytes value = frame(0xDC, 0xFE, 0xA1, Bytes{0xCD, 0xCC, 0xCC, 0x3D} + Bytes{'v', 'o', 'l', 't'});
+    EXPECT_TRUE(until_shows(log, " 0xDC 0.1 volt\n", value)) << log.output();
+    EXPECT_EQ(log.output().find("\x1b["), std::string::npos) << "no colours in a pipe";
+    EXPECT_EQ(log.output()[2], ':') << "the time first: " << log.output();
+    a.send(gateway.port("a"), frame(0xDC, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));
+    EXPECT_TRUE(until_shows(log, "the last", log_line(0, "the last")));
+    EXPECT_EQ(log.output().find("euler"), std::string::npos);
+    log.signal(SIGINT);
+    EXPECT_EQ(log.wait(), 0);
+}
+
+TEST_F(AnoctlListening, log_is_json_and_of_the_devices_that_are_named) {
+    Process log = anoctl({"log", "--json", "--device", "0xDC"});
+    ASSERT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), frame(0xDD, 0xFE, 0xA0, {0, 'x'}));
+        a.send(gateway.port("a"), log_line(2, "good"));
+        return log.output().find('\n') != std::string::npos;
+    }));
+    std::istringstream lines{log.output()};
+    std::string line;
+    std::getline(lines, line);
+    const json first = json::parse(line);
+    EXPECT_EQ(first.at("from"), 0xDC);
+    EXPECT_EQ(first.at("fields").at("str"), "good");
+    EXPECT_EQ(first.at("link"), "a");
+    Process wrong = anoctl({"log", "--device", "nobody"});
+    EXPECT_EQ(wrong.wait(), 2);
+    EXPECT_NE(wrong.output().find("nobody"), std::string::npos) << wrong.output();
+}
+
+TEST_F(AnoctlListening, log_has_its_colours_on_a_terminal) {
+    if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
+    const auto tmux = [&](const std::string& words) {
+        return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
+    };
+    ASSERT_EQ(tmux("-f /dev/null new-session -d -x 100 -y 24 -s log '" ANOCTL " log --control " + socket + "; sleep 60'"), 0);
+    const auto screen = [&] {
+        Process capture{"tmux", {"-S", dir / "tmux", "capture-pane", "-p", "-e", "-t", "log"}};
+        capture.wait();
+        return capture.output();
+    };
+    EXPECT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), log_line(1, "redline"));
+        a.send(gateway.port("a"), log_line(2, "greenline"));
+        a.send(gateway.port("a"), log_line(3, "blueline"));
+        return screen().find("blueline") != std::string::npos;
+    })) << screen();
+    const std::string text = screen();
+    EXPECT_NE(text.find("\x1b[31mredline"), std::string::npos) << text;
+    EXPECT_NE(text.find("\x1b[32mgreenline"), std::string::npos) << text;
+    EXPECT_NE(text.find("\x1b[34mblueline"), std::string::npos) << text;
+    EXPECT_NE(text.find("0xDC flight controller"), std::string::npos) << text;
+    tmux("kill-server");
+}
+
+TEST_F(AnoctlListening, image_writes_whole_pictures_and_tells_what_is_missing) {
+    Process image = anoctl({"image", dir / "pictures", "--json", "--count", "2"});
+    std::uint8_t flag = 0;
+    EXPECT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), rows(++flag, {1, 2}));
+        a.send(gateway.port("a"), rows(flag, {3, 4}));
+        return image.output().find("-0001.png") != std::string::npos;
+    })) << image.output();
+    EXPECT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), rows(++flag, {1, 2}));
+        return !image.is_running();
+    }));
+    EXPECT_EQ(image.wait(), 0) << image.output();
+    std::istringstream lines{image.output()};
+    std::string line;
+    std::vector<json> told;
+    while (std::getline(lines, line) && line.starts_with("{")) told.push_back(json::parse(line));
+    ASSERT_EQ(told.size(), 2u) << image.output();
+    EXPECT_EQ(told[0].at("file"), dir / "pictures/0xDF-0001.png");
+    EXPECT_EQ(told[0].at("whole"), true);
+    for (const json& picture : told) EXPECT_TRUE(std::filesystem::exists(picture.at("file").get<std::string>())) << picture;
+    EXPECT_NE(image.output().find("anoctl: 2 pictures"), std::string::npos) << image.output();
+}
+
+TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
+    Process image = anoctl({"image", dir.path().string()});
+    std::uint8_t flag = 0;
+    EXPECT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), rows(++flag, {1, 2}));
+        return image.output().find("0xDF-0001-part.png: 0xDF 2x2 grey, 1 of 2 rows came\n") != std::string::npos;
+    })) << image.output();
+    image.signal(SIGINT);
+    EXPECT_EQ(image.wait(), 0);
+    EXPECT_NE(image.output().find(" with a part lost\n"), std::string::npos) << image.output();
+}
+
+TEST_F(AnoctlListening, image_says_why_nothing_can_be_written) {
+    Process image = anoctl({"image", dir.write("file", "") + "/pictures"});
+    EXPECT_EQ(image.wait(), 1);
+    EXPECT_NE(image.output().find("it can't be made"), std::string::npos) << image.output();
+    Process missing = anoctl({"image"});
+    EXPECT_EQ(missing.wait(), 2);
+}
+
+TEST(AnoctlOwnLink, log_and_image_listen_at_a_link_of_their_own) {
+    TempDir dir;
+    PtyDevice device{dir / "tty"};
+    {
+        Process log{ANOCTL, {"log", "--link", "serial:" + device.path() + ",profile=vendor"}};
+        ASSERT_TRUE(log.until_says(" is up"));
+        device.write(frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3}));    // in GBK one character, in UTF-8 another
+        EXPECT_TRUE(log.until_says(" 0xDC 模\n")) << log.output();
+        log.signal(SIGINT);
+        EXPECT_EQ(log.wait(), 0) << log.output();
+    }
+    Process image{ANOCTL, {"image", dir / "pictures", "--count", "1", "--link", "serial:" + device.path()}};
+    ASSERT_TRUE(image.until_says(" is up"));
+    device.write(rows(1, {1, 2, 3, 4}));
+    EXPECT_EQ(image.wait(), 0);
+    EXPECT_TRUE(std::filesystem::exists(dir / "pictures/0xDF-0001.png")) << image.output();
+    Process nowhere{ANOCTL, {"log", "--link", "sim:fc,bad=1"}};
+    EXPECT_EQ(nowhere.wait(), 2);
+}
+
+}    // namespace

@@ -1,0 +1,167 @@
+// Devices of a test and the host engine for them, in simulated time.
+#pragma once
+#include <devices/device_routes.hpp>
+#include <devices/device_service.hpp>
+#include <http/routes.hpp>
+#include <support/fake_device.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+/// What is sent arrives `delay` later at every fake device, and so do their answers at the service.
+class SimulatedNet final : public anogate::DeviceNet {
+public:
+    SimulatedNet() { anogate::add_device_routes(routes, service); }
+
+    std::vector<std::unique_ptr<FakeDevice>> fakes;
+    LineFaults line{.delay = std::chrono::milliseconds{10}};
+    TimePoint time = TimePoint{} + 1h;
+    std::map<std::uint8_t, std::string> refuses;    // frames of this id never leave, and why
+    std::map<std::uint8_t, ano::host::Whereabouts> where;
+    bool listens = false;
+    bool stood_still = false;
+    std::map<std::string, std::string> kept;
+    std::vector<Bytes> sent;
+    std::optional<std::string> keep_fault;
+
+    FakeDevice& add(std::uint8_t address = 0xDC) {
+        fakes.push_back(std::make_unique<FakeDevice>());
+        fakes.back()->address = address;
+        where[address] = {.is_known = true};
+        return *fakes.back();
+    }
+
+    TimePoint now() override { return time; }
+    std::string send(ano::FrameView frame) override {
+        if (const auto why = refuses.find(frame.id()); why != refuses.end()) return why->second;
+        sent.emplace_back(frame.bytes().begin(), frame.bytes().end());
+        put(true, sent.back());
+        return {};
+    }
+    void listen(bool wants) override { listens = wants; }
+    void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
+    std::vector<anogate::HeardAddress> heard(TimePoint) override {
+        std::vector<anogate::HeardAddress> all;
+        for (const auto& fake : fakes) all.push_back({fake->address, "fc", "/dev/fake", time - 200ms});
+        return all;
+    }
+    ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override { return where[address]; }
+    bool may_have_waited(TimePoint) override { return stood_still; }
+    void keep(std::string name, std::string text, std::function<void(std::string)> done) override {
+        if (text.empty()) kept.erase(name);
+        else kept[name] = std::move(text);
+        done(keep_fault.value_or(""));
+    }
+
+    /// A frame of somebody passes.
+    void passes(const Bytes& bytes) {
+        if (listens) service.hear(ano::FrameView{bytes}, time);
+    }
+
+    /// Until `holds`, or nothing more will happen, or the time is over.
+    bool until(const std::function<bool()>& holds, Duration limit = 1h) {
+        const TimePoint end = time + limit;
+        while (!holds()) {
+            const TimePoint next = std::min(wake_.value_or(TimePoint::max()),
+                                            events_.empty() ? TimePoint::max() : events_.begin()->first);
+            if (next > end) return false;
+            time = std::max(time, next);
+            deliver();
+            if (wake_ && *wake_ <= time) {
+                wake_.reset();
+                service.run(time);
+            }
+        }
+        return true;
+    }
+    void pass(Duration duration) {
+        const TimePoint end = time + duration;
+        until([&] { return false; }, duration);
+        time = end;
+    }
+
+    struct Answer {
+        unsigned status = 0;
+        nlohmann::ordered_json json;
+    };
+    /// What is answered now or later.
+    Answer ask(const std::string& method, const std::string& target, const std::string& body = {}) {
+        auto answer = asked(method, target, body);
+        EXPECT_TRUE(until([&] { return answer->has_value(); })) << method << ' ' << target << " is never answered";
+        return answer->value_or(Answer{});
+    }
+    std::shared_ptr<std::optional<Answer>> asked(const std::string& method, const std::string& target,
+                                                 const std::string& body = {}) {
+        auto answer = std::make_shared<std::optional<Answer>>();
+        const auto told = [answer](const anogate::http::Response& response) {
+            *answer = Answer{response.status, nlohmann::ordered_json::parse(response.body, nullptr, false)};
+        };
+        anogate::http::Response response = routes.answer(request(method, target, body));
+        if (!response.later) told(response);
+        else response.later(told);
+        needed_.push_back(std::move(response.needed));
+        return answer;
+    }
+    /// One who takes lines.
+    std::unique_ptr<anogate::http::Producer> lines(const std::string& method, const std::string& target,
+                                                   const std::string& body = {}) {
+        auto asks = request(method, target, body);
+        asks.headers.push_back({"Accept", "application/x-ndjson"});
+        return std::move(routes.answer(asks).producer);
+    }
+    /// All who waited leave.
+    void leave() { needed_.clear(); }
+
+    static anogate::http::Request request(const std::string& method, const std::string& target, const std::string& body = {}) {
+        anogate::http::Request request;
+        request.method = method;
+        request.target = target;
+        request.body = body;
+        request.headers.push_back({"User-Agent", "test"});
+        return request;
+    }
+
+    anogate::DeviceService service{*this};
+    anogate::http::Routes routes;
+
+private:
+    struct Event {
+        bool to_device;
+        Bytes frame;
+    };
+
+    void put(bool to_device, const Bytes& frame) {
+        if (line.loss > 0 && static_cast<double>(random_.below(1'000'000u)) < line.loss * 1e6) return;
+        events_.emplace(time + line.delay, Event{to_device, frame});
+    }
+    void deliver() {
+        while (!events_.empty() && events_.begin()->first <= time) {
+            const Event event = std::move(events_.begin()->second);
+            events_.erase(events_.begin());
+            if (!event.to_device) {
+                passes(event.frame);
+                continue;
+            }
+            for (const auto& fake : fakes)
+                for (const Bytes& answer : fake->take(ano::FrameView{event.frame})) put(false, answer);
+        }
+    }
+
+    Random random_{7};
+    std::optional<TimePoint> wake_;
+    std::multimap<TimePoint, Event> events_;
+    std::vector<std::shared_ptr<void>> needed_;
+};
+
+}    // namespace support

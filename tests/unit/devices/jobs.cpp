@@ -1,0 +1,202 @@
+// Who has which device, how jobs are told of, and that every one ends.
+#include <support/simulated_net.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace support;
+using json = nlohmann::ordered_json;
+
+struct Jobs : testing::Test {
+    SimulatedNet net;
+    FakeDevice& fake = net.add();
+
+    Jobs() { fake.make_parameters(20); }
+
+    static std::vector<json> take(anogate::http::Producer& lines) {
+        std::string text;
+        lines.next(text);
+        std::vector<json> all;
+        std::istringstream stream{text};
+        for (std::string line; std::getline(stream, line);) all.push_back(json::parse(line));
+        return all;
+    }
+};
+
+TEST_F(Jobs, a_second_that_writes_is_told_who_has_the_device) {
+    const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
+    const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})");
+    EXPECT_EQ(status, 409u);
+    EXPECT_EQ(error, json::parse(R"({"error": "job 1 (write of one) has 0xDC", "what": "busy", "job": 1})"));
+    ASSERT_TRUE(net.until([&] { return first->has_value(); }));
+    EXPECT_EQ((*first)->status, 200u);
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})").status, 200u);
+}
+
+TEST_F(Jobs, those_that_read_share_the_device) {
+    const auto first = net.asked("GET", "/devices/0xDC/parameters");
+    const auto second = net.asked("GET", "/devices/0xDC/parameters");
+    const auto third = net.asked("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    ASSERT_TRUE(net.until([&] { return first->has_value() && second->has_value() && third->has_value(); }));
+    EXPECT_EQ((*first)->status, 200u);
+    EXPECT_EQ((*first)->json.at("parameters").size(), 20u);
+    EXPECT_EQ((*second)->json.at("parameters").size(), 20u);
+    EXPECT_EQ((*third)->status, 200u);
+}
+
+TEST_F(Jobs, are_told_line_by_line_to_who_accepts_that) {
+    fake.make_parameters(200);
+    const auto lines = net.lines("GET", "/devices/0xDC/parameters");
+    ASSERT_TRUE(lines);
+    bool woken = false;
+    lines->start([&] { woken = true; });
+    std::vector<json> all = take(*lines);
+    ASSERT_EQ(all.size(), 1u);
+    EXPECT_EQ(all[0].at("state"), "running");
+    EXPECT_EQ(all[0].at("kind"), "parameters");
+    EXPECT_EQ(all[0].at("device"), "0xDC");
+    EXPECT_EQ(all[0].at("client"), "test");
+    while (all.back().at("state") == "running") {
+        ASSERT_TRUE(net.until([&] { return std::exchange(woken, false); }));
+        for (json& line : take(*lines)) all.push_back(std::move(line));
+    }
+    EXPECT_GT(all.size(), 3u) << "its progress is told";
+    EXPECT_EQ(all.back().at("state"), "done");
+    EXPECT_EQ(all.back().at("result").at("parameters").size(), 220u);
+    EXPECT_EQ(all[all.size() / 2].at("unit"), "parameters");
+    std::string more;
+    EXPECT_EQ(lines->next(more), anogate::http::Producer::Next::end);
+    EXPECT_EQ(more, "");
+}
+
+TEST_F(Jobs, are_listed_and_kept_for_a_while) {
+    net.ask("GET", "/devices/0xDC/parameters/PAR_1");
+    const json jobs = net.ask("GET", "/jobs").json.at("jobs");
+    ASSERT_EQ(jobs.size(), 1u);
+    EXPECT_EQ(jobs[0].at("id"), 1);
+    EXPECT_EQ(jobs[0].at("state"), "done");
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json, jobs[0]);
+    for (const char* none : {"2", "x", "-1", "99999999999"})
+        EXPECT_EQ(net.ask("GET", "/jobs/" + std::string{none}).status, 404u) << none;
+    net.pass(11min);
+    net.ask("GET", "/devices/0xDC/parameters/PAR_1");
+    EXPECT_EQ(net.ask("GET", "/jobs/1").status, 404u);
+}
+
+TEST_F(Jobs, no_more_are_kept_than_there_is_room_for) {
+    for (int i = 0; i < 70; ++i) net.ask("GET", "/devices/0xDC/parameters/PAR_1");
+    EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), anogate::DeviceService::max_jobs);
+    fake.deaf = true;
+    for (std::size_t i = 0; i < anogate::DeviceService::max_running; ++i) net.asked("GET", "/devices/0xDC/parameters");
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
+    net.pass(1min);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u) << "they ended";
+}
+
+TEST_F(Jobs, are_cancelled_by_anybody) {
+    const auto asked = net.asked("GET", "/devices/0xDC/parameters");
+    net.pass(50ms);
+    const json job = net.ask("DELETE", "/jobs/1").json;
+    EXPECT_EQ(job.at("state"), "cancelled");
+    ASSERT_TRUE(asked->has_value());
+    EXPECT_EQ((*asked)->status, 409u);
+    const std::size_t sent = net.sent.size();
+    net.pass(5s);
+    EXPECT_EQ(net.sent.size(), sent) << "nothing more is asked";
+    EXPECT_EQ(net.ask("DELETE", "/jobs/1").json, job) << "once more";
+}
+
+TEST_F(Jobs, end_with_the_client_who_said_so) {
+    fake.deaf = true;
+    net.asked("GET", "/devices/0xDC/parameters?while_connected");
+    net.asked("GET", "/devices/0xDC/parameters");
+    net.pass(50ms);
+    net.leave();
+    net.pass(50ms);
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "cancelled");
+    EXPECT_EQ(net.ask("GET", "/jobs/2").json.at("state"), "running") << "another goes on";
+    auto lines = net.lines("GET", "/devices/0xDC/parameters?while_connected");
+    net.pass(50ms);
+    lines.reset();
+    net.pass(50ms);
+    EXPECT_EQ(net.ask("GET", "/jobs/3").json.at("state"), "cancelled");
+}
+
+TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
+    net.refuses[0xE1] = "the rules 'control.receive' do not let this pass";
+    const ano::TimePoint begin = net.time;
+    const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    EXPECT_EQ(status, 403u);
+    EXPECT_EQ(error.at("what"), "refused");
+    EXPECT_EQ(error.at("error"), "the rules 'control.receive' do not let this pass");
+    EXPECT_LT(net.time - begin, 2s);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
+}
+
+TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
+    EXPECT_EQ(net.ask("GET", "/devices/0xDD/parameters").json.at("error"), "0xDD was not heard");
+    EXPECT_EQ(net.ask("GET", "/devices/nobody/parameters").status, 404u);
+    EXPECT_EQ(net.ask("GET", "/devices/255/parameters").status, 400u);
+    EXPECT_EQ(net.ask("GET", "/devices/host/parameters").status, 400u);
+    EXPECT_TRUE(net.sent.empty());
+}
+
+TEST_F(Jobs, do_not_write_while_another_host_does) {
+    net.ask("GET", "/devices/0xDC/parameters");
+    net.passes(frame(0xFE, 0xDC, 0xE1, {0, 0, 5}));
+    const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    EXPECT_EQ(status, 409u);
+    EXPECT_EQ(error.at("what"), "busy");
+    EXPECT_EQ(error.at("error"), "the host 0xFE is writing to 0xDC just now");
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "reading is no harm";
+    net.pass(3s);
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 200u);
+}
+
+TEST_F(Jobs, that_waited_through_a_standstill_are_refused) {
+    net.stood_still = true;
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 503u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+}
+
+TEST_F(Jobs, cost_nothing_behind_the_last) {
+    EXPECT_FALSE(net.listens);
+    net.ask("GET", "/devices/0xDC/parameters");
+    EXPECT_TRUE(net.listens);
+    net.pass(2min);
+    EXPECT_FALSE(net.listens);
+}
+
+TEST_F(Jobs, end_with_the_gateway) {
+    const auto asked = net.asked("GET", "/devices/0xDC/parameters");
+    net.pass(20ms);
+    net.service.stop(net.time);
+    ASSERT_TRUE(asked->has_value());
+    EXPECT_EQ((*asked)->status, 503u);
+    EXPECT_FALSE(net.listens);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
+}
+
+TEST_F(Jobs, devices_are_listed_with_what_is_known) {
+    json devices = net.ask("GET", "/devices").json.at("devices");
+    ASSERT_EQ(devices.size(), 1u);
+    EXPECT_EQ(devices[0], json::parse(R"({"address": "0xDC", "link": "fc", "peer": "/dev/fake", "age": 0.2})"));
+    net.ask("GET", "/devices/0xDC/parameters");
+    devices = net.ask("GET", "/devices").json.at("devices");
+    EXPECT_EQ(devices[0].at("name"), "fake");
+    EXPECT_EQ(devices[0].at("parameters"), 20);
+    net.asked("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    EXPECT_EQ(net.ask("GET", "/devices").json.at("devices")[0].at("job"), 2);
+}
+
+TEST_F(Jobs, that_read_forever_changing_devices_end) {
+    std::uint16_t count = 3;
+    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = count++ % 15;
+        return std::nullopt;
+    };
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 502u);
+}
+
+}    // namespace

@@ -1,0 +1,63 @@
+#include "frames_of.hpp"
+
+#include <anoctl/own_link.hpp>
+#include <anoctl/watch.hpp>
+
+#include <ano_json/frame_json.hpp>
+
+#include <bitset>
+#include <variant>
+
+namespace anoctl {
+namespace {
+
+using Chosen = std::bitset<256>;
+
+Chosen addresses_of_devices(const std::vector<std::string>& words) {
+    if (words.empty()) return Chosen{}.set();
+    Chosen chosen;
+    for (const std::string& word : words) {
+        const auto address = ano::address_called(word);
+        if (const auto* fault = std::get_if<ano::JsonFault>(&address)) throw UsageError{"--device: " + fault->what};
+        chosen.set(std::get<std::uint8_t>(address));
+    }
+    return chosen;
+}
+
+// Of all that a link brings, these.
+class OnlyThese final : public FrameTaker {
+public:
+    OnlyThese(const Chosen& ids, const Chosen& from, FrameTaker& taker) : ids_{ids}, from_{from}, taker_{taker} {}
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        return !ids_[frame.id()] || !from_[frame.source()] || taker_.take(frame, passage);
+    }
+    bool flush() override { return taker_.flush(); }
+    void miss(std::uint64_t count, const std::string& names, std::string_view json) override { taker_.miss(count, names, json); }
+
+private:
+    const Chosen ids_, from_;
+    FrameTaker& taker_;
+};
+
+}    // namespace
+
+void FramesOf::add(Options& declared, FramesOf& self) {
+    declared.push_back({"--device", &self.devices, "ADDRESS...", "Only from these devices"});
+    declared.push_back(
+        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
+    GatewayOptions::add(declared, self.gateway);
+}
+
+std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams,
+                           const std::string& who) const {
+    const Chosen from = addresses_of_devices(devices);
+    if (link.empty())
+        return watch_frames(gateway.socket(), "&direction=in" + filter_words("id", ids) + filter_words("from", devices), taker);
+    Chosen wanted;
+    for (const std::string& id : ids) wanted.set(message_id_of(id));
+    OnlyThese only{wanted, from, taker};
+    listen(link, only, streams, who);
+    return {};
+}
+
+}    // namespace anoctl

@@ -1,0 +1,164 @@
+// anoctl image DIR: the pictures of devices (0xB0) as files.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/frame_printer.hpp>
+#include <anoctl/gateway_json.hpp>
+#include "file_text.hpp"
+#include "frames_of.hpp"
+#include "pictures.hpp"
+#include "png.hpp"
+
+#include <ano/hex.hpp>
+#include <ano_json/text.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace anoctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files of a folder: DIR/0xDF-0001.png and on, behind those that are there.
+class PictureFolder {
+public:
+    explicit PictureFolder(fs::path folder) : folder_{std::move(folder)} {
+        std::error_code error;
+        fs::create_directories(folder_, error);
+        if (error) throw Failure{folder_.string() + ": it can't be made: " + error.message()};
+    }
+
+    /// The name of the file, which is there only when it is whole.
+    std::string write(const Picture& picture) {
+        const std::string bytes = png_of(picture);
+        fs::path path;
+        do path = folder_ / name(picture, ++number_[picture.source]);
+        while (fs::exists(path));
+        write_file(path.string(), bytes);
+        return path.string();
+    }
+
+private:
+    static std::string name(const Picture& picture, unsigned number) {
+        std::array<char, 32> digits{};
+        std::snprintf(digits.data(), digits.size(), "-%04u", number);
+        return ano::hex_byte(picture.source) + digits.data() + (picture.is_whole() ? ".png" : "-part.png");
+    }
+
+    fs::path folder_;
+    std::map<std::uint8_t, unsigned> number_;
+};
+
+class PictureWriter final : public FrameTaker {
+public:
+    PictureWriter(const std::string& folder, bool json, std::uint64_t count, Streams& streams)
+        : folder_{folder}, json_{json}, left_{count}, streams_{streams} {}
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        Pictures::Taken taken = pictures_.take(frame, ano::Clock::now(), passage.time);
+        if (!taken.fault.empty() && taken.fault != std::exchange(fault_, taken.fault))
+            streams_.err << "anoctl: an image frame of " << ano::hex_byte(frame.source()) << ": " << taken.fault << std::endl;
+        for (const Picture& picture : taken.ended) {
+            write(picture);
+            if (left_ > 0 && --left_ == 0) {
+                done_ = true;
+                return false;
+            }
+        }
+        return true;
+    }
+    bool flush() override { return bool{streams_.out.flush()}; }
+    void miss(std::uint64_t count, const std::string&, std::string_view) override {
+        streams_.err << "anoctl: " << count << " frames did not come, the gateway had no room for them" << std::endl;
+    }
+    /// Nothing more comes.
+    void end() {
+        if (!done_)
+            for (const Picture& picture : pictures_.end()) write(picture);
+        streams_.out.flush();
+        streams_.err << "anoctl: " << written_ << (written_ == 1 ? " picture" : " pictures");
+        if (partial_ > 0) streams_.err << ", " << partial_ << " of them with a part lost";
+        streams_.err << std::endl;
+    }
+
+private:
+    void write(const Picture& picture) {
+        const std::string file = folder_.write(picture);
+        ++written_;
+        if (!picture.is_whole()) ++partial_;
+        if (json_) return tell_json(picture, file);
+        streams_.out << file << ": " << ano::hex_byte(picture.source) << ' ' << picture.width << 'x' << picture.height << ' '
+                     << color_name(picture.color);
+        if (!picture.is_whole()) streams_.out << ", " << picture.rows() << " of " << picture.height << " rows came";
+        streams_.out << '\n';
+    }
+    void tell_json(const Picture& picture, const std::string& file) {
+        streams_.out << nlohmann::ordered_json{{"file", file},
+                                               {"from", picture.source},
+                                               {"time", picture.began},
+                                               {"flag", picture.flag},
+                                               {"color", color_name(picture.color)},
+                                               {"width", picture.width},
+                                               {"height", picture.height},
+                                               {"rows", picture.rows()},
+                                               {"whole", picture.is_whole()},
+                                               {"val", ano::hex(picture.value)}}
+                            .dump()
+                     << '\n';
+    }
+
+    PictureFolder folder_;
+    const bool json_;
+    std::uint64_t left_;    // 0: no end
+    Streams& streams_;
+    Pictures pictures_;
+    std::string fault_;    // told last
+    std::uint64_t written_ = 0, partial_ = 0;
+    bool done_ = false;
+};
+
+struct Image {
+    FramesOf from;
+    std::string folder;
+    std::uint64_t count = 0;
+    bool json = false;
+
+    int run(Streams& streams) const {
+        PictureWriter writer{folder, json, count, streams};
+        const std::string why = from.each({"image"}, writer, streams, "image");
+        writer.end();
+        if (!why.empty()) throw Failure{why};
+        return fine;
+    }
+};
+
+}    // namespace
+
+Run add_image(Options& options) {
+    const auto self = std::make_shared<Image>();
+    const auto read_count = [self](const std::string& word) -> std::string {
+        const auto number = ano::parse_number(word);
+        const auto* count = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
+        if (count == nullptr || *count == 0) return ano::in_quotes(word) + " is not a number of pictures, 1 or more";
+        self->count = *count;
+        return {};
+    };
+    options.push_back({"folder", &self->folder, "DIR",
+                       "Where they are written: 0xDF-0001.png, and on behind those that are there; "
+                       "-part.png when a part was lost, with the rows that came",
+                       true});
+    options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many pictures"});
+    FramesOf::add(options, self->from);
+    options.push_back({"--json", &self->json, "", "One JSON object a picture"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

@@ -1,0 +1,279 @@
+#include "own_link.hpp"
+
+#include <ano/heard.hpp>
+#include <config/config.hpp>
+#include <config/key_facts.hpp>
+#include <gateway/hints.hpp>
+#include <link/alarm.hpp>
+#include <link/asio.hpp>
+#include <link/clocks.hpp>
+#include <link/datagram_batch.hpp>
+#include <link/datagram_sender.hpp>
+#include <link/kinds.hpp>
+#include <link/link_context.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <ostream>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace anogate;
+
+constexpr Duration look_every = std::chrono::seconds{3};
+constexpr char how_to_watch[] = "; to watch the gateway that has it: anoctl monitor, without a LINK";
+
+std::string only_listens(const std::string& who) {
+    return "; " + who + " itself never speaks, and some speak only when spoken to: let anogated do it, with hello=on";
+}
+
+bool matters_to_a_listener(std::string_view key) {
+    constexpr std::string_view others[]{"id",   "hello",   "flood", "broadcast", "group",   "present_as",   "queue",   "rate",
+                                        "pace", "latency", "pack",  "mtu",       "trusted", "max_data_out", "required"};
+    constexpr std::string_view groups[]{"send.", "receive.", "limit.", "age."};
+    return std::find(std::begin(others), std::end(others), key) == std::end(others) &&
+           std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
+}
+
+std::string text_of(const std::string& text) { return text; }
+std::string text_of(std::int64_t number) { return std::to_string(number); }
+
+}    // namespace
+
+LinkSettings link_settings_of(const std::string& link) {
+    Draft draft{link_kinds()};
+    read_link(link, "", draft);
+    validate(draft);
+    if (!draft.errors.empty()) {
+        const ConfigError& first = draft.errors.front();
+        throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};
+    }
+    return draft.settings.links.at(0);
+}
+
+std::string keys_idle_for_listener(std::string_view link) {
+    std::string idle;
+    const auto pieces = split(link, ',');
+    for (const std::string_view piece : std::span{pieces}.subspan(1)) {
+        const std::string_view key = piece.substr(0, piece.find('='));
+        if (!matters_to_a_listener(key)) idle.append(idle.empty() ? "" : ", ").append(key);
+    }
+    return idle;
+}
+
+/// The host of the one link.
+class OwnLink::Host final : public LinkHost {
+public:
+    Host(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who)
+        : io_{io},
+          taker_{taker},
+          streams_{streams},
+          who_{std::move(who)},
+          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
+
+    void start() {
+        link_->start();
+        look_later();
+    }
+    void stop() {
+        done_ = true;
+        look_.cancel();
+        if (std::exchange(stopped_, true)) return;
+        link_->stop_reading();
+        link_->stop();
+    }
+    bool send(ano::FrameView frame) {
+        spoke_ = true;
+        const auto has_heard = [&](const auto& c) { return c && c->heard.source(frame.destination()); };
+        const bool is_known = std::any_of(channels_.begin(), channels_.end(), has_heard);
+        bool left = false;
+        for (const auto& open : channels_) {
+            if (!open || (is_known && !has_heard(open))) continue;
+            const QueuePolicy policy = policy_of(frame.id());
+            left = open->channel.outbox.push(frame, policy, now()) == nullptr || left;
+            link_->flush(open->channel);
+        }
+        return left;
+    }
+    const std::string& name() const noexcept { return link_->name(); }
+    bool is_up() const noexcept { return up_; }
+    std::uint64_t skipped() const noexcept {
+        std::uint64_t bytes = gone_skipped_ + link_->unassigned_traffic().received.skipped_bytes;
+        for (const auto& open : channels_)
+            if (open) bytes += open->channel.parser.counters().skipped_bytes;
+        return bytes;
+    }
+
+private:
+    struct Open {
+        template <class... Args>
+        explicit Open(Args&&... args) : channel{std::forward<Args>(args)...} {}
+        Channel channel;
+        ano::Heard heard;
+    };
+
+    Channel* open_channel(Link& link, std::string peer) override {
+        std::size_t i = 0;
+        while (i < channels_.size() && channels_[i]) ++i;
+        if (i == max_channels) return nullptr;
+        if (i == channels_.size()) channels_.emplace_back();
+        const LinkSettings& s = link.settings();
+        channels_[i] = std::make_unique<Open>(static_cast<ChannelId>(i), link.id(), std::move(peer),
+                                              ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind)},
+                                              Outbox::Options{s.queue, s.effective_max_data_out()}, now_);
+        if (up_) channels_[i]->channel.outbox.open();
+        return &channels_[i]->channel;
+    }
+    void close_channel(Channel& channel) override {
+        gone_skipped_ += channel.parser.counters().skipped_bytes;
+        channels_[index(channel.id)].reset();
+    }
+    void receive(Channel& channel, ano::FrameView frame) override {
+        channel.hear(now_);
+        channels_[index(channel.id)]->heard.note(frame);
+        heard_ = true;
+        if (done_) return;
+        const auto time = std::chrono::system_clock::now().time_since_epoch();
+        const std::string& where = channel.peer.empty() ? link_->name() : channel.peer;
+        if (!taker_.take(frame, {where, std::chrono::duration<double>(time).count()})) finish_soon();
+    }
+    void flush() override {
+        if (!taker_.flush()) finish_soon();
+    }
+    void link_up(Link& link) override {
+        for (const auto& open : channels_)
+            if (open) open->channel.outbox.open();
+        std::string facts;
+        for (const auto& [name, value] : link.facts()) {
+            facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
+            std::visit([&](const auto& v) { facts += text_of(v); }, value);
+        }
+        if (!up_) complain() << link.name() << " is up" << facts << std::endl;
+        if (!up_) up_at_ = now();
+        up_ = true;
+        why_.clear();
+    }
+    void link_down(Link& link, LinkError error) override {
+        for (const auto& open : channels_)
+            if (open) open->channel.outbox.close();
+        std::string& why = error.text;
+        const bool has_gateway = why.ends_with("in use by another gateway") || why.find("in use by anogated (") != why.npos;
+        if (why != why_) complain() << link.name() << ": waiting: " << why << (has_gateway ? how_to_watch : "") << std::endl;
+        up_ = false;
+        why_ = std::move(why);
+    }
+    TimePoint now() override { return now_ = Clock::now(); }
+    const LoopWatch& turn() override {
+        loop_.turn(read_clocks());
+        now_ = loop_.now();
+        return loop_;
+    }
+
+    // The hint that a gateway's status would have; after the first frame, only when something is wrong.
+    void look_later() {
+        look_.expires_after(look_every);
+        look_.async_wait([this](error_code ec) {
+            if (ec || done_) return;
+            std::string hint = heard_ ? hint_of_trouble(figures()) : anogate::hint(figures());
+            const bool is_silent = figures().received.bytes_in == 0 && !figures().listens;
+            if (!hint.empty() && is_silent && !spoke_) hint += only_listens(who_);
+            if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
+            hint_ = std::move(hint);
+            look_later();
+        });
+    }
+    LinkFigures figures() {
+        const UnassignedTraffic unassigned = link_->unassigned_traffic();
+        LinkFigures f;
+        f.words = link_->settings().kind->hints;
+        f.up = up_;
+        f.listens = link_->settings().kind->listens;
+        f.received = unassigned.received;
+        f.v7_frames = unassigned.v7_frames;
+        f.up_for = now() - up_at_;
+        for (const auto& open : channels_) {
+            if (!open) continue;
+            const Channel& channel = open->channel;
+            ++f.channels;
+            add(f.received, channel.received());
+            f.skipped_since += channel.skipped_since_heard();
+            const auto ago = [&](TimePoint then, std::optional<Duration>& least) {
+                if (then != TimePoint{}) least = std::min(least.value_or(Duration::max()), now_ - then);
+            };
+            ago(channel.heard_at, f.silent_for);
+            ago(channel.arrived_at, f.bytes_ago);
+            f.v7_frames += channel.parser.counters().v7_frames;
+        }
+        return f;
+    }
+
+    // A link must not be closed while it calls us.
+    void finish_soon() {
+        if (std::exchange(done_, true)) return;
+        asio::post(io_, [this] {
+            stop();
+            io_.stop();
+        });
+    }
+    std::ostream& complain() {
+        streams_.out.flush();
+        return streams_.err << "anoctl: ";
+    }
+
+    asio::io_context& io_;
+    AlarmClock alarms_{io_};
+    DatagramBatch batch_;
+    DatagramSender sender_;
+    FrameTaker& taker_;
+    Streams& streams_;
+    const std::string who_;
+    std::vector<std::unique_ptr<Open>> channels_;
+    std::unique_ptr<Link> link_;
+    TimePoint now_{};
+    LoopWatch loop_;    // needed by links; the age of a frame is not used here
+    asio::steady_timer look_{io_};
+    std::string hint_;
+    bool up_ = false, heard_ = false, spoke_ = false;
+    bool done_ = false, stopped_ = false;
+    TimePoint up_at_{};
+    std::string why_;
+    std::uint64_t gone_skipped_ = 0;
+};
+
+OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who)
+    : host_{std::make_unique<Host>(io, settings, taker, streams, std::move(who))} {}
+OwnLink::~OwnLink() = default;
+
+void OwnLink::start() { host_->start(); }
+void OwnLink::stop() { host_->stop(); }
+bool OwnLink::send(ano::FrameView frame) { return host_->send(frame); }
+const std::string& OwnLink::name() const noexcept { return host_->name(); }
+bool OwnLink::is_up() const noexcept { return host_->is_up(); }
+std::uint64_t OwnLink::skipped() const noexcept { return host_->skipped(); }
+
+std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who) {
+    const LinkSettings settings = link_settings_of(link);
+    if (const std::string idle = keys_idle_for_listener(link); !idle.empty())
+        streams.err << "anoctl: of no effect here: " << idle << ". " << who << " only listens\n";
+    asio::io_context io{1};
+    asio::signal_set signals{io, SIGINT, SIGTERM};
+    OwnLink own{io, settings, taker, streams, who};
+    signals.async_wait([&](error_code ec, int) {
+        if (ec) return;
+        own.stop();
+        io.stop();
+    });
+    own.start();
+    io.run();
+    return own.skipped();
+}
+
+}    // namespace anoctl
