@@ -270,7 +270,9 @@ private:
         validate(draft);
         if (!draft.errors.empty()) {
             const ConfigError& first = draft.errors.front();
-            throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};
+            const bool is_name = link.find_first_of(":/,=") == link.npos;
+            throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what +
+                             (is_name ? "; a link of the gateway, by its name: monitor --link " + ano::in_quotes(link) : "")};
         }
         return draft.settings.links.at(0);
     }
