@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace anogate {
 
@@ -18,8 +19,10 @@ public:
     /// How long the link that brought a state must be silent before another may bring the same state again.
     static constexpr ano::Duration silence = std::chrono::milliseconds{200};
 
-    explicit DuplicateGuard(ano::Duration window = std::chrono::seconds{2}, std::size_t capacity = 16 * 1024)
-        : brought_{window, capacity} {}
+    /// How long a frame is known.
+    static constexpr ano::Duration usual_window = std::chrono::seconds{2};
+
+    explicit DuplicateGuard(ano::Duration window = usual_window, std::size_t capacity = 16 * 1024) : brought_{window, capacity} {}
 
     /// A frame of this frame_key() came by `from`, a member of `group` (1 to 64); it `arrived` before, where it waited to be
     /// read. True: another member brought it less than the window before. A sender that repeats one and the same state, such
@@ -50,6 +53,26 @@ public:
     /// No link has this number any more.
     void remove_group(std::uint8_t group) {
         brought_.keep_if([group](std::uint64_t key, const Brought&) { return (key & 0xFF) != group; });
+    }
+
+    /// A frame that came by a link of a group.
+    struct Memory {
+        std::uint64_t key = 0;
+        bool repeats = false;
+        ano::TimePoint at{};
+    };
+    /// Those that `link` brought first, or lately, behind `since`; for restore() of a program that goes on from this one.
+    std::vector<Memory> brought_by(LinkId link, ano::TimePoint since) const {
+        std::vector<Memory> all;
+        brought_.for_each([&](std::uint64_t key, ano::TimePoint at, const Brought& brought) {
+            if (brought.by == link && at > since) all.push_back({key, brought.repeats, at});
+        });
+        return all;
+    }
+    /// `link`, now a member of `group`, brought it.
+    void restore(const Memory& memory, std::uint8_t group, LinkId link) noexcept {
+        brought_.put((memory.key & ~std::uint64_t{0xFF}) | group, {link, memory.repeats}, memory.at);
+        heard_at_[index(link)] = std::max(heard_at_[index(link)], memory.at);
     }
 
 private:

@@ -47,6 +47,14 @@ public:
                 if (slot.at != ano::TimePoint::min() && !keep(slot.key, slot.value)) slot = {};
     }
 
+    /// Calls `tell(key, at, value)` for all that was put in, however long ago. As keep_if(), not for each frame.
+    template <class Tell>
+    void for_each(Tell tell) const {
+        for (std::size_t i = 0; i < set_count(); ++i)
+            for (const Slot& slot : sets_[i])
+                if (slot.at != ano::TimePoint::min()) tell(slot.key, slot.at, slot.value);
+    }
+
 private:
     static constexpr std::size_t ways = 4;
     struct Slot {

@@ -85,6 +85,11 @@ public:
         router_.restore(address, channel.id, heard_at);
     }
     void restore_first(std::uint8_t address, const Channel& channel) { router_.restore_first(address, channel.id); }
+    /// What a link of a group brought behind `since`, and the same when the program ran before: a copy by another member is one still.
+    std::vector<DuplicateGuard::Memory> brought_by(LinkId link, TimePoint since) const {
+        return duplicates_.brought_by(link, since);
+    }
+    void restore(LinkId link, const DuplicateGuard::Memory& brought);
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
     /// removed. Called again, it changes what is carried.

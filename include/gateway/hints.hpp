@@ -62,6 +62,7 @@ struct LinkFigures {
     std::uint64_t skipped_since = 0;             // bytes of no frame, since then
     std::optional<ano::Duration> bytes_ago;      // since the last byte; nothing: there was none
     std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have
+    std::string_view hosts_link;                 // where hosts were heard last, when all such links are down; empty: not so
     SharedSource shared = SharedSource::none;
     std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
 };

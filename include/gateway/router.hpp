@@ -26,6 +26,7 @@ struct Route {
     LinkSet absent;
     Via via = Via::nobody;
     bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() have something
+    bool host_is_down = false;    // a host, heard only where the wire is gone now
     /// Where a frame that was spread may come back: what the loop guard is to remember. Empty for one that had one
     /// place, unless that is a host.
     ChannelSet guarded{};
@@ -78,6 +79,7 @@ public:
     void went_down(ChannelId channel);
     /// The wire behind it is there again.
     void came_up(ChannelId channel) { down_.erase(channel); }
+    bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
     /// What was sent by this link did not arrive (a refusal): its group looks for another until it is heard again.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
@@ -165,9 +167,11 @@ private:
     void move(std::uint8_t source, ChannelId to);
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
     bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
+    bool is_cut_off(ChannelSet known) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const;
     void decide(Route& route, std::uint8_t destination, TimePoint now);
+    void add_unknown(Route& route) const;
     bool is_port(std::uint8_t destination) const noexcept {
         return destination <= ano::address::last_port_id && !(ports_[destination].empty() && port_channels_[destination].empty());
     }

@@ -3,6 +3,7 @@
 #include <config/config.hpp>
 #include <config/help.hpp>
 #include <config/keys.hpp>
+#include <daemon/check_door.hpp>
 #include <daemon/check_paths.hpp>
 #include <daemon/command_line.hpp>
 #include <daemon/service.hpp>
@@ -197,10 +198,12 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     validate(draft);
-    if (arguments.check && is_for_service(file, default_file)) check_for_service(draft, file);
+    const bool for_service = arguments.check && is_for_service(file, default_file);
+    if (for_service) check_for_service(draft, file);
     else if (!arguments.print_config) check_control(draft);
     if (arguments.check) {
         warn_of_paths(draft);
+        warn_of_door(draft, for_service);
         check_relay(draft, own_networks());
         note_open_ports(draft);
     }

@@ -72,6 +72,16 @@ public:
         socket_->close(going_away, "the gateway's links were changed: come again");
     }
 
+    std::uint8_t port_id() const { return port_id_; }
+
+    /// The program's place goes, the link stays.
+    void leave(const std::string& why) {
+        Channel* const channel = std::exchange(channel_, nullptr);
+        alive_.reset();
+        host().close_channel(*channel);
+        socket_->close(policy_violation, why);
+    }
+
     void sent_all() override {
         if (channel_) flush();
     }
@@ -143,6 +153,17 @@ void ControlLink::stop() {
     stop_reading();
     for (LinkSocket*& socket : sockets_)
         if (LinkSocket* const leaving = std::exchange(socket, nullptr)) leaving->detach();
+}
+
+void ControlLink::give_up_ports(std::uint8_t own_id) {
+    for (LinkSocket*& socket : sockets_) {
+        const std::uint8_t port_id = socket ? socket->port_id() : 0;
+        if (port_id == 0) continue;
+        const bool is_own = port_id == own_id;
+        if (!is_own && (forwarder_.router().port(port_id) - id()).empty()) continue;
+        const std::string now = is_own ? "the gateway has the port id " : "another link has the port id ";
+        std::exchange(socket, nullptr)->leave(now + std::to_string(port_id) + " now");
+    }
 }
 
 void ControlLink::flush(Channel& channel) {

@@ -28,6 +28,8 @@ public:
 
     /// GET /link?name=N&id=P: the program becomes a channel.
     http::Response join(const http::Request& request, std::uint8_t own_id);
+    /// Closes the programs whose port id is another link's now, or the gateway's own.
+    void give_up_ports(std::uint8_t own_id);
     /// POST /send: one frame, that is no program's, goes to whom it concerns. It teaches no address.
     void send(ano::FrameView frame);
 

@@ -152,6 +152,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
         s.must_come = s.link->settings().required;
     }
     gpio_->start();
+    restore_brought();
     for (LinkState& s : links_) s.link->start();
     restore_addresses();
     stored_ = {};
@@ -183,6 +184,14 @@ void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& sto
             for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
             for (const std::uint8_t address : was.first) forwarder_.restore_first(address, channel(id));
         }
+}
+
+// Whatever wire it came by: a copy is still to come by another one.
+void Gateway::restore_brought() {
+    for (const StoredState::OfLink& stored : stored_.links)
+        for (const LinkState& s : links_)
+            if (s.link->name() == stored.name)
+                for (const DuplicateGuard::Memory& frame : stored.brought) forwarder_.restore(s.link->id(), frame);
 }
 
 void Gateway::check_required() {

@@ -142,6 +142,7 @@ private:
     void await_forwarder();
     void restore_addresses();
     void restore_addresses(const Link& link, const StoredState::OfLink& stored);
+    void restore_brought();
     void check_required();
     bool nothing_waits(const LinkState& state) const;
     void check_stop();

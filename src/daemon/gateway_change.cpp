@@ -52,6 +52,7 @@ void Gateway::finish_change() {
     make_room_for_links(retired);
     LinkSet fresh;
     add_links(change.difference, fresh);
+    if (control_) control_->give_up_ports(settings_.gateway.id);
     put_links_in_order();
     pin_routes();
     retired.lines = gpio_->change(

@@ -4,6 +4,7 @@
 #include <daemon/link_report.hpp>
 
 #include <algorithm>
+#include <string_view>
 
 namespace anogate {
 namespace {
@@ -29,6 +30,26 @@ std::uint8_t hidden_device(const Gateway& gateway, LinkId link, TimePoint now) {
     return 0;
 }
 
+// Where `host` was heard last, when every link where it was is down; empty: that is not so.
+std::string_view link_of_lost(const Gateway& gateway, std::uint8_t host) {
+    std::string_view link;
+    TimePoint last = TimePoint::min();
+    for (const LinkState& state : gateway.links())
+        for (const ChannelId channel : gateway.forwarder().traffic(state.link->id()).channels) {
+            const auto at = gateway.forwarder().router().heard_at(host, channel);
+            if (!at) continue;
+            if (state.up) return {};
+            if (*at >= last) link = state.link->name();
+            last = std::max(last, *at);
+        }
+    return link;
+}
+
+std::string_view link_of_lost_hosts(const Gateway& gateway) {
+    const std::string_view link = link_of_lost(gateway, ano::address::host);
+    return !link.empty() ? link : link_of_lost(gateway, ano::address::ros_bridge);
+}
+
 bool leads_hosts_to(const Settings& settings, const std::string& link) {
     return std::ranges::any_of(settings.routes, [&](const RouteSettings& route) {
         return route.link == link && route.first <= ano::address::host && ano::address::host <= route.last;
@@ -49,6 +70,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.for_hosts = leads_hosts_to(gateway.settings(), state.link->name());
     f.up_for = now - state.since;
     f.untaken_for = traffic.untaken.duration(now);
+    f.hosts_link = link_of_lost_hosts(gateway);
     f.shared = shared_source(gateway, state.link->id(), now);
     f.hidden = hidden_device(gateway, state.link->id(), now);
     f.received = traffic.gone_received;

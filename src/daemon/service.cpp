@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 // LogsDirectory= of the unit; /dev is left as it is, and there everybody may write to /dev/shm.
 constexpr char log_folder[] = "/var/log/anogate";
 constexpr const char* writable[] = {runtime_folder, log_folder, "/dev/shm"};
+constexpr char service_state_folder[] = "/var/lib/anogate";    // StateDirectory=
 
 /// Of anogated@NAME.service, whose configuration is NAME.json: /run/anogate-NAME.
 std::string runtime_folder_for(const std::string& config_file) {
@@ -89,8 +90,12 @@ void check_for_service(Draft& draft, const std::string& config_file) {
         else check_port(path.path, origin.key(key), draft);
     }
     check_writable(draft.settings.log.file, "file", draft.log.key("file"), log_folder, service);
-    if (draft.settings.control.socket != "none")
-        check_writable(draft.settings.control.socket, "socket", draft.control.key("socket"), service.runtime, service);
+    const ControlSettings& control = draft.settings.control;
+    std::error_code ec;
+    if (control.http && !is_below(looked_up(control.token_file), service_state_folder) &&
+        !fs::exists(looked_up(control.token_file), ec) && !ec)    // one that is there is only read
+        check_writable(control.token_file, "token_file", draft.control.key("token_file"), service_state_folder, service);
+    if (control.socket != "none") check_writable(control.socket, "socket", draft.control.key("socket"), service.runtime, service);
 }
 
 }    // namespace anogate

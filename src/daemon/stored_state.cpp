@@ -5,13 +5,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cstddef>
+
 #include <fcntl.h>
 #include <sys/stat.h>
 
 namespace anogate {
 namespace {
 
-constexpr int format = 1;
+constexpr int format = 2;
 
 std::int64_t nanoseconds(ano::Duration time) { return std::chrono::nanoseconds{time}.count(); }
 std::int64_t nanoseconds(ano::TimePoint time) { return nanoseconds(time.time_since_epoch()); }
@@ -34,6 +37,7 @@ void grow_older(StoredState& state, ano::Duration time) {
         for (StoredPeer& peer : link.link.peers) peer.memory.heard_at -= time;
         for (StoredChannel& channel : link.channels)
             for (StoredAddress& address : channel.addresses) address.heard_at -= time;
+        for (DuplicateGuard::Memory& frame : link.brought) frame.at -= time;
     }
 }
 
@@ -89,7 +93,10 @@ nlohmann::json json_of(const StoredState::OfLink& link) {
     nlohmann::json peers = nlohmann::json::array(), channels = nlohmann::json::array();
     for (const StoredPeer& peer : link.link.peers) peers.push_back(json_of(peer));
     for (const StoredChannel& channel : link.channels) channels.push_back(json_of(channel));
+    nlohmann::json brought = nlohmann::json::array();
+    for (const DuplicateGuard::Memory& frame : link.brought) brought.push_back({frame.key, nanoseconds(frame.at), frame.repeats});
     return {{"name", link.name},
+            {"brought", std::move(brought)},
             {"wire", {link.wire.device, link.wire.inode}},
             {"rest", ano::hex(link.link.rest)},
             {"peers", std::move(peers)},
@@ -103,8 +110,21 @@ StoredState::OfLink link_of(const nlohmann::json& from, const ClockReading& unre
     link.link.rest = ano::from_hex(from.at("rest").get<std::string>()).value_or(std::vector<std::uint8_t>{});
     for (const nlohmann::json& p : from.at("peers"))
         if (auto peer = peer_of(p, now)) link.link.peers.push_back(*peer);
+    for (const nlohmann::json& frame : from.at("brought"))
+        link.brought.push_back({frame.at(0).get<std::uint64_t>(), frame.at(2).get<bool>(), past(frame.at(1), now)});
     for (const nlohmann::json& channel : from.at("channels")) link.channels.push_back(channel_of(channel, now));
     return link;
+}
+
+// Of each link an equal number.
+void keep_newest(StoredState& state) {
+    const auto links = std::count_if(state.links.begin(), state.links.end(),
+                                     [](const auto& link) { return !link.brought.empty(); });
+    const std::size_t most = max_stored_frames / static_cast<std::size_t>(std::max<std::ptrdiff_t>(links, 1));
+    for (StoredState::OfLink& link : state.links) {
+        std::sort(link.brought.begin(), link.brought.end(), [](const auto& a, const auto& b) { return a.at > b.at; });
+        link.brought.resize(std::min(link.brought.size(), most));
+    }
 }
 
 }    // namespace
@@ -123,6 +143,7 @@ StoredState state_of(const Gateway& gateway) {
         if (wire >= 0) stored.link.wire = UniqueFd{::fcntl(wire, F_DUPFD_CLOEXEC, 0)};
         stored.wire = WireIdentity::of(stored.link.wire.get());
         stored.link.peers = s.link->peers();
+        stored.brought = gateway.forwarder().brought_by(s.link->id(), state.unread_since.now - DuplicateGuard::usual_window);
         for (const ChannelId id : gateway.forwarder().traffic(s.link->id()).channels) {
             const Channel& channel = gateway.channel(id);
             stored.channels.push_back(stored_channel(channel, gateway.forwarder().router()));
@@ -130,6 +151,7 @@ StoredState state_of(const Gateway& gateway) {
         }
         state.links.push_back(std::move(stored));
     }
+    keep_newest(state);
     return state;
 }
 

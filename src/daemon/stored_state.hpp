@@ -1,7 +1,10 @@
-// What a gateway leaves to the one that is started next: open wires, peers, and where addresses were heard.
+// What a gateway leaves to the one that is started next: open wires, peers, where addresses were heard, and what came by
+// the links of groups.
 #pragma once
+#include <gateway/duplicate_guard.hpp>
 #include <link/stored_link.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -38,10 +41,14 @@ struct StoredState {
         WireIdentity wire{};
         StoredLink link{};
         std::vector<StoredChannel> channels{};
+        std::vector<DuplicateGuard::Memory> brought{};    // of a link of a group
     };
     ClockReading unread_since{};
     std::vector<OfLink> links{};
 };
+
+/// Of the frames of groups the newest, so many in all.
+inline constexpr std::size_t max_stored_frames = 4096;
 
 /// Of a gateway that reads no more. Its wires are copies: both programs have them until it closes its own.
 StoredState state_of(const Gateway& gateway);

@@ -154,7 +154,9 @@ void Forwarder::keep_from_tunnel(Route& route) {
         drop(from, frame, &ReceiveCounters::no_route);
         if (to_host) entry(from.link).traffic.untaken.note(now_);
     } else if (to_host && !route.channels.empty()) {
-        entry(from.link).traffic.untaken.taken();
+        Untaken& untaken = entry(from.link).traffic.untaken;
+        if (route.host_is_down && router_.are_all_down(route.channels)) untaken.note(now_);
+        else untaken.taken();
     }
 }
 

@@ -75,6 +75,10 @@ void Forwarder::remove_link(LinkId id) {
     std::erase_if(claimants_, [id](const auto& claimant) { return claimant.second.link == id; });
 }
 
+void Forwarder::restore(LinkId link, const DuplicateGuard::Memory& brought) {
+    if (const std::uint8_t group = entry(link).settings.route.group; group != 0) duplicates_.restore(brought, group, link);
+}
+
 void Forwarder::unpin(std::uint8_t first, std::uint8_t last, LinkId link) {
     router_.unpin(first, last, link);
     for (const AliasRule& rule : entry(link).settings.aliases) router_.pin(rule.as, rule.as, link);

@@ -78,6 +78,16 @@ Hint shared(SharedSource shared) {
     return {};
 }
 
+Hint no_taker(std::string_view hosts_link) {
+    if (hosts_link.empty())
+        return {"no_host_takes",
+                "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"};
+    const std::string link{hosts_link};
+    return {"hosts_link_down",
+            "hosts were last heard on " + link + ", which is down: mend it, or say where else they are: --route 0xFE=LINK",
+            {{"link", link}}};
+}
+
 // What keeps frames from being found, or from being let in.
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
@@ -109,9 +119,7 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link.shared);
     if (link.hidden != 0) return hidden(link.hidden);
-    if (link.untaken_for && *link.untaken_for >= patience)
-        return {"no_host_takes",
-                "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"};
+    if (link.untaken_for && *link.untaken_for >= patience) return no_taker(link.hosts_link);
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return {"many_damaged", "many damaged frames: check cable, ground and baud rate"};

@@ -176,13 +176,19 @@ void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
     } else if (const ChannelSet heard = heard_from(destination, now); !heard.empty()) {
         route.via = Via::learned;
         route.channels = heard;
-    } else if (unknown_ == Unknown::flood) {
-        route.via = Via::unknown;
-        route.channels = flooded_;
-    } else if (unknown_ == Unknown::link) {
-        route.via = Via::unknown;
-        to_links(route, unknown_links_);
+        route.host_is_down = address::is_host(destination) && is_cut_off(heard);
+        if (route.host_is_down) add_unknown(route);    // it may be elsewhere now, and listen
+    } else {
+        add_unknown(route);
     }
+}
+
+// Where those go that were never heard, beside where it goes already.
+void Router::add_unknown(Route& route) const {
+    if (unknown_ == Unknown::drop) return;
+    route.via = Via::unknown;
+    if (unknown_ == Unknown::flood) route.channels |= flooded_;
+    else to_links(route, unknown_links_);
 }
 
 Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
@@ -359,6 +365,14 @@ bool Router::leads_to(ChannelSet known, ChannelId channel) const noexcept {
     return group != 0 && !(links_of(known) & groups_[group]).empty();
 }
 
+// No wire is there that leads to any of these places.
+bool Router::is_cut_off(ChannelSet known) const noexcept {
+    if (!are_all_down(known)) return false;
+    for (const LinkId link : links_of(known))
+        if (!are_all_down(channels_of(mates(link)))) return false;
+    return true;
+}
+
 LinkSet Router::links_of(ChannelSet channels) const noexcept {
     LinkSet links;
     for (const ChannelId channel : channels) links.insert(link_of_[index(channel)]);
@@ -372,7 +386,7 @@ ChannelSet Router::channels_of(LinkSet links) const {
 }
 
 void Router::to_links(Route& route, LinkSet links) const {
-    route.channels = channels_of(links);
+    route.channels |= channels_of(links);
     for (const LinkId link : links)
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
 }

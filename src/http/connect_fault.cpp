@@ -1,4 +1,5 @@
 #include <http/connect_fault.hpp>
+#include <http/socket_path.hpp>
 #include <link/errors.hpp>
 
 #include <grp.h>
@@ -29,10 +30,26 @@ std::string no_permission(const std::string& path, const SocketFile& file) {
     return belongs + "; sudo usermod -aG " + file.group + " $USER, then log in again";
 }
 
+// As socket_to_ask() looks for one.
+void note_where_it_was_sought(const std::string& path, SocketFile& file) {
+    const Runner runner = this_runner();
+    if (path != control_socket({}, runner)) return;
+    if (path != system_socket()) file.nor = system_socket();
+    else file.no_runtime_dir = !runner.system && runner.runtime_dir.empty();
+}
+
+std::string no_such_socket(const SocketFile& file) {
+    std::string text = ": there is no such socket";
+    if (!file.nor.empty()) text += ", nor " + file.nor;
+    if (file.no_runtime_dir) text += "; where a gateway of this user is would be said by XDG_RUNTIME_DIR, which is not set";
+    return text + " (another one: --control PATH)";
+}
+
 }    // namespace
 
 SocketFile look_at_socket(const std::string& path) {
     SocketFile file;
+    note_where_it_was_sought(path, file);
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0) {
         file.can_be_seen = errno != EACCES;
@@ -52,7 +69,7 @@ std::string connect_fault(const std::string& path, int error, const SocketFile& 
     const std::string none = "no gateway is running at " + path;
     switch (error) {
     case ENOENT:
-    case ENOTDIR: return none + ": there is no such socket (another one: --control PATH)";
+    case ENOTDIR: return none + no_such_socket(file);
     case ECONNREFUSED: return file.is_socket ? none + ": one that ended left its socket" : path + " is not a socket";
     case EACCES: return no_permission(path, file);
     case EPROTOTYPE: return "what listens at " + path + " is not a gateway";

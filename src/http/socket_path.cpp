@@ -9,11 +9,8 @@
 
 namespace anogate::http {
 namespace fs = std::filesystem;
-namespace {
 
-std::string of_the_system() { return std::string{runtime_folder} + "/control.sock"; }
-
-}    // namespace
+std::string system_socket() { return std::string{runtime_folder} + "/control.sock"; }
 
 Runner this_runner() {
     const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
@@ -24,7 +21,7 @@ std::optional<std::string> control_socket(const std::string& configured, const R
     if (configured == "none") return std::nullopt;
     if (!configured.empty()) return configured;
     // Without either, the error of the first is the one that tells people what to do.
-    if (runner.system || runner.runtime_dir.empty()) return of_the_system();
+    if (runner.system || runner.runtime_dir.empty()) return system_socket();
     return runner.runtime_dir + "/anogate.sock";
 }
 
@@ -32,7 +29,7 @@ std::string socket_to_ask(const std::string& asked, const Runner& runner) {
     if (!asked.empty()) return asked;
     std::string usual = control_socket({}, runner).value_or(std::string{});
     std::error_code ec;
-    return !fs::exists(usual, ec) && fs::exists(of_the_system(), ec) ? of_the_system() : usual;
+    return !fs::exists(usual, ec) && fs::exists(system_socket(), ec) ? system_socket() : usual;
 }
 
 std::string fault_of_socket(const std::string& path, const Runner& runner) {

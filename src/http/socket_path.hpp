@@ -15,6 +15,9 @@ Runner this_runner();
 /// The path of the control socket; nothing when `configured` is "none". Empty: nobody said.
 std::optional<std::string> control_socket(const std::string& configured, const Runner& runner);
 
+/// That of the gateway of the system.
+std::string system_socket();
+
 /// Where a client looks, when `asked` is empty: who is no system user finds the gateway of the system where he runs none of his own.
 std::string socket_to_ask(const std::string& asked, const Runner& runner);
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace anogate::http {
@@ -82,6 +83,13 @@ private:
     Door door_;
 };
 
+// Of what can't be read OpenSSL does not say why, and a pipe it would wait for.
+std::string fault_of_file(const std::string& file) {
+    struct stat facts {};
+    if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
+    return S_ISREG(facts.st_mode) ? "" : file + ": is not a file";
+}
+
 }    // namespace
 
 Tls::Tls(std::shared_ptr<Context> context) : context_{std::move(context)} {}
@@ -92,8 +100,10 @@ Expected<std::unique_ptr<Tls>> Tls::load(const std::string& certificate, const s
     // Not by Asio: its options are long, which has no room for them on 32 bits and would set those from 2^32 up.
     ::SSL_CTX_set_options(context->ssl.native_handle(),
                           SSL_OP_ALL | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
-    for (const std::string& file : {certificate, key})    // of what can't be read, OpenSSL does not say why
-        if (::access(file.c_str(), R_OK) != 0) return Unexpected{error_text(file, errno)};
+    for (const std::string& file : {certificate, key})
+        if (std::string fault = fault_of_file(file); !fault.empty()) return Unexpected{std::move(fault)};
+    context->ssl.set_password_callback(
+        [](std::size_t, asio::ssl::context::password_purpose) { return std::string{}; });    // nobody is asked at the terminal
     error_code ec;
     context->ssl.use_certificate_chain_file(certificate, ec);
     if (ec) return Unexpected{certificate + ": " + ec.message()};

@@ -51,6 +51,35 @@ Expected<void> make(const std::string& path) {
     return {};
 }
 
+UniqueFd open_to_read(const std::string& path) {
+    return UniqueFd{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};    // a pipe is not waited for
+}
+
+Expected<std::vector<Token>> read_tokens(const UniqueFd& fd, const std::string& path) {
+    struct stat facts {};
+    if (!fd || ::fstat(fd.get(), &facts) != 0) return Unexpected{error_text(path, errno)};
+    if (!S_ISREG(facts.st_mode)) return Unexpected{path + ": is not a file"};
+    if ((facts.st_mode & S_IRWXO) != 0) return Unexpected{path + ": everybody on this computer may read it; chmod o= " + path};
+    std::string text(max_file, '\0');
+    const ssize_t size = ::read(fd.get(), text.data(), text.size());
+    if (size < 0) return Unexpected{error_text(path, errno)};
+    text.resize(static_cast<std::size_t>(size));
+    auto tokens = parse_tokens(text);
+    if (!tokens) return Unexpected{path + ": " + tokens.error()};
+    return tokens;
+}
+
+// As far as folders are there: those that are missing are made in the last of them.
+Expected<void> check_place(const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code ec;
+    fs::path folder = fs::absolute(path, ec).parent_path();
+    while (!fs::exists(folder, ec) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!fs::is_directory(folder, ec)) return Unexpected{error_text(path, ENOTDIR)};
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) return Unexpected{error_text(path, errno)};
+    return {};
+}
+
 }    // namespace
 
 Expected<std::vector<Token>> parse_tokens(std::string_view text) {
@@ -74,23 +103,19 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text) {
 }
 
 Expected<std::vector<Token>> read_or_make_tokens(const std::string& path) {
-    constexpr int how = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;    // a pipe is not waited for
-    UniqueFd fd{::open(path.c_str(), how)};
+    UniqueFd fd = open_to_read(path);
     if (!fd && errno == ENOENT) {
         if (auto made = make(path); !made) return Unexpected{std::move(made.error())};
-        fd = UniqueFd{::open(path.c_str(), how)};
+        fd = open_to_read(path);
     }
-    struct stat facts {};
-    if (!fd || ::fstat(fd.get(), &facts) != 0) return Unexpected{error_text(path, errno)};
-    if (!S_ISREG(facts.st_mode)) return Unexpected{path + ": is not a file"};
-    if ((facts.st_mode & S_IRWXO) != 0) return Unexpected{path + ": everybody on this computer may read it; chmod o= " + path};
-    std::string text(max_file, '\0');
-    const ssize_t size = ::read(fd.get(), text.data(), text.size());
-    if (size < 0) return Unexpected{error_text(path, errno)};
-    text.resize(static_cast<std::size_t>(size));
-    auto tokens = parse_tokens(text);
-    if (!tokens) return Unexpected{path + ": " + tokens.error()};
-    return tokens;
+    return read_tokens(fd, path);
+}
+
+Expected<void> check_tokens(const std::string& path) {
+    const UniqueFd fd = open_to_read(path);
+    if (!fd && errno == ENOENT) return check_place(path);
+    if (auto tokens = read_tokens(fd, path); !tokens) return Unexpected{std::move(tokens.error())};
+    return {};
 }
 
 }    // namespace anogate::http

@@ -16,4 +16,7 @@ Expected<std::vector<Token>> parse_tokens(std::string_view text);
 /// are made as well.
 Expected<std::vector<Token>> read_or_make_tokens(const std::string& path);
 
+/// What read_or_make_tokens() would say against the file, or the folder that it would be made in; makes nothing.
+Expected<void> check_tokens(const std::string& path);
+
 }    // namespace anogate::http

@@ -2,6 +2,7 @@
 #include <config/link_kind.hpp>
 #include <config/unlikely.hpp>
 #include <link/device_holder.hpp>
+#include <link/device_permission.hpp>
 #include <link/errors.hpp>
 #include <link/make_link.hpp>
 #include <link/serial_link.hpp>
@@ -9,7 +10,9 @@
 #include <link/termios.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -33,6 +36,13 @@ std::string absent_text(const std::string& device) {
     return device + " is not there (did you mean " + meant + "?)";
 }
 
+std::string not_permitted_text(const std::string& device) {
+    std::error_code ec;
+    const std::string real = std::filesystem::canonical(device, ec).string();
+    const std::string missing = ec ? std::string{} : missing_permission("/", real, DeviceUser::this_process());
+    return device + ": no permission" + (missing.empty() ? "" : ": " + missing);
+}
+
 LinkError port_error(std::string_view id, std::string text, const std::string& device) {
     return {id, std::move(text), {{"device", device}}};
 }
@@ -43,12 +53,7 @@ LinkError open_error(const std::string& device, int error) {
     case ENXIO:
     case ENODEV: return port_error("absent", absent_text(device), device);
     case EBUSY: return port_error("in_use", busy_text(device), device);
-    case EACCES:
-        return port_error("no_permission",
-                          device +
-                              ": no permission (the user must be in the group of the device, usually dialout: "
-                              "sudo usermod -aG dialout $USER, and log in again)",
-                          device);
+    case EACCES: return port_error("no_permission", not_permitted_text(device), device);
     default: return error_text(device, error);
     }
 }

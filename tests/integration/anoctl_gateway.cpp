@@ -176,6 +176,17 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
                              ": there is no such socket (another one: --control PATH)\n");
+    if (::geteuid() == 0) {
+        const auto become_nobody = [] { (void)(::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0); };
+        EXPECT_NE(
+            anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody)
+                .said.find("there is no such socket; where a gateway of this user is would be said by XDG_RUNTIME_DIR, which "
+                           "is not set"),
+            std::string::npos);
+        EXPECT_NE(anoctl({"status"}, {"XDG_RUNTIME_DIR=/proc/none"}, become_nobody)
+                      .said.find("at /proc/none/anogate.sock: there is no such socket, nor /run/anogate/control.sock"),
+                  std::string::npos);
+    }
     daemon.signal(SIGKILL);
     daemon.wait();
     const Result dead = ask({"links"});
@@ -294,6 +305,14 @@ TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
               "anoctl: /links/0/baud: one\n"
               "anoctl: /links/1: two\n"
               "anoctl: the configuration has 2 faults\n");
+}
+
+TEST_F(AnoctlReload, names_the_option_whose_value_is_refused) {
+    status = 400;
+    body = R"({"error": "'confirm_within' must be a duration such as 30s, from 1s to 1h, not '0'", "what": "invalid"})";
+    const Result refused = reload({"--confirm-within", "0"});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_EQ(refused.said, "anoctl: --confirm-within must be a duration such as 30s, from 1s to 1h, not '0'\n");
 }
 
 TEST_F(AnoctlReload, confirms) {

@@ -1,4 +1,5 @@
 // Programs that join the gateway by GET /link, and single frames by POST /send.
+#include <config/difference.hpp>
 #include <support/control_door.hpp>
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
@@ -126,6 +127,23 @@ TEST_F(ControlLinkOfOnePeer, a_program_may_bear_a_port_id) {
     EXPECT_TRUE(until_channels(1));
     Ear next{door, "/link?id=7"};
     EXPECT_TRUE(until_open(next));
+}
+
+TEST_F(ControlLinkOfOnePeer, a_program_whose_port_id_somebody_else_gets_is_closed) {
+    Ear camera{door, "/link?id=7"}, lamp{door, "/link?id=8"}, radio{door, "/link?id=9"};
+    ASSERT_TRUE(until_open(camera) && until_open(lamp) && until_open(radio) && until_channels(3));
+    anogate::Gateway& gateway = door.gateway.gateway();
+    anogate::Settings settings = gateway.settings();
+    settings.links.at(0).id = 7;
+    settings.gateway.id = 8;
+    bool changed = false;
+    gateway.change(settings, anogate::difference(gateway.settings(), settings), 300ms, [&] { changed = true; });
+    ASSERT_TRUE(door.gateway.until([&] { return changed && camera.ended && lamp.ended; }));
+    EXPECT_EQ(camera.ended->fault, "the gateway ended it: another link has the port id 7 now");
+    EXPECT_EQ(lamp.ended->fault, "the gateway ended it: the gateway has the port id 8 now");
+    EXPECT_TRUE(until_channels(1));
+    EXPECT_EQ(door.gateway.route("0x07").at("links"), json{"peer"});
+    EXPECT_FALSE(radio.ended) << "its id is its own";
 }
 
 TEST_F(ControlLinkOfOnePeer, a_program_that_does_not_read_has_a_queue_with_a_bound) {

@@ -134,6 +134,24 @@ TEST_F(Restart, a_peer_that_only_listens_is_still_served) {
     EXPECT_TRUE(hears(listener, news));
 }
 
+TEST_F(Restart, a_copy_by_another_link_of_the_group_is_still_one) {
+    PtyDevice device{dir / "fc"}, radio{dir / "radio"}, cable{dir / "cable"};
+    configure({"serial:" + device.path() + ",name=fc", "serial:" + radio.path() + ",name=radio,group=vehicle",
+               "serial:" + cable.path() + ",name=cable,group=vehicle"});
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(service->until_up("fc") && service->until_up("radio") && service->until_up("cable"));
+    const Bytes command = frame(host, 0xFF, 0xC0, {1, 2, 3}), next = frame(host, 0xFF, 0xC0, {4, 5, 6});
+    radio.write(command);
+    ASSERT_TRUE(hears(device, command));
+    ASSERT_EQ(manager.stop(*service), 0);
+    cable.write(command);    // it waits on the wire
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(wait_until([&] { return service->count("cable", "duplicate") == 1; }));
+    cable.write(next);
+    ASSERT_TRUE(hears(device, next));
+    EXPECT_EQ(device.heard(), command + next) << "carried out once";
+}
+
 TEST_F(Restart, a_learned_address_is_not_flooded) {
     PtyDevice device{dir / "fc"}, second{dir / "second"};
     configure({"serial:" + device.path() + ",name=fc", "serial:" + second.path() + ",name=second",

@@ -337,6 +337,43 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
     EXPECT_TRUE(hint_is(""));
 }
 
+TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_goes_where_somebody_may_listen) {
+    TempDir dir;
+    PtyDevice device{dir / "fc"};
+    PtyDevice radio{dir / "radio"};
+    UdpPeer listener;
+    RunningGateway daemon{serial("fc", device.path()), serial("radio", radio.path()), udp("tablet", listener.local().text())};
+    ASSERT_TRUE(daemon.until_up("fc") && daemon.until_up("radio") && daemon.until_up("tablet"));
+    radio.write(frame(0xFE, 0x01, 0x03, {1}));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("radio", "frames_in") == 1; }));
+    listener.forget();
+    const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1});
+    device.write(telemetry);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("radio", "frames_out") > 0; }));
+    EXPECT_EQ(listener.heard(), Bytes{}) << "the host is by the radio";
+    radio.unplug();
+    ASSERT_TRUE(daemon.until([&] { return daemon.link("radio").at("state") == "waiting"; }));
+    device.write(telemetry);
+    EXPECT_TRUE(daemon.until([&] { return listener.heard() == telemetry; }));
+}
+
+TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_told_when_nobody_else_may_take_it) {
+    TempDir dir;
+    PtyDevice device{dir / "fc"};
+    PtyDevice radio{dir / "radio"};
+    RunningGateway daemon{serial("fc", device.path()), serial("radio", radio.path())};
+    ASSERT_TRUE(daemon.until_up("fc") && daemon.until_up("radio"));
+    radio.write(frame(0xFE, 0xDC, 0x03, {1}));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("radio", "frames_in") == 1; }));
+    radio.unplug();
+    EXPECT_TRUE(daemon.until([&] {
+        device.write(frame(0xDC, 0xFE, 0x03, {1}));
+        daemon.run_for(20ms);
+        return daemon.link("fc").at("hint_id") == "hosts_link_down";
+    })) << daemon.link("fc");
+    EXPECT_EQ(daemon.link("fc").at("hint_args").at("link"), "radio");
+}
+
 // While no host is known, frames from one cable go out by the other: that can't be told from a ring.
 TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     TempDir dir;

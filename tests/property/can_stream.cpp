@@ -70,7 +70,7 @@ private:
 }    // namespace
 
 TEST(CanStream, every_frame_arrives_whole_and_in_order) {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(40); ++seed) {
         support::Random random{seed};
         CanSettings can;
         can.fd = random.one_in(2);
@@ -94,7 +94,7 @@ TEST(CanStream, every_frame_arrives_whole_and_in_order) {
 }
 
 TEST(CanStream, a_bus_that_loses_and_alters_delivers_nothing_that_was_not_sent) {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(40); ++seed) {
         support::Random random{seed};
         CanSettings can;
         can.fd = random.one_in(2);

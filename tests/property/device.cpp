@@ -106,7 +106,7 @@ Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
 }
 
 TEST(Device, stores_what_it_acknowledges_or_the_nearest_that_it_may) {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Profile profile;
         profile.refuses_beyond_limits = random.one_in(2);
@@ -145,7 +145,7 @@ TEST(Device, stores_what_it_acknowledges_or_the_nearest_that_it_may) {
 }
 
 TEST(Device, gives_a_waypoint_back_as_it_was_written) {
-    for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(2000); ++seed) {
         Random random{seed};
         Device device{{.id = 0x21}};
         device.waypoints().allow(1);
@@ -163,7 +163,7 @@ TEST(Device, gives_a_waypoint_back_as_it_was_written) {
 
 // Whatever comes, the answers are one at most, to the one who asked, and its memory stays what it was.
 TEST(Device, answers_every_frame_at_most_once) {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
         Thing thing{0x21, random, any_profile(random)};
         ano::TimePoint now = start;
@@ -204,7 +204,7 @@ TEST(Device, answers_every_frame_at_most_once) {
 
 // The same where frames wait, and are dropped when too many do.
 TEST(Device, answers_what_waited_at_most_once) {
-    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(100); ++seed) {
         Random random{seed};
         Thing thing{0x21, random, random.of({Profile::vendor(), Profile::old()})};
         ano::TimePoint now = start;
@@ -228,7 +228,7 @@ TEST(Device, answers_what_waited_at_most_once) {
 
 // Two devices hear each other: what one says is never the beginning of a talk.
 TEST(Device, makes_no_storm_with_another) {
-    for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(3000); ++seed) {
         Random random{seed};
         Thing a{0x21, random, any_profile(random)}, b{random.of<std::uint8_t>({0x22, 0xD2, 0xDC}), random, any_profile(random)};
         const std::uint8_t other = b.device.info().id;
@@ -248,7 +248,7 @@ TEST(Device, makes_no_storm_with_another) {
 
 // Frames that are late, lost, again, in any order: the image passes if and only if every part arrived, and is then as it was sent.
 TEST(Device, passes_an_image_that_is_whole) {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Bytes image = random_bytes(random, 1 + random.below(300u));
         const auto part = 1 + random.below(40u);

@@ -149,7 +149,7 @@ TEST(Fairness, the_one_command_of_a_third_is_never_lost_and_waits_for_two_frames
 
 // Whatever they send: one large frames, one small ones, one under many addresses, one that waits for each frame to have left.
 TEST(Fairness, channels_that_always_wait_have_equal_shares) {
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(5); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};
         Outbox outbox{{}};
@@ -272,7 +272,7 @@ TEST(Shares, what_is_stale_before_its_turn_keeps_the_turn_for_the_next) {
 }
 
 TEST(Shares, every_mix) {
-    for (std::uint64_t seed = 1; seed <= 16 && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(16) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};
         Mix mix{random.of<std::uint32_t>({11520, 50000}), {}};

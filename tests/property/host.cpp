@@ -5,6 +5,7 @@
 
 #include <support/fake_loader.hpp>
 #include <support/host_tasks.hpp>
+#include <support/random.hpp>
 
 #include <gtest/gtest.h>
 
@@ -47,7 +48,7 @@ TEST(Host, at_ten_percent_loss_and_200_ms_300_parameters_take_at_most_two_and_a_
     using namespace std::chrono_literals;
     const ano::Duration clean = read_all(300, {.delay = 100ms}, 1).took;
     double worst = 0;
-    for (std::uint64_t seed = 1; seed <= 50; ++seed)
+    for (std::uint64_t seed = 1; seed <= support::trials(50); ++seed)
         worst = std::max(worst, ratio(read_all(300, {.delay = 100ms, .loss = 0.1}, seed).took, clean));
     RecordProperty("worst", std::to_string(worst));
     EXPECT_LE(worst, 2.5);
@@ -84,7 +85,7 @@ TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_by
 
 TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
     using namespace std::chrono_literals;
-    for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(300); ++seed) {
         support::Random random{seed};
         const LineFaults line{std::chrono::milliseconds{random.below(800u)}, std::chrono::milliseconds{random.below(400u)},
                               random.below(60u) / 100.0, random.below(50u) / 100.0, random.of({0u, 9600u, 115200u})};
@@ -110,7 +111,7 @@ TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
 
 // Each kind of task against a device that answers a part, over a bad line, among random frames that look like answers.
 TEST(Host, random_frames_at_random_times_never_hang_a_task) {
-    for (std::uint64_t seed = 1; seed <= 100 * support::task_kinds; ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(100 * support::task_kinds); ++seed) {
         support::Random random{seed};
         FakeDevice fake;
         support::FakeLoader loader;
@@ -146,7 +147,7 @@ TEST(Host, random_frames_at_random_times_never_hang_a_task) {
 // Whatever the line does: what is done is stored, what is refused by a failure is as it was.
 TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
     using namespace std::chrono_literals;
-    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(200); ++seed) {
         support::Random random{seed};
         FakeDevice fake;
         fake.make_parameters(20);

@@ -430,7 +430,7 @@ TEST(Outbox, does_as_the_simple_one_does) {
     const Outbox::Options options[] = {
         {.bytes = 28, .max_data = 20}, {.bytes = 100, .max_data = 60}, {.bytes = 5000, .max_data = 200}};
     std::uint64_t causes = 0;
-    for (std::uint64_t seed = 1; seed <= 120 && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(120) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         Trial trial{seed, options[seed % std::size(options)]};
         for (int step = 0; step < 400 && !testing::Test::HasFailure(); ++step) trial.step();

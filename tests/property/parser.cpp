@@ -92,7 +92,7 @@ class AnyInput : public testing::TestWithParam<std::size_t> {};    // max_data
 
 TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
     const std::size_t max_data = GetParam();
-    for (std::uint64_t seed = 0; seed < (max_data > 1000 ? 60 : 300); ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(max_data > 1000 ? 60 : 300); ++seed) {
         Random random{seed};
         const bool datagrams = random.one_in(2);
         BothParsers both{{.max_data = max_data,
@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(max_data, AnyInput, testing::Values(0, 1, 30, 255, 600,
                          [](const auto& test) { return std::to_string(test.param); });
 
 TEST(FrameParser, finds_exactly_the_good_frames_among_noise_without_a_header_however_it_is_cut) {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
         std::vector<Bytes> sent;
         Bytes line;
@@ -177,7 +177,7 @@ TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_fi
 TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
     constexpr std::size_t length_of_heads = 0xABAB;
     for (const std::size_t max_data : {std::size_t{4096}, length_of_heads - 1, length_of_heads, std::size_t{65535}})
-        for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        for (std::uint64_t seed = 0; seed < support::trials(12); ++seed) {
             Random random{seed};
             Bytes bytes(200 + random.below(200u), ano::head);
             for (auto& byte : bytes)

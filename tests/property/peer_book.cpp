@@ -45,7 +45,7 @@ struct Model {
 };
 
 TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
-    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(60); ++seed) {
         support::Random random{seed};
         PeerBook book{{timeout}};
         Model model;
@@ -90,7 +90,7 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
 }
 
 TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
-    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(60); ++seed) {
         support::Random random{seed};
         const std::size_t most = 1 + random.below(8u), max_of_address = 1 + random.below(4u);
         PeerBook book{{timeout, most, max_of_address}};

@@ -119,7 +119,7 @@ public:
 };
 
 TEST(Questions, whatever_happens) {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Line line{{.bytes = 400, .age = 5s}};
         line.tight = true;
@@ -166,7 +166,7 @@ TEST(Questions, all_are_asked_when_the_device_answers) {
 
 // Three channels flood, the fourth asks one question at a time.
 TEST(Questions, who_asks_little_is_served_in_turn_whoever_floods) {
-    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(10); ++seed) {
         Random random{seed};
         Line line{{.bytes = 4096}};
         line.tight = true;

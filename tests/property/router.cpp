@@ -189,7 +189,7 @@ struct Trial {
 }    // namespace
 
 TEST(Router, decides_as_the_rules_say) {
-    for (std::uint64_t seed = 1; seed <= 150 && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(150) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         Trial trial{seed};
         for (int step = 0; step < 400 && !testing::Test::HasFailure(); ++step) {
@@ -202,7 +202,7 @@ TEST(Router, decides_as_the_rules_say) {
 
 // An address has one home: the first that spoke, unless it was silent for three questions or lost its wire and did not speak since.
 TEST(Router, moves_an_address_after_silence_alone) {
-    for (std::uint64_t seed = 1; seed <= 60 && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= support::trials(60) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};
         auto router = std::make_unique<Router>(GatewaySettings{});

@@ -25,7 +25,7 @@ Bytes random_write(Random& random) {
 }
 
 TEST(SimulatedFc, says_what_its_messages_can_carry) {
-    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(100); ++seed) {
         Random random{seed};
         ano::TimePoint now{1000s};
         SimulatedFc fc{100, now};

@@ -20,7 +20,7 @@ Bytes random_frame(Random& random, std::size_t most) {
 }
 
 TEST(Tunnel, what_is_wrapped_comes_out_as_it_was_in_pieces_that_fit) {
-    for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(3000); ++seed) {
         Random random{seed};
         TunnelSettings settings;
         auto& rule = settings.wrap.emplace_back();
@@ -56,7 +56,7 @@ TEST(Tunnel, what_is_wrapped_comes_out_as_it_was_in_pieces_that_fit) {
 }
 
 TEST(Tunnel, is_never_unwrapped_twice) {
-    for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(2000); ++seed) {
         Random random{seed};
         Bytes inner = random_frame(random, 20), outer = inner;
         for (unsigned depth = 2 + random.below(20u); depth > 0; --depth) {
@@ -81,7 +81,7 @@ TEST(UnwrapCorpus, holds_the_laws) {
         const Bytes seed{text.begin(), text.end()};
         LLVMFuzzerTestOneInput(seed.data(), seed.size());
         Random random{++seeds};
-        for (int i = 0; i < (seed.size() > 1000 ? 20 : 2000); ++i) {
+        for (std::uint64_t i = 0; i < support::trials(seed.size() > 1000 ? 20 : 2000); ++i) {
             Bytes changed = seed;
             for (unsigned n = 1 + random.below(3u); n > 0 && !changed.empty(); --n) {
                 const std::size_t at = random.below(changed.size());

@@ -174,13 +174,14 @@ constexpr Duration delays[] = {0ms, 60ms, 500ms};
 
 template <class Test>
 void for_all_delays(Test test) {
-    for (const Duration a : delays)
-        for (const Duration b : delays)
-            for (const Duration c : delays)
-                for (const Duration d : delays) {
-                    SCOPED_TRACE(testing::Message() << a / 1ms << ' ' << b / 1ms << ' ' << c / 1ms << ' ' << d / 1ms);
-                    test({{a, b}, {c, d}});
-                }
+    constexpr std::uint64_t ways = 81;
+    const std::uint64_t step = std::max<std::uint64_t>(ways / support::trials(ways), 2) -
+                               1;    // no power of three: all four vary
+    for (std::uint64_t way = 0; way < ways; way += step) {
+        const Duration a = delays[way / 27], b = delays[way / 9 % 3], c = delays[way / 3 % 3], d = delays[way % 3];
+        SCOPED_TRACE(testing::Message() << a / 1ms << ' ' << b / 1ms << ' ' << c / 1ms << ' ' << d / 1ms);
+        test({{a, b}, {c, d}});
+    }
 }
 
 }    // namespace
@@ -299,7 +300,7 @@ World ring_of(unsigned count, support::Random& random, Duration slowest, bool pr
 // Cold: nothing was ever said before. The probe is answered before the frame has gone round a second time.
 TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
     support::Random random{1};
-    for (int i = 0; i < 100; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(3u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
         World world = ring_of(count, random, 500ms / count);
@@ -320,7 +321,7 @@ TEST(Ring, a_command_passes_twice_at_most_and_once_when_the_ring_is_known) {
 // A cable at one end, where no probe may go, and what devices say does not come back, for such a bridge keeps it.
 TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_twice_while_devices_speak) {
     support::Random random{5};
-    for (int i = 0; i < 20; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(20); ++i) {
         SCOPED_TRACE(i);
         World world{1, 3};
         world.nodes[0].open(1, false);
@@ -338,7 +339,7 @@ TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_twice_while_dev
 
 TEST(Ring, that_filters_the_probe_ends_long_before_a_thousand) {
     support::Random random{6};
-    for (int i = 0; i < 100; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(3u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
         World world = ring_of(count, random, random.of({0ms, 5ms, 90ms, 200ms}));
@@ -352,7 +353,7 @@ TEST(Ring, that_filters_the_probe_ends_long_before_a_thousand) {
 // However slow, and whatever the ring lets through: every command arrives, and it ends.
 TEST(Ring, ends_whatever_it_is_made_of) {
     support::Random random{2};
-    for (int i = 0; i < 40; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(40); ++i) {
         const unsigned count = 1 + random.below(3u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
         const bool probed = random.one_in(2);
@@ -371,7 +372,7 @@ TEST(Ring, ends_whatever_it_is_made_of) {
 // Where no probe may go. The third is one that a host on the way may have said: on a ring whose ways take differently long.
 TEST(Ring, of_cables_lets_a_command_pass_a_few_times_until_a_device_speaks) {
     support::Random random{3};
-    for (int i = 0; i < 100; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(2u);
         SCOPED_TRACE(testing::Message() << i << ", gateways: " << count);
         World world = ring_of(count, random, random.of({0ms, 20ms, 200ms}), false);
@@ -404,7 +405,7 @@ TEST(Ring, that_a_frame_entered_elsewhere_ends) {
 // Several hosts that say the same at any pace, and no ring: three gateways in a row, with hosts at all of them.
 TEST(Hosts, that_repeat_one_another_lose_nothing) {
     support::Random random{4};
-    for (int i = 0; i < 50; ++i) {
+    for (std::uint64_t i = 0; i < support::trials(50); ++i) {
         SCOPED_TRACE(i);
         World world{3, 3};
         world.join({0, 1}, {1, 1}, random.below(50) * 1ms, random.below(50) * 1ms);
@@ -460,7 +461,7 @@ TEST(Hosts, one_behind_a_cable_loses_nothing) {
     support::Random random{7};
     for (const bool devices_speak : {true, false})
         for (const int frequency : {1, 5, 50})
-            for (int i = 0; i < 10; ++i) {
+            for (std::uint64_t i = 0; i < support::trials(10); ++i) {
                 SCOPED_TRACE(testing::Message() << devices_speak << ' ' << frequency << ' ' << i);
                 World world{1, 2};
                 world.nodes[0].open(1, false);

@@ -1,10 +1,20 @@
 // Random choices that a seed repeats.
 #pragma once
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <initializer_list>
 #include <random>
 
 namespace support {
+
+/// How many trials a test makes that usually makes `usual`: where a machine is emulated, ANOGATE_TRIALS says which percentage of them,
+/// of which at least one is made.
+inline std::uint64_t trials(std::uint64_t usual) {
+    const char* const text = std::getenv("ANOGATE_TRIALS");
+    const std::uint64_t percent = text ? std::strtoull(text, nullptr, 10) : 100;
+    return percent >= 100 ? usual : std::max<std::uint64_t>(usual * percent / 100, 1);
+}
 
 class Random {
 public:

@@ -164,9 +164,6 @@ int run(int argc, const char* const* given, Streams& streams) {
     const char* const* argv = words.data();
     CLI::App app{"The tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
-    app.footer(
-        "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
-        "NO_COLOR ends colours.");
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
     for (const Subcommand& s : subcommands()) {
@@ -175,6 +172,9 @@ int run(int argc, const char* const* given, Streams& streams) {
         runs.emplace_back(command, s.add(options));
         declare(*command, options);
     }
+    app.footer(    // not of the commands, which have a footer that is there before them, and not all of these options
+        "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
+        "NO_COLOR ends colours.");
     const auto complain = [&](const std::string& what, int code) {
         streams.out.flush();
         streams.err << "anoctl: " << what << std::endl;

@@ -1,5 +1,6 @@
 #include "complete.hpp"
 
+#include "complete_fields.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
 
@@ -64,6 +65,8 @@ int complete(Words words, Streams& streams) noexcept {
         if (!words.empty()) gateway.control = control_of(words.subspan(1));
         if (what == "devices") write_devices(asked(gateway, "/routes"), streams.out);
         else if (what == "links") write_links(asked(gateway, "/links"), streams.out);
+        else if (what == "fields")
+            for (const std::string& word : field_words(words.subspan(1))) streams.out << word << '\n';
         streams.out.flush();
     } catch (const std::exception&) {    // nothing is offered then: a line is being written, and words in it would disturb
     }

@@ -1,4 +1,5 @@
-// anoctl __complete devices|links WORD...: what the gateway that runs knows, for the completions of shells.
+// anoctl __complete devices|links|fields WORD...: for the completions of shells, what the gateway that runs knows, and the fields of
+// messages.
 #pragma once
 #include "anoctl.hpp"
 
@@ -7,7 +8,8 @@
 namespace anoctl {
 
 /// One a line, "0xDC<tab>flight controller, fc"; WORD... are those of the command line so far, which may have --control. Nothing when
-/// no gateway answers within 300 ms, and never a word about why.
+/// no gateway answers within 300 ms, and never a word about why. For fields, the last WORD is the one that is being written: "cmd=", of the
+/// message that stands before it, or behind that "cmd=action"; without "cmd=" where '=' is a word of its own.
 int complete(std::span<const char* const> words, Streams& streams) noexcept;
 
 /// The command that shells call; --help does not show it.

@@ -76,7 +76,8 @@ std::string named(const std::vector<Holder>& holders) {
         throw Failure{port + " is not there; anoctl ports has those that are"};
     std::error_code none;
     const std::string real = std::filesystem::canonical(port, none).string();
-    const std::string missing = error == EACCES ? missing_permission("/", real, Asker::this_process()) : "";
+    const std::string missing = error == EACCES ? anogate::missing_permission("/", real, anogate::DeviceUser::this_process())
+                                                : "";
     throw Failure{port + ": " + (missing.empty() ? error_text(error) : "no permission: " + missing)};
 }
 

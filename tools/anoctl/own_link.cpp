@@ -1,6 +1,7 @@
 #include "own_link.hpp"
 
 #include <ano/heard.hpp>
+#include <ano_json/text.hpp>
 #include <config/config.hpp>
 #include <config/key_facts.hpp>
 #include <gateway/hints.hpp>
@@ -48,13 +49,15 @@ std::string text_of(std::int64_t number) { return std::to_string(number); }
 
 }    // namespace
 
-LinkSettings link_settings_of(const std::string& link) {
+LinkSettings link_settings_of(const std::string& link, std::string_view if_name) {
     Draft draft{link_kinds()};
     read_link(link, "", draft);
     validate(draft);
     if (!draft.errors.empty()) {
         const ConfigError& first = draft.errors.front();
-        throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what};
+        const bool is_name = !if_name.empty() && link.find_first_of(":/,=") == link.npos;
+        throw UsageError{(first.where.empty() ? "" : first.where + ": ") + first.what +
+                         (is_name ? "; " + std::string{if_name} + ' ' + ano::in_quotes(link) : "")};
     }
     return draft.settings.links.at(0);
 }

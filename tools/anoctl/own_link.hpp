@@ -14,7 +14,8 @@
 namespace anoctl {
 
 /// As `link` says. Throws UsageError.
-anogate::LinkSettings link_settings_of(const std::string& link);
+/// `if_name` says what was meant when it is only a name: "a link of the gateway, by its name: monitor --link".
+anogate::LinkSettings link_settings_of(const std::string& link, std::string_view if_name = {});
 /// "hello, limit.0x01": the keys of a LINK text that concern sending only, or what a gateway does with frames.
 std::string keys_idle_for_listener(std::string_view link);
 

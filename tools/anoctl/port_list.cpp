@@ -1,10 +1,8 @@
 #include "port_list.hpp"
 
 #include <linux/if_arp.h>
-#include <pwd.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -156,59 +154,7 @@ void add_holders(const fs::path& root, HoldersByDevice& devices) {
         std::sort(holders.begin(), holders.end(), [](const Holder& a, const Holder& b) { return a.pid < b.pid; });
 }
 
-// --- who may open them ------------------------------------------------------------------------------------------------
-
-struct Group {
-    std::string name;
-    std::vector<std::string> members;
-};
-
-/// A line of /etc/group: dialout:x:20:pi,anogate
-Group group_of(const fs::path& root, gid_t id) {
-    std::ifstream file{below(root, "/etc/group")};
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream fields{line};
-        std::string name, password, number, members;
-        std::getline(std::getline(std::getline(std::getline(fields, name, ':'), password, ':'), number, ':'), members);
-        if (number != std::to_string(id)) continue;
-        Group group{name, {}};
-        std::istringstream list{members};
-        for (std::string member; std::getline(list, member, ',');) group.members.push_back(member);
-        return group;
-    }
-    return {std::to_string(id), {}};
-}
-
-bool contains(const auto& list, const auto& value) { return std::find(list.begin(), list.end(), value) != list.end(); }
-
 }    // namespace
-
-Asker Asker::this_process() {
-    Asker asker;
-    asker.uid = ::geteuid();
-    if (const passwd* user = ::getpwuid(asker.uid)) asker.name = user->pw_name;
-    asker.groups.resize(static_cast<std::size_t>(std::max(::getgroups(0, nullptr), 0)));
-    if (::getgroups(static_cast<int>(asker.groups.size()), asker.groups.data()) < 0) asker.groups.clear();
-    asker.groups.push_back(::getegid());
-    return asker;
-}
-
-std::string missing_permission(const fs::path& root, const std::string& device, const Asker& asker) {
-    constexpr unsigned both = S_IROTH | S_IWOTH;
-    struct stat s {};
-    if (asker.uid == 0 || ::stat(below(root, device).c_str(), &s) != 0) return {};
-    const bool in_group = contains(asker.groups, s.st_gid);
-    const unsigned bits = s.st_uid == asker.uid ? s.st_mode >> 6 : in_group ? s.st_mode >> 3 : s.st_mode;
-    if ((bits & both) == both) return {};
-    const Group group = group_of(root, s.st_gid);
-    if (group.name == "tty")
-        return "a login sits on it: sudo systemctl disable --now serial-getty@" + fs::path{device}.filename().string() +
-               ", and restart";
-    if (s.st_gid == 0 || ((s.st_mode >> 3) & both) != both)
-        return "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")";
-    if (contains(group.members, asker.name)) return "you are in its group " + group.name + " since your last login: log in again";
-    return "it is for the group " + group.name + ": sudo usermod -aG " + group.name + " $USER, and log in again";
-}
 
 std::vector<Holder> holders_of(const fs::path& root, const std::string& device) {
     HoldersByDevice devices{{device, {}}};
@@ -216,7 +162,7 @@ std::vector<Holder> holders_of(const fs::path& root, const std::string& device) 
     return devices[device];
 }
 
-std::vector<SerialPort> serial_ports(const fs::path& root, const Asker& asker) {
+std::vector<SerialPort> serial_ports(const fs::path& root, const anogate::DeviceUser& asker) {
     std::vector<SerialPort> ports;
     HoldersByDevice devices;
     for (const fs::path& tty : entries(below(root, "/sys/class/tty"))) {
@@ -228,7 +174,7 @@ std::vector<SerialPort> serial_ports(const fs::path& root, const Asker& asker) {
         port.device = "/dev/" + name;
         describe(tty / "device", port);
         port.stable = stable_name(root, name);
-        port.missing = missing_permission(root, port.device, asker);
+        port.missing = anogate::missing_permission(root, port.device, asker);
         devices[port.device];
         ports.push_back(std::move(port));
     }

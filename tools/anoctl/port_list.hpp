@@ -1,6 +1,6 @@
 // The serial ports and CAN interfaces of a computer, read from its file system.
 #pragma once
-#include <sys/types.h>
+#include <link/device_permission.hpp>
 
 #include <filesystem>
 #include <string>
@@ -13,15 +13,6 @@ struct Holder {
     int pid = 0;
     std::string program;    // its short name; "a process" where /proc does not say
     bool operator==(const Holder&) const = default;
-};
-
-/// Who wants to open a port.
-struct Asker {
-    uid_t uid = 0;
-    std::string name;
-    std::vector<gid_t> groups;    // of the process: a group that was given since the login is not among them
-
-    static Asker this_process();
 };
 
 struct SerialPort {
@@ -41,12 +32,10 @@ struct CanInterface {
 };
 
 /// `root` is "/", or a tree that looks like it. What can't be read is left empty.
-std::vector<SerialPort> serial_ports(const std::filesystem::path& root, const Asker& asker);
+std::vector<SerialPort> serial_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker);
 std::vector<CanInterface> can_interfaces(const std::filesystem::path& root);
 
 /// Who has `device` (a path that is no link) open, as far as /proc shows it to us, or holds its lock, which it shows to everybody.
 std::vector<Holder> holders_of(const std::filesystem::path& root, const std::string& device);
-/// Which permission `asker` lacks to read and write `device`, and how to get it; empty: none.
-std::string missing_permission(const std::filesystem::path& root, const std::string& device, const Asker& asker);
 
 }    // namespace anoctl

@@ -98,7 +98,7 @@ Json as_json(const CanInterface& can, const CanFigures& figures) {
 
 }    // namespace
 
-void write_ports(const std::filesystem::path& root, const Asker& asker, bool json, std::ostream& out) {
+void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker, bool json, std::ostream& out) {
     const auto serial = serial_ports(root, asker);
     for (const SerialPort& port : serial) {
         if (json) out << as_json(port).dump() << '\n';
@@ -126,7 +126,7 @@ struct Ports {
 
     int run(Streams& streams) const {
         if (!detect.empty()) return detect_rate(detect, json, streams);
-        write_ports("/", Asker::this_process(), json, streams.out);
+        write_ports("/", anogate::DeviceUser::this_process(), json, streams.out);
         return fine;
     }
 };

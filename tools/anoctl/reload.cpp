@@ -10,6 +10,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <string_view>
 
 namespace anoctl {
 namespace {
@@ -50,7 +51,7 @@ struct Reload {
         if (confirm_within) target += (dry_run ? "&" : "?") + ("confirm_within=" + percent_encoded(*confirm_within));
         const anogate::http::Answer answer = gateway.answer("POST", target);
         if (answer.status == faulty) return refused(answer, streams);
-        if (answer.status / 100 != 2) throw Failure{words_of(answer)};
+        if (answer.status / 100 != 2) throw_words_of(answer);
         const Json came = parse_answer(answer.body);
         if (json) streams.out << came.dump() << '\n';
         else tell(came, streams.out);
@@ -63,6 +64,14 @@ private:
         if (json) streams.out << parse_answer(body).dump() << '\n';
         else streams.out << "the new configuration stays\n";
         return fine;
+    }
+
+    // What the gateway calls by the word of its query is an option here.
+    [[noreturn]] static void throw_words_of(const anogate::http::Answer& answer) {
+        const std::string words = words_of(answer);
+        constexpr std::string_view query_word = "'confirm_within'";
+        if (words.starts_with(query_word)) throw UsageError{"--confirm-within" + words.substr(query_word.size())};
+        throw Failure{words};
     }
 
     // A configuration with faults: they are the answer.

@@ -129,25 +129,55 @@ std::string cut(std::string_view text, std::size_t width) {
     return shown;
 }
 
-std::string column(std::string_view text, std::size_t width, bool is_number = false) {
-    std::string shown = cut(text, width);
-    const auto characters = static_cast<std::size_t>(std::count_if(shown.begin(), shown.end(), begins_character));
-    const std::string space(width - characters, ' ');
-    return is_number ? space + shown : shown + space;
+std::size_t characters_of(std::string_view text) {
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_character));
 }
 
-constexpr std::size_t name_width = 10, peer_width = 21, number_width = 6, queue_width = 6, age_width = 6;
+std::string column(std::string_view text, std::size_t width) {
+    std::string shown = cut(text, width);
+    return shown.append(width - characters_of(shown), ' ');
+}
 
-std::string channel_line(const TopChannel& row) {
-    return column(row.link, name_width) + ' ' + column(row.peer, peer_width) + column(number(row.in), number_width, true) +
-           column(number(row.out), number_width, true) + column(number(row.dropped), number_width + 1, true) +
-           column(std::to_string(row.waiting), queue_width, true) + column(age_text(row.age), age_width, true) + "  " +
+// A space before it, and never cut: that would be another number.
+std::string number_column(std::string_view text, std::size_t width) {
+    return std::string(1 + width - std::min(width, text.size()), ' ').append(text);
+}
+
+constexpr std::array<std::size_t, 5> number_widths{5, 5, 6, 5, 6};
+constexpr std::size_t usual_width = 80, names_there = 31;    // and so much of it is for link and peer
+
+struct NameWidths {
+    std::size_t link = 0, peer = 0;
+};
+
+// What they need, as far as it is there: of a wider screen they get two thirds of what it has more, and the causes the rest.
+NameWidths name_widths(const std::vector<TopChannel>& rows, std::size_t width) {
+    NameWidths need{4, 4};
+    for (const TopChannel& row : rows)
+        need = {std::max(need.link, characters_of(printable_text(row.link))),
+                std::max(need.peer, characters_of(printable_text(row.peer)))};
+    const std::size_t room = names_there + (std::max(width, usual_width) - usual_width) * 2 / 3;
+    if (need.link + need.peer <= room) return need;
+    const std::size_t link = std::min(need.link, std::max(room / 3, room - std::min(room, need.peer)));
+    return {link, room - link};
+}
+
+std::string channel_cells(NameWidths names, std::string_view link, std::string_view peer,
+                          const std::array<std::string, 5>& numbers) {
+    std::string line = column(link, names.link) + ' ' + column(peer, names.peer);
+    for (std::size_t i = 0; i < numbers.size(); ++i) line += number_column(numbers[i], number_widths[i]);
+    return line + "  ";
+}
+
+std::string channel_line(const TopChannel& row, NameWidths names) {
+    return channel_cells(names, row.link, row.peer,
+                         {number(row.in), number(row.out), number(row.dropped), std::to_string(row.waiting), age_text(row.age)}) +
            row.causes;
 }
 
 std::string address_line(const TopAddress& row) {
-    return column(row.address, 5) + column(row.who, 19) + column(number(row.rate), number_width, true) +
-           column(age_text(row.age), age_width + 1, true) + "  " + row.links;
+    return column(row.address, 5) + column(row.who, 19) + number_column(number(row.rate), 5) +
+           number_column(age_text(row.age), 6) + "  " + row.links;
 }
 
 /// The first of `lines` that fit in `room`, the last of which says how many do not.
@@ -223,10 +253,11 @@ std::vector<std::string> top_screen(const TopView& view, TopSort by, std::size_t
     const std::size_t for_addresses = std::min(view.addresses.size(),
                                                std::max(room / 3, room - std::min(room, view.channels.size())));
     std::vector<std::string> channels, addresses;
-    for (const TopChannel& row : view.channels) channels.push_back(channel_line(row));
+    const NameWidths names = name_widths(view.channels, width);
+    for (const TopChannel& row : view.channels) channels.push_back(channel_line(row, names));
     for (const TopAddress& row : view.addresses) addresses.push_back(address_line(row));
-    std::vector<std::string> screen{view.title, column("LINK", name_width) + ' ' + column("PEER", peer_width) +
-                                                    "  IN/s OUT/s LOST/s QUEUE   AGE  LOST BY CAUSE"};
+    std::vector<std::string> screen{
+        view.title, channel_cells(names, "LINK", "PEER", {"IN/s", "OUT/s", "LOST/s", "QUEUE", "AGE"}) + "LOST BY CAUSE"};
     put(screen, channels, room - for_addresses);
     screen.emplace_back();
     screen.push_back(column("ADDR", 5) + column("WHO", 19) + "SENT/s    AGE  LINKS");

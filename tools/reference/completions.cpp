@@ -33,6 +33,7 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     case Offer::ports: return prefix + "ports";
     case Offer::addresses: return prefix + "addresses";
     case Offer::link_names: return prefix + "link_names";
+    case Offer::fields: return prefix + "fields";
     case Offer::nothing: break;
     }
     return ":";
@@ -58,7 +59,7 @@ std::string options_of(const Command& command) {
 std::string operands_for_bash(const Program& program, const Command& command) {
     std::string offer = ":";
     for (const Argument& operand : command.operands)
-        if (offer == ":") offer = offered_by_bash(program, operand);
+        if (offer == ":" || operand.offer() == Offer::fields) offer = offered_by_bash(program, operand);
     return "        " + quoted(command.name) + ") options=" + quoted(options_of(command)) + "; operands=" + quoted(offer) +
            " ;;\n";
 }
@@ -94,6 +95,14 @@ constexpr char bash_known[] =
     R"bash(_%P_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _%P_addresses() { _%P_words "%ADDRESSES% $(_%P_known devices)"; }
 _%P_link_names() { _%P_words "$(_%P_known links)"; }
+# A message, then its fields. '=' is a word of bash.
+_%P_fields() {
+    local known
+    known=$("${COMP_WORDS[0]}" __complete fields "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null) || { _%P_messages; return; }
+    if [[ $cur == = ]]; then cur=; fi
+    if [[ $known == *= ]]; then compopt -o nospace 2>/dev/null; fi
+    _%P_words "$known"
+}
 )bash";
 
 constexpr char zsh_known[] = R"zsh(_%P_known() {
@@ -103,11 +112,21 @@ constexpr char zsh_known[] = R"zsh(_%P_known() {
 }
 _%P_addresses() { compadd -- %ADDRESSES%; _%P_known devices; }
 _%P_link_names() { _%P_known links; }
+_%P_fields() {
+    local -a known
+    known=(${(f)"$(command $program __complete fields "${(@)words[1,CURRENT]}" 2>/dev/null)"})
+    if [[ $words[CURRENT] == *=* ]]; then compadd -- $known; else compadd -S '' -- $known; fi
+}
 )zsh";
 
 constexpr char fish_known[] = R"fish(function __%P_known
     set -l words (commandline -opc)
     command $words[1] __complete $argv[1] $words[2..-1] 2>/dev/null
+end
+function __%P_fields
+    set -l words (commandline -opc)
+    set -l now (commandline -ct)
+    command $words[1] __complete fields $words[2..-1] "$now" 2>/dev/null
 end
 )fish";
 
@@ -135,6 +154,7 @@ std::string offered_by_zsh(const Program& program, const Argument& argument) {
     case Offer::ports: return "_files -g \"/dev/tty*\"";
     case Offer::addresses: return "_" + program.name + "_addresses";
     case Offer::link_names: return "_" + program.name + "_link_names";
+    case Offer::fields: return "_" + program.name + "_fields";
     case Offer::nothing: break;
     }
     return "";
@@ -172,6 +192,7 @@ std::string offered_by_fish(const Argument& argument) {
     case Offer::ports: return " -x -a '(__fish_complete_suffix /dev/tty)'";
     case Offer::addresses: return " -x -a " + quoted_for_fish(joined(address_names()) + " (__anoctl_known devices)");
     case Offer::link_names: return " -x -a '(__anoctl_known links)'";
+    case Offer::fields: return " -x -a '(__anoctl_fields)'";
     case Offer::nothing: break;
     }
     return " -x";

@@ -30,6 +30,7 @@ bool is_word(std::string_view text) {
 Offer Argument::offer() const {
     if (value == "[LINK...]" || (value.starts_with("LINK") && !names.empty())) return Offer::link_names;
     if (value.starts_with("LINK") || value.starts_with("KIND:")) return Offer::links;
+    if (value.starts_with("FIELD=")) return Offer::fields;
     if (value.starts_with("ADDRESS")) return Offer::addresses;
     if (value.starts_with("PORT")) return Offer::ports;
     if (value.find("FILE") != value.npos || value.find("PATH") != value.npos || value == "DIR") return Offer::files;

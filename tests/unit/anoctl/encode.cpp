@@ -110,6 +110,20 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 
+TEST(Anoctl, help_of_a_command_offers_what_it_takes_alone) {
+    EXPECT_NE(anoctl({"--help"}).out.find("--json"), std::string::npos);
+    EXPECT_NE(anoctl({"status", "--help"}).out.find("--json"), std::string::npos);
+    EXPECT_EQ(anoctl({"top", "--help"}).out.find("--json"), std::string::npos) << anoctl({"top", "--help"}).out;
+    EXPECT_EQ(anoctl({"decode", "--help"}).out.find("--control"), std::string::npos);
+}
+
+TEST(Anoctl, says_how_to_monitor_a_link_of_the_gateway) {
+    const auto refused = anoctl({"monitor", "fc"});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_TRUE(refused.err.ends_with("; a link of the gateway, by its name: monitor --link 'fc'\n")) << refused.err;
+    EXPECT_EQ(anoctl({"monitor", "/dev/ttyUSB0"}).err.find("--link"), std::string::npos);
+}
+
 TEST(Anoctl, refuses_to_count_to_nothing) {
     for (const char* count : {"0", "-1", "many", "1.5"}) {
         const auto result = anoctl({"monitor", "pty:/no/such/folder/x", std::string{"--count="} + count});

@@ -24,7 +24,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-using anoctl::Asker;
+using Asker = anogate::DeviceUser;
 using anoctl::Holder;
 
 /// A computer's /sys, /proc, /dev and /etc, as far as ports are concerned.
@@ -76,7 +76,7 @@ public:
     }
     std::string shown(const Asker& asker, bool json = false) const {
         std::ostringstream out;
-        write_ports(root(), asker, json, out);
+        anoctl::write_ports(root(), asker, json, out);
         return out.str();
     }
 
@@ -164,13 +164,16 @@ TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
     ASSERT_TRUE(!is_given || group == usual);
     computer.file("etc/group", "root:x:0:\ndialout:x:" + std::to_string(group) + ":ann,bob");
     const fs::path node = computer.root() / "dev/ttyUSB0";
-    const auto missing = [&](const Asker& asker) { return anoctl::missing_permission(computer.root(), "/dev/ttyUSB0", asker); };
+    const auto missing = [&](const Asker& asker) { return anogate::missing_permission(computer.root(), "/dev/ttyUSB0", asker); };
     const Asker stranger{54321, "eve", {54321}}, late{54321, "bob", {54321}}, member{54321, "ann", {group}};
     EXPECT_EQ(missing(administrator), "");
     EXPECT_EQ(missing(member), "") << "of its group";
     if (group != 0) {
         EXPECT_EQ(missing(stranger), "it is for the group dialout: sudo usermod -aG dialout $USER, and log in again");
         EXPECT_EQ(missing(late), "you are in its group dialout since your last login: log in again");
+        EXPECT_EQ(missing({999, "anogate", {999}}),
+                  "it is for the group dialout: sudo usermod -aG dialout anogate, and restart the service");
+        EXPECT_EQ(missing({998, "ann", {998}}), "its user ann is in the group dialout since the last start: restart the service");
     }
     fs::permissions(node, fs::perms{0600});
     EXPECT_EQ(missing(member), "only root may open it: a rule of udev gives it to a group (GROUP=\"dialout\", MODE=\"0660\")");

@@ -120,5 +120,25 @@ TEST(TopScreen, a_name_writes_nothing_to_the_terminal_but_itself) {
     }
     EXPECT_TRUE(contains(screen, "?[2J?"));
     view.channels = {{"ünterflächenmäßig", "x"}};
-    EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "ünterfläch x ")) << "columns are of characters";
+    EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "ünterflächenmäßig x ")) << "columns are of characters";
+}
+
+TEST(TopScreen, names_have_the_width_that_there_is) {
+    TopView view;
+    const std::string link = "a-link-with-a-long-name", peer = "[2001:db8:1234:5678:9abc:def0:1234:5678]:12333";
+    view.channels = {{link, "192.168.100.100:12345", 1, 2, 3, "stale 3.0"}, {"b", peer}};
+    const auto narrow = top_screen(view, TopSort::name, 80, 24);
+    EXPECT_TRUE(contains(narrow, "a-link-wit 192.168.100.100:12345   1.0   2.0    3.0     0      -  stale 3.0")) << narrow[2];
+    EXPECT_TRUE(contains(narrow, "LINK       PEER                   IN/s OUT/s LOST/s QUEUE    AGE  LOST BY CAUSE")) << narrow[1];
+    const auto wide = top_screen(view, TopSort::name, 160, 24);
+    EXPECT_TRUE(contains(wide, link + " 192.168.100.100:12345 ")) << wide[2];
+    EXPECT_TRUE(contains(wide, peer + "     0")) << wide[3];
+    view.channels = {{"fc", "/dev/ttyUSB0", 1, 2, 3, "stale 2.0, queue_full 1.0"}};
+    EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "stale 2.0, queue_full 1.0")) << "short names leave room";
+}
+
+TEST(TopScreen, numbers_stand_apart) {
+    TopView view;
+    view.channels = {{"fc", "x", 99999, 99999, 99999, "", 123456, 3540.0}};
+    EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), " 99999 99999  99999 123456 59 min"));
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
+#include <http/certificate.hpp>
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 
@@ -128,6 +129,40 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     EXPECT_NE(of_log(there).find("is a folder: the log goes to standard error"), std::string::npos);
     EXPECT_EQ(of_log(there + "/a.log"), "");
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
+}
+
+TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
+    const support::TempDir folder;
+    const std::string certificate = folder / "certificate.pem", key = folder / "key.pem", other = folder / "other.pem";
+    ASSERT_TRUE(http::make_certificate({{"vehicle"}, {}}, certificate, key));
+    ASSERT_TRUE(http::make_certificate({{"vehicle"}, {}}, folder / "other_certificate.pem", other));
+    const std::string tokens = folder / "state/token";
+    const auto warnings = [&](const std::string& its_certificate, const std::string& its_key, const std::string& its_tokens) {
+        const std::string file = folder.write(
+            "door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "token_file": ")" + its_tokens +
+                             R"(", "tls": {"certificate": ")" + its_certificate + R"(", "key": ")" + its_key + R"("}}})");
+        std::string text = line_of({"--check", "--config", file.c_str()}).warnings;
+        const std::string begin = "anogated: " + file + ": /control/";
+        for (std::size_t at = 0; (at = text.find(begin)) != text.npos;) text.erase(at, begin.size());
+        return text;
+    };
+    EXPECT_EQ(warnings(certificate, key, tokens), "");
+    EXPECT_FALSE(std::filesystem::exists(folder / "state")) << "nothing is made";
+    const std::string none = folder / "none.pem", shut = "warning: control.http stays shut: ";
+    EXPECT_EQ(warnings(none, key, tokens), "tls: " + shut + none + ": No such file or directory\n");
+    EXPECT_EQ(warnings(certificate, none, tokens), "tls: " + shut + none + ": No such file or directory\n");
+    EXPECT_EQ(warnings(certificate, folder.path().string(), tokens),
+              "tls: " + shut + folder.path().string() + ": is not a file\n");
+    EXPECT_NE(warnings(key, key, tokens).find("tls: " + shut + key + ": "), std::string::npos) << "it has no certificate";
+    EXPECT_NE(warnings(certificate, other, tokens).find("tls: " + shut + other + ": "), std::string::npos) << "of another one";
+    const std::string words = folder.write("words", "admin 0123456789abcdef");
+    std::filesystem::permissions(words, std::filesystem::perms{0600});
+    EXPECT_EQ(warnings(certificate, key, words),
+              "token_file: " + shut + words + ": line 1: a line is 'view TOKEN' or 'control TOKEN'\n");
+    EXPECT_EQ(warnings(certificate, key, words + "/token"), "token_file: " + shut + words + "/token: Not a directory\n");
+    const std::string closed = folder.write("closed.json",
+                                            R"({"links": ["sim:fc"], "control": {"token_file": ")" + words + "\"}}");
+    EXPECT_EQ(line_of({"--check", "--config", closed.c_str()}).warnings, "") << "there is no door";
 }
 
 TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {

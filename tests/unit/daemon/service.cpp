@@ -43,6 +43,16 @@ TEST(Service, writes_nowhere_else) {
               "/run/anogate/c works\n");
 }
 
+TEST(Service, makes_tokens_in_its_own_folder_alone) {
+    EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/var/lib/anogate/token"}})"), "");
+    EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
+              std::string{"a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service may not write there; "
+                          "/var/lib/anogate/nonexistent works"} +
+                  elsewhere);
+    EXPECT_EQ(faults(R"({"control": {"token_file": "/proc/nonexistent"}})"), "") << "there is no door";
+    EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/etc/passwd"}})"), "") << "it is only read";
+}
+
 TEST(Service, of_an_instance_has_a_runtime_folder_of_its_own) {
     const char* const json = R"({"links": ["pty:/run/anogate-left/app"], "control": {"socket": "/run/anogate-left/c.sock"}})";
     EXPECT_EQ(faults(json, "/etc/anogate/left.json"), "");

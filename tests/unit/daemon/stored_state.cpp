@@ -18,6 +18,7 @@ StoredState sample() {
     link.link.peers.push_back({*Endpoint::parse("[2001:db8::1]:6"), {now.now - 3s, false, true}, false});
     link.wire = {7, std::uint64_t{1} << 60};
     link.channels.push_back({"192.168.1.20:5000", {{0xFE, now.now - 2s}, {0xDC, now.now - 4s}}, {0xDD}});
+    link.brought = {{~std::uint64_t{0}, true, now.now - 1500ms}, {5, false, now.now - 2s}};
     state.links.push_back({"empty"});
     return state;
 }
@@ -49,6 +50,11 @@ TEST(StoredState, is_read_as_it_was_written) {
     EXPECT_EQ(one.channels[0].addresses[1].heard_at, now.now - 4s);
     EXPECT_EQ(one.channels[0].first, std::vector<std::uint8_t>{0xDD});
     EXPECT_EQ(one.wire, was.wire);
+    ASSERT_EQ(one.brought.size(), 2u);
+    EXPECT_EQ(one.brought[0].key, ~std::uint64_t{0});
+    EXPECT_TRUE(one.brought[0].repeats);
+    EXPECT_FALSE(one.brought[1].repeats);
+    EXPECT_EQ(one.brought[1].at, now.now - 2s);
     EXPECT_EQ(read->links[1].name, "empty");
 }
 
@@ -62,10 +68,12 @@ TEST(StoredState, knows_nothing_that_is_still_to_come) {
     StoredState state = sample();
     state.links[0].link.peers[0].memory.heard_at = now.now + 1h;
     state.links[0].channels[0].addresses[0].heard_at = now.now + 1h;
+    state.links[0].brought[0].at = now.now + 1h;
     const auto read = parse_stored_state(text_of(state), now);
     ASSERT_TRUE(read);
     EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now);
     EXPECT_EQ(read->links[0].channels[0].addresses[0].heard_at, now.now);
+    EXPECT_EQ(read->links[0].brought[0].at, now.now);
 }
 
 TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
@@ -73,14 +81,15 @@ TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now - 2s - 1h);
     EXPECT_EQ(read->links[0].channels[0].addresses[1].heard_at, now.now - 4s - 1h);
+    EXPECT_EQ(read->links[0].brought[1].at, now.now - 2s - 1h);
 }
 
 TEST(StoredState, that_is_damaged_is_none) {
     const std::string whole = text_of(sample());
     for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_FALSE(parse_stored_state(whole.substr(0, size), now)) << size;
     for (const char* text :
-         {"[]", "{}", "7", R"({"format": 2, "unread_since": [0, 0, 0], "links": []})",
-          R"({"format": 1, "unread_since": "x", "links": []})", R"({"format": 1, "unread_since": [0, 0, 0], "links": [7]})"})
+         {"[]", "{}", "7", R"({"format": 1, "unread_since": [0, 0, 0], "links": []})",
+          R"({"format": 2, "unread_since": "x", "links": []})", R"({"format": 2, "unread_since": [0, 0, 0], "links": [7]})"})
         EXPECT_FALSE(parse_stored_state(text, now)) << text;
 }
 

@@ -28,6 +28,22 @@ TEST(DuplicateGuard, a_copy_that_waited_to_be_read_is_one_all_the_same) {
     EXPECT_FALSE(guard.duplicate(1, 1, link(1), Replaces::nothing, start + 4s, start + 2s));
 }
 
+TEST(DuplicateGuard, of_a_program_that_goes_on_knows_what_came_before) {
+    DuplicateGuard before;
+    before.duplicate(0x100, 7, link(3), Replaces::nothing, start);
+    before.duplicate(0x200, 7, link(3), Replaces::nothing, start + 1s);
+    before.duplicate(0x300, 7, link(4), Replaces::nothing, start + 1s);
+    const auto brought = before.brought_by(link(3), start);
+    ASSERT_EQ(brought.size(), 1u) << "the others are too old, or another's";
+    EXPECT_EQ(brought[0].at, start + 1s);
+    DuplicateGuard guard;
+    guard.restore(brought[0], 2, link(0));    // numbers are others now
+    EXPECT_TRUE(guard.duplicate(0x200, 2, link(1), Replaces::nothing, start + 2s));
+    EXPECT_FALSE(guard.duplicate(0x300, 2, link(1), Replaces::nothing, start + 2s));
+    EXPECT_FALSE(guard.duplicate(0x200, 7, link(2), Replaces::nothing, start + 2s)) << "of another group";
+    EXPECT_FALSE(guard.duplicate(0x200, 2, link(1), Replaces::nothing, start + 3s)) << "the window is over";
+}
+
 TEST(DuplicateGuard, the_same_link_may_repeat) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Replaces::nothing, start));

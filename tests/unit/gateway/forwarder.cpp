@@ -26,6 +26,27 @@ TEST_F(Forwarding, what_nobody_takes_is_counted_and_told) {
     EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
 }
 
+TEST_F(Forwarding, what_only_dead_wires_get_for_a_host_has_no_taker) {
+    Channel& device = add();
+    Channel& ground = add();
+    receive(ground, frame(host, all, 0xE0, {0, 0, 0}));
+    forwarder.link_down(ground.link);
+    const Bytes to_host = frame(fc, host, 0x03, {1});
+    EXPECT_EQ(told(device, to_host), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_EQ(device.routed.no_route, 0u);
+    Channel& listener = add();
+    receive(device, to_host);
+    EXPECT_EQ(taken(listener), Frames{to_host});
+    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now));
+    forwarder.link_down(listener.link);
+    receive(device, to_host);
+    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+    forwarder.link_up(ground.link, now);
+    receive(device, to_host);
+    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now));
+}
+
 TEST_F(Forwarding, what_is_for_a_link_without_a_channel_is_counted_there) {
     Channel& ground = add();
     const LinkId absent = forwarder.add_link({});

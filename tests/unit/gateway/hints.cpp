@@ -89,6 +89,19 @@ TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
     EXPECT_EQ(hint(link), "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK");
 }
 
+TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {
+    LinkFigures link = line_that_sent(1000);
+    link.hosts_link = "radio";
+    EXPECT_EQ(hint(link), "") << "it has a taker";
+    link.untaken_for = std::chrono::seconds{3};
+    const Hint found = find_hint(link);
+    EXPECT_EQ(found.text,
+              "hosts were last heard on radio, which is down: mend it, or say where else they are: --route 0xFE=LINK");
+    EXPECT_EQ(found.id, "hosts_link_down");
+    ASSERT_EQ(found.args.size(), 1u);
+    EXPECT_EQ(found.args[0], (std::pair<std::string_view, Hint::Value>{"link", "radio"}));
+}
+
 TEST(Hint, a_ring_is_told_by_its_links) {
     LinkFigures link = line_that_sent(100);
     link.ring_out = "ground";

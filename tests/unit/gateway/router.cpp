@@ -408,6 +408,43 @@ TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
     EXPECT_FALSE(net->holds(31, channel(1)));
 }
 
+TEST(Router, a_host_whose_wires_are_gone_is_sought_where_nobody_was_heard) {
+    Net net;
+    for (const unsigned n : {1u, 2u}) net.route(n, 0xFE, 0xFF);
+    net->went_down(channel(1));
+    expect(net.route(0, 0xDC, 0xFE), channels({1, 2}), Via::learned);
+    net->went_down(channel(2));
+    expect(net.route(0, 0xDC, 0xFE), channels({1, 2, 3}), Via::unknown);
+    expect(net->find(link(0), 0xFE, net.now), channels({0, 1, 2, 3}), Via::unknown);
+    EXPECT_TRUE(net.route(0, 0xDC, 0xFE).host_is_down);
+    EXPECT_FALSE(net.route(0, 0xDC, 0xD2).host_is_down) << "it was never heard";
+    net.route(1, 30, 0xFF);
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::learned);    // a device is where it was
+    net->came_up(channel(1));
+    expect(net.route(3, 0xDC, 0xFE), channels({0, 1, 2}), Via::learned);    // 0 spoke as the host, too
+}
+
+TEST(Router, a_host_whose_wires_are_gone_is_sought_as_far_as_unheard_addresses_are) {
+    Net dropping{settings([](GatewaySettings& s) { s.unknown = Unknown::drop; })};
+    dropping.route(1, 0xFE, 0xFF);
+    dropping->went_down(channel(1));
+    expect(dropping.route(0, 0xDC, 0xFE), channels({1}), Via::learned);
+    Net leading{settings([](GatewaySettings& s) { s.unknown = Unknown::link; })};
+    leading->set_unknown_link(link(3));
+    leading.route(1, 0xFE, 0xFF);
+    leading->went_down(channel(1));
+    expect(leading.route(0, 0xDC, 0xFE), channels({1, 3}), Via::unknown);
+}
+
+TEST(Router, a_host_is_reached_by_the_other_links_of_its_group_while_one_is_down) {
+    Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
+    net.route(1, 0xFE, 0xFF);
+    net->went_down(channel(1));
+    expect(net.route(0, 0xDC, 0xFE), channels({2}), Via::learned);
+    net->went_down(channel(2));
+    EXPECT_EQ(net.route(0, 0xDC, 0xFE).channels & channels({0, 3}), channels({3}));
+}
+
 TEST(Router, hosts_stay_on_every_channel_until_it_closes) {
     Net net;
     for (const std::uint8_t host : {ano::address::host, ano::address::ros_bridge}) {

@@ -26,6 +26,16 @@ SocketFile of_the_service() {
 TEST(ConnectFault, without_a_gateway_says_so) {
     EXPECT_EQ(connect_fault(path, ENOENT, {}),
               "no gateway is running at /run/anogate/control.sock: there is no such socket (another one: --control PATH)");
+    SocketFile sought;
+    sought.no_runtime_dir = true;
+    EXPECT_EQ(connect_fault(path, ENOENT, sought),
+              "no gateway is running at /run/anogate/control.sock: there is no such socket; where a gateway of this user is "
+              "would be said by XDG_RUNTIME_DIR, which is not set (another one: --control PATH)");
+    sought = {};
+    sought.nor = path;
+    EXPECT_EQ(connect_fault("/run/user/1000/anogate.sock", ENOENT, sought),
+              "no gateway is running at /run/user/1000/anogate.sock: there is no such socket, nor /run/anogate/control.sock "
+              "(another one: --control PATH)");
     EXPECT_EQ(connect_fault(path, ECONNREFUSED, of_the_service()),
               "no gateway is running at /run/anogate/control.sock: one that ended left its socket");
 }

@@ -54,6 +54,24 @@ TEST(TokenFile, that_is_missing_is_made_for_us_alone) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator{dir / "state/anogate"}, {}), 1) << "nothing is left beside it";
 }
 
+TEST(TokenFile, is_judged_without_being_made) {
+    support::TempDir dir;
+    const auto fault = [](const std::string& path) {
+        const auto checked = check_tokens(path);
+        return checked ? "" : checked.error();
+    };
+    EXPECT_EQ(fault(dir / "state/anogate/token"), "");
+    EXPECT_FALSE(std::filesystem::exists(dir / "state"));
+    const std::string path = dir.write("token", "view " + long_enough + "\n");
+    std::filesystem::permissions(path, std::filesystem::perms{0600});
+    EXPECT_EQ(fault(path), "");
+    EXPECT_EQ(fault(path + "/token"), path + "/token: Not a directory");
+    std::filesystem::permissions(path, std::filesystem::perms{0644});
+    EXPECT_EQ(fault(path), path + ": everybody on this computer may read it; chmod o= " + path);
+    EXPECT_EQ(fault(dir.path()), dir.path().string() + ": is not a file");
+    if (::geteuid() != 0) EXPECT_EQ(fault("/proc/token"), "/proc/token: Permission denied");
+}
+
 TEST(TokenFile, that_everybody_may_read_is_refused) {
     support::TempDir dir;
     const std::string path = dir / "token";

@@ -1,0 +1,50 @@
+#include <daemon/check_door.hpp>
+#include <daemon/control_door.hpp>
+#include <daemon/state_folder.hpp>
+#include <http/tls.hpp>
+#include <http/token_file.hpp>
+
+#include <cerrno>
+#include <filesystem>
+
+#include <unistd.h>
+
+namespace anogate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The service starts in /.
+std::string seen_by(bool service, const std::string& path) { return service ? (fs::path{"/"} / path).string() : path; }
+
+bool is_hidden(const std::string& path) { return ::access(path.c_str(), R_OK) != 0 && errno == EACCES; }
+
+void warn_of_tls(Draft& draft, bool service) {
+    const TlsFiles& files = draft.settings.control.tls;
+    if (files.key.empty()) return;
+    const std::string certificate = seen_by(service, files.certificate), key = seen_by(service, files.key);
+    if (service && (is_hidden(certificate) || is_hidden(key))) return;
+    if (const auto tls = http::Tls::load(certificate, key); !tls)
+        draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays shut: " + tls.error()});
+}
+
+void warn_of_tokens(Draft& draft, bool service) {
+    const ControlSettings& control = draft.settings.control;
+    if (control.token_file.empty() && (service || !network_needs_token(control.http->address.text(), ::geteuid()))) return;
+    const std::string folder = state_folder();
+    if (control.token_file.empty() && folder.empty()) return;
+    const std::string file = control.token_file.empty() ? folder + "/token" : seen_by(service, control.token_file);
+    if (service && is_hidden(file)) return;
+    if (const auto usable = http::check_tokens(file); !usable)
+        draft.warnings.push_back({draft.control.key("token_file"), "warning: control.http stays shut: " + usable.error()});
+}
+
+}    // namespace
+
+void warn_of_door(Draft& draft, bool is_for_service) {
+    if (!draft.settings.control.http) return;
+    warn_of_tls(draft, is_for_service);
+    warn_of_tokens(draft, is_for_service);
+}
+
+}    // namespace anogate

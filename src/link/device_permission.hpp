@@ -1,0 +1,24 @@
+// Which permission is missing to open a serial port, and how to get it.
+#pragma once
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+/// Who wants to open a device.
+struct DeviceUser {
+    uid_t uid = 0;
+    std::string name;
+    std::vector<gid_t> groups;    // of the process: a group that was given since the login is not among them
+
+    static DeviceUser this_process();
+};
+
+/// Which permission `user` lacks to read and write `device`, a path that is no link below `root`, and how to get it; empty: none, or
+/// none that can be seen.
+std::string missing_permission(const std::filesystem::path& root, const std::string& device, const DeviceUser& user);
+
+}    // namespace anogate
