@@ -40,6 +40,7 @@ struct JobOrder {
     bool force = false;                     // although it flies
     std::string client;                     // who asked, as he calls himself
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
+    std::function<std::string()> result{};    // JSON, of a work that has none of its own
 };
 
 struct Job {

@@ -150,6 +150,24 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /reload",
          [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload
         {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "nothing waits"); }},
+        {"GET /devices",
+         [this] {
+             EXPECT_EQ(get("/devices"), (json{{"devices", json::array()}}));
+         }},    // Devices, as all that follow
+        {"GET /devices/{device}/parameters",
+         [this] { refuses("GET", "/devices/0xDC/parameters", 404, "unknown", "0xDC was not heard"); }},
+        {"GET /devices/{device}/parameters/{parameter}",
+         [this] { refuses("GET", "/devices/nobody/parameters/P", 404, "unknown", "'nobody'"); }},
+        {"PUT /devices/{device}/parameters/{parameter}",
+         [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
+        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "no JSON", "{"); }},
+        {"GET /jobs",
+         [this] {
+             EXPECT_EQ(get("/jobs"), (json{{"jobs", json::array()}}));
+         }},
+        {"GET /jobs/{job}", [this] { refuses("GET", "/jobs/1", 404, "unknown", "there is no job '1'"); }},
+        {"DELETE /jobs/{job}", [this] { refuses("DELETE", "/jobs/x", 404, "unknown", "'x'"); }},
+        {"POST /jobs/{job}/next", [this] { refuses("POST", "/jobs/1/next", 404, "unknown", "there is no job"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
     };
     std::set<std::string> tested, there;
