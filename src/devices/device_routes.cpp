@@ -170,7 +170,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add(
         {"GET", "/jobs", Access::view, "what is asked of devices now, and what came of it lately", [&service](const Request&) {
              Json jobs = Json::array();
-             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
+             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job, false));
              return json_response({{"jobs", std::move(jobs)}});
          }});
     routes.add({"GET", "/jobs/{job}", Access::view, "one job; with Accept: application/x-ndjson a line for each change",

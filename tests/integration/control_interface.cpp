@@ -161,6 +161,19 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"PUT /devices/{device}/parameters/{parameter}",
          [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
         {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "no JSON", "{"); }},
+        {"POST /devices/scan",
+         [this] {
+             const json nobody{{"devices", json::array()}};
+             EXPECT_EQ(json::parse(ask("POST", "/devices/scan").body), nobody);
+         }},
+        {"POST /devices/{device}/actions", [this] { refuses("POST", "/devices/0xDC/actions", 400, "invalid", "save", "{}"); }},
+        {"GET /devices/{device}/commands", [this] { refuses("GET", "/devices/0xDC/commands", 404, "unknown", "not heard"); }},
+        {"POST /devices/{device}/commands/{command}",
+         [this] { refuses("POST", "/devices/0xDC/commands/C", 400, "invalid", "'values'", R"({"values": 1})"); }},
+        {"GET /devices/{device}/waypoints",
+         [this] { refuses("GET", "/devices/0xDC/waypoints?format=kml", 400, "invalid", "'format'"); }},
+        {"PUT /devices/{device}/waypoints",
+         [this] { refuses("PUT", "/devices/0xDC/waypoints", 422, "invalid", "'waypoints' must be an array", "{}"); }},
         {"GET /jobs",
          [this] {
              EXPECT_EQ(get("/jobs"), (json{{"jobs", json::array()}}));
