@@ -1,7 +1,7 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host. Two headers of ours include Asio, one source
-# libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
-# kind of link is called is known to its own file alone.
+# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon, ano < host, and ano < device < world < link.
+# Two headers of ours include Asio, one source libgpiod, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11,
+# no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
@@ -14,12 +14,13 @@ forbid() {
 }
 third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
-forbid "gateway/|device/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
-forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" include/device src/device
-forbid "gateway/|device/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
+forbid "gateway/|device/|world/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
+forbid "gateway/|world/|host/|config/|link/|http/|daemon/|$third_party|$system" include/device src/device
+forbid "gateway/|device/|world/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
+forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" src/world
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
-forbid "host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
-forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
+forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "world/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side.
 if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi
