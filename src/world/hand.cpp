@@ -12,7 +12,7 @@ Attitude face_up(std::size_t face) noexcept {
     return Attitude::of(all[face % all.size()]);
 }
 
-Attitude normal(Attitude a) noexcept {
+Attitude unit(Attitude a) noexcept {
     const double length = std::sqrt(a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z);
     return {a.w / length, a.x / length, a.y / length, a.z / length};
 }
@@ -20,7 +20,7 @@ Attitude normal(Attitude a) noexcept {
 Attitude between(Attitude a, Attitude b, double share) noexcept {
     if (a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0) b = {-b.w, -b.x, -b.y, -b.z};
     const double rest = 1 - share;
-    return normal({rest * a.w + share * b.w, rest * a.x + share * b.x, rest * a.y + share * b.y, rest * a.z + share * b.z});
+    return unit({rest * a.w + share * b.w, rest * a.x + share * b.x, rest * a.y + share * b.y, rest * a.z + share * b.z});
 }
 
 }    // namespace
@@ -64,7 +64,7 @@ Attitude Hand::on_faces() const noexcept {
     return between(face_up(order[(turn + faces - 1) % faces]), face_up(order[turn % faces]), moved);
 }
 
-// The needle goes round on a spiral from one pole to the other. The turn that brings it from there to the field is the shortest one.
+// The needle goes round on a spiral from pole to pole. The turn that brings it from there to the field is the shortest one.
 Attitude Hand::all_round() const noexcept {
     constexpr double turns = 18;
     const double share = std::fmod(at_ / round_, 1.0);
@@ -72,7 +72,7 @@ Attitude Hand::all_round() const noexcept {
     const Vector needle{out * std::cos(round), out * std::sin(round), up};
     const Vector axis = cross(needle, field_);
     const double w = 1 + needle.x * field_.x + needle.y * field_.y + needle.z * field_.z;
-    return w < 1e-6 ? Attitude{0, 1, 0, 0} : normal({w, axis.x, axis.y, axis.z});
+    return w < 1e-6 ? Attitude{0, 1, 0, 0} : unit({w, axis.x, axis.y, axis.z});
 }
 
 }    // namespace ano::world

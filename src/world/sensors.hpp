@@ -1,5 +1,5 @@
-// Sensors as they come from the factory: with noise, an offset, a scale and axes that are not quite at right angles. A calibration finds
-// all of it.
+// Sensors as they come from the factory: with noise, an offset, a scale and axes that are not quite at right angles. A calibration
+// finds all of it.
 #pragma once
 #include "noise.hpp"
 #include "vector.hpp"

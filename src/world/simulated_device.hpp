@@ -1,4 +1,4 @@
-// What all simulated devices are: a device of the library, telemetry at its rates, and a world that goes on in steps of a fixed length.
+// What all simulated devices are: a device of the library, telemetry at its rates, and a world that goes on in steps of one length.
 // No I/O and no clock: frames and a time in, frames out. The same seed, the same frames at the same times: the same bytes, however
 // often run() is called.
 #pragma once

@@ -1,4 +1,4 @@
-// Directions and attitudes. On the ground: x to the north, y to the west, z up, from the place where the world begins. On a vehicle:
+// Directions and attitudes. On the ground: x to the north, y to the west, z up, from where the world begins. On a vehicle:
 // x forward, y to the left, z up. Metres, seconds, radians.
 #pragma once
 #include <algorithm>

@@ -47,7 +47,7 @@ struct Simulated {
     template <class... Values>
     bool command(std::uint8_t number, Values... values) {
         Bytes data{0x10, 0, number};
-        const auto add = [&](auto value) {
+        [[maybe_unused]] const auto add = [&](auto value) {
             data.resize(data.size() + sizeof value);
             ano::store(data.data() + data.size() - sizeof value, value);
         };
