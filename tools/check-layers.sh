@@ -1,7 +1,7 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < device < gateway < config < link < http < daemon, and ano < host < devices < daemon. Two headers of ours include Asio, one source
-# libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each program CLI11, no header all of nlohmann's JSON or of spdlog. What a
-# kind of link is called is known to its own file alone.
+# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link.
+# Two headers of ours include Asio, one source libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each
+# program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
@@ -14,15 +14,16 @@ forbid() {
 }
 third_party='boost/|spdlog/|nlohmann/|CLI/|gpiod'
 system='sys/|netinet/|arpa/|net/|linux/|termios|unistd|fcntl'
-forbid "gateway/|device/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
-forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" include/device src/device
-forbid "gateway/|device/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
+forbid "gateway/|device/|world/|host/|config/|link/|http/|daemon/|$third_party|$system" include/ano src/ano
+forbid "gateway/|world/|host/|config/|link/|http/|daemon/|$third_party|$system" include/device src/device
+forbid "gateway/|device/|world/|config/|link/|http/|daemon/|$third_party|$system" include/host src/host
+forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" src/world
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
-forbid "host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
-forbid "link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
-forbid "gateway/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
+forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
+forbid "world/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
+forbid "gateway/|world/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
 if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(producer|request|response|routes)\.hpp>'; then bad=1; fi
-forbid "devices/" include src/ano src/device src/host src/gateway src/ano_json src/config src/link src/http
+forbid "devices/" include src/ano src/device src/world src/host src/gateway src/ano_json src/config src/link src/http
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side.
 if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi

@@ -4,21 +4,36 @@
 #include <link/make_link.hpp>
 #include <link/sim_link.hpp>
 #include <link/sim_settings.hpp>
+#include <world/kinds.hpp>
 
 #include <array>
 #include <utility>
 
 namespace anogate {
+namespace {
+
+// All of them wake the process at the same times.
+ano::TimePoint begin_of_step(ano::TimePoint now) {
+    return ano::TimePoint{now.time_since_epoch() / ano::world::SimulatedDevice::step * ano::world::SimulatedDevice::step};
+}
+
+}    // namespace
 
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
-      fc_{this->settings().as<SimSettings>().hz, Clock::now()},
+      say_{[this](ano::FrameView frame, ano::TimePoint) { hear(frame.bytes()); }},
+      say_later_{[this](ano::FrameView frame, ano::TimePoint) {
+          answers_.insert(answers_.end(), frame.bytes().begin(), frame.bytes().end());
+      }},
       tick_{context.alarms, [this] { tick(); }},
       answer_{context.alarms, [this] { answer(); }} {}
 
 void SimLink::start() {
-    channel_ = context_.host.open_channel(*this, settings().as<SimSettings>().device);
+    const SimSettings& sim = settings().as<SimSettings>();
+    const ano::world::Settings world{.id = sim.dev_id, .hz = sim.hz, .seed = sim.seed};
+    device_ = ano::world::make_device(sim.device, world, begin_of_step(context_.host.now()));
+    channel_ = context_.host.open_channel(*this, sim.device);
     context_.host.link_up(*this);
     tick();
 }
@@ -29,9 +44,9 @@ void SimLink::stop() {
 }
 
 void SimLink::tick() {
-    fc_.run(context_.host.now(), [this](ano::FrameView frame) { hear(frame.bytes()); });
+    device_->run(context_.host.now(), say_);
     context_.host.flush();
-    tick_.set(fc_.next());
+    tick_.set(device_->due());
 }
 
 // What it says takes the way of every byte: through the parser, counted there.
@@ -45,12 +60,11 @@ void SimLink::hear(std::span<const std::uint8_t> said) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
-        fc_.receive(ano::FrameView{next[0]}, context_.host.now(), [this](ano::FrameView answer) {
-            answers_.insert(answers_.end(), answer.bytes().begin(), answer.bytes().end());
-        });
+        device_->take(ano::FrameView{next[0]}, context_.host.now(), say_later_);
         channel.outbox.sent_frame();
     }
     if (!answers_.empty()) answer_.set(context_.host.now());
+    if (tick_.is_set()) tick_.set(device_->due());    // what it heard may be answered later
 }
 
 void SimLink::answer() {
@@ -65,8 +79,10 @@ namespace {
 using namespace key_rows;
 
 constexpr Key<LinkSettings> sim_keys[] = {
-    choice<own<SimSettings>, &SimSettings::device>("device", "fc", "the device to simulate") | needed,
+    choice<own<SimSettings>, &SimSettings::device>("device", ano::world::kinds, "the device to simulate") | needed,
     integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion"),
+    address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the address of the device (default: the usual one)"),
+    integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX, "the same seed, the same noise, weather and faults"),
 };
 
 }    // namespace
@@ -76,7 +92,7 @@ constinit const LinkKind sim_kind{
     .name = "sim",
     .address = "device",
     .example = "fc",
-    .help = "a simulated flight controller (0xDC) inside the process: demo, tests, development",
+    .help = "a simulated device inside the process, such as a flight controller that flies (0xDC): demo, tests, development",
     .carries = Carries::pieces,
     .devices_only = true,
     .keys = sim_keys,

@@ -1,9 +1,10 @@
 // A simulated device inside the process, as if it stood behind a port.
 #pragma once
-#include <gateway/simulated_fc.hpp>
 #include <link/alarm.hpp>
 #include <link/link_context.hpp>
+#include <world/simulated_device.hpp>
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,10 @@ private:
 
     LinkContext context_;
     Channel* channel_ = nullptr;
-    SimulatedFc fc_;
-    std::vector<std::uint8_t> answers_;    // that wait for their turn
+    std::unique_ptr<ano::world::SimulatedDevice> device_;
+    ano::world::SimulatedDevice::Send say_;          // to the gateway
+    ano::world::SimulatedDevice::Send say_later_;    // in a turn of its own
+    std::vector<std::uint8_t> answers_;              // that wait for their turn
     Alarm tick_;
     Alarm answer_;
 };

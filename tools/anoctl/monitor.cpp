@@ -67,7 +67,8 @@ struct MonitorOptions {
         if (!links.empty() || !directions.empty())
             throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
         const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
-        Shown shown{filter, count, streams, as_said_of(link_settings_of(link, "a link of the gateway, by its name: monitor --link"))};
+        Shown shown{filter, count, streams,
+                    as_said_of(link_settings_of(link, "a link of the gateway, by its name: monitor --link"))};
         const std::uint64_t skipped = listen(link, shown, streams, "monitor");
         streams.out.flush();
         streams.err << "anoctl: " << shown.shown << (shown.shown == 1 ? " frame" : " frames") << " shown of " << shown.seen

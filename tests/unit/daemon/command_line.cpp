@@ -290,7 +290,8 @@ TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
     EXPECT_FALSE(line_of({"sim:fc"}).print_config);
     EXPECT_TRUE(line_of({"sim:fc", "--check"}).check);
     EXPECT_TRUE(line_of({"sim:fc", "--print-config"}).print_config);
-    EXPECT_EQ(error_of({"sim:plane", "--check"}), "anogated: LINK 'sim:plane': 'device' must be fc, not 'plane'\n");
+    EXPECT_EQ(error_of({"sim:plane", "--check"}),
+              "anogated: LINK 'sim:plane': 'device' must be one of fc, imu, flow, radio, car, not 'plane'\n");
 }
 
 TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {

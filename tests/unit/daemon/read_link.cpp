@@ -276,7 +276,7 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
               "'allow' must be any, or networks such as 192.168.0.0/24, not '10.0.0.0/33'");
     EXPECT_EQ(fault_of("sim:fc,name="), "'name' must be text of 1 to 64 bytes, not ''");
     EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', the word is taken");
-    EXPECT_EQ(fault_of("sim:plane"), "'device' must be fc, not 'plane'");
+    EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, not 'plane'");
 }
 
 TEST(LinkText, any_network_stands_alone) {

@@ -1,0 +1,127 @@
+// How the simulated flight controller flies: what it was told, and what it does about it. Metres, seconds, radians.
+#pragma once
+#include "battery.hpp"
+#include "body.hpp"
+#include "hand.hpp"
+#include "pilot.hpp"
+#include "weather.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+namespace ano::world {
+
+/// What hosts set of it. See the information of the parameters.
+struct FlightSettings {
+    std::uint8_t mode = 2;
+    std::int8_t turn = 0;          // °/s, in a hover
+    std::uint16_t height = 120;    // cm
+    std::uint16_t speed = 300;     // cm/s
+    std::uint32_t flight_time = 900;
+    float wind = 1;                   // m/s
+    std::uint16_t wind_from = 270;    // °
+    Gains gains;
+};
+
+/// 0x40: -1 to 1 each, the throttle 0 to 1.
+struct Sticks {
+    double roll = 0, pitch = 0, throttle = 0, yaw = 0;
+    bool centred() const noexcept;
+};
+
+/// 0x41.
+struct Steering {
+    Angles lean;
+    double throttle = 0, yaw_rate = 0;
+    Vector velocity;    // forward, left, up
+};
+
+struct RoutePoint {
+    Vector there;
+    double speed = 0;
+};
+
+class Flight {
+public:
+    enum class Mode : std::uint8_t { attitude, height, position, programmed };
+    enum class Task : std::uint8_t { hover, take_off, land, go_to, yaw, return_home, route };
+    enum class Safety : std::uint8_t { locked, unlocked, airborne };
+    static constexpr double lowest = 0.2, highest = 100, furthest = 1000;    // m
+    static constexpr double low_battery = 0.2, last_battery = 0.1;
+    static constexpr double input_lasts = 1;    // s, what a stick said
+
+    /// `tell` says a line to the hosts; `is_bad`: one that people should see.
+    explicit Flight(const FlightSettings& settings, std::function<void(std::string_view, bool is_bad)> tell)
+        : settings_{settings}, tell_{std::move(tell)} {}
+
+    // Each is false when it can't be done now.
+    bool unlock();
+    bool lock();
+    bool take_off(double height);
+    bool land();
+    bool hover();
+    bool go_to(Vector there);
+    bool yaw(double yaw);
+    bool return_home();
+    bool fly(std::vector<RoutePoint> route);
+    /// On the ground, where it is locked, somebody takes it into his hand.
+    bool may_be_turned() const noexcept { return safety() == Safety::locked; }
+
+    void hear(const Sticks& sticks) noexcept;
+    void hear_no_sticks() noexcept { sticks_age_ = input_lasts; }
+    void hear(const Steering& steering) noexcept;
+
+    void step(double dt, Noise& chance);
+
+    Safety safety() const noexcept;
+    Task task() const noexcept { return task_; }
+    const Body& body() const noexcept { return body_; }
+    const Pilot& pilot() const noexcept { return pilot_; }
+    Battery& battery() noexcept { return battery_; }
+    const Battery& battery() const noexcept { return battery_; }
+    Vector wind() const noexcept { return weather_.wind(); }
+    Hand& hand() noexcept { return hand_; }
+    /// From where it took off last.
+    Vector offset() const noexcept { return body_.position() - from_; }
+
+private:
+    Motors motors(double dt);
+    Motors by_hand(double dt);
+    Motors by_task(double dt);
+    Motors at_its_place(double dt);
+    Motors on_route(double dt);
+    Motors leaning(Angles lean, double throttle, double climb, double dt);
+    Motors at_velocity(Vector of_the_nose, double dt);
+    bool begin(Task task);
+    void end();
+    void look_after_the_battery();
+    void left_the_ground();
+    void landed();
+    bool has_sticks() const noexcept { return sticks_age_ < input_lasts; }
+    bool is_steered() const noexcept { return steering_age_ < input_lasts; }
+    bool may_climb(double climb) const noexcept { return !body_.on_ground() || climb > 0.1; }
+
+    const FlightSettings& settings_;
+    std::function<void(std::string_view, bool)> tell_;
+    Body body_;
+    Pilot pilot_;
+    Battery battery_;
+    Weather weather_;
+    Hand hand_;
+    bool is_locked_ = true;
+    bool was_low_ = false;
+    bool flies_ = false;
+    Task task_ = Task::hover;
+    Vector from_, place_;
+    double aimed_yaw_ = 0;
+    std::vector<RoutePoint> route_;
+    std::size_t next_ = 0;
+    Sticks sticks_;
+    Steering steering_;
+    double sticks_age_ = input_lasts, steering_age_ = input_lasts;
+};
+
+}    // namespace ano::world

@@ -1,0 +1,140 @@
+// What hosts can set and command of the simulated flight controller.
+#include "flight_controller.hpp"
+
+#include <utility>
+
+namespace ano::world {
+namespace {
+
+using device::LogColor;
+using device::Parameter;
+using device::Value;
+
+constexpr double metres_of_a_degree = 111'319.5;
+constexpr std::size_t waypoints = 50;
+constexpr std::array types{Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32, Type::i32,
+                           Type::u64, Type::i64, Type::f32, Type::f64, Type::text};
+
+}    // namespace
+
+void FlightController::add_parameters() {
+    add_own_parameters();
+    inertial_.add_calibrations(device().parameters(), flight_.hand(), hz(), [this] { return flight_.may_be_turned(); });
+    add_user_parameters();
+    device().parameters().on_save([] { return true; });    // it has no other memory than this
+}
+
+void FlightController::add_own_parameters() {
+    auto& parameters = device().parameters();
+    const auto add = [&](const char* name, auto& variable, const char* info, auto min, auto max) {
+        parameters.add(name, variable, {.info = info, .min = min, .max = max});
+    };
+    add("SIM_MODE", settings_.mode, "0 attitude, 1 and height, 2 and position, 3 programmed", std::uint8_t{0}, std::uint8_t{3});
+    add("SIM_TURN", settings_.turn, "how fast it turns in a hover, degrees a second to the left", std::int8_t{-90},
+        std::int8_t{90});
+    add("SIM_HEIGHT", settings_.height, "where it hovers after take-off, cm", std::uint16_t{20}, std::uint16_t{10'000});
+    add("SIM_SPEED", settings_.speed, "how fast it flies to a place, cm/s", std::uint16_t{20}, std::uint16_t{1000});
+    add("SIM_BAR_OFFSET", barometer_offset_, "what the barometer is off by, cm", std::int16_t{-1000}, std::int16_t{1000});
+    add("SIM_FLIGHT_TIME", settings_.flight_time, "until the battery is empty, s in a hover", 60u, 86'400u);
+    add("SIM_RANGE_OFFSET", range_offset_, "what the range finder is off by, cm", -1000, 1000);
+    add("SIM_WIND", settings_.wind, "m/s", 0.0f, 8.0f);
+    add("SIM_WIND_FROM", settings_.wind_from, "degrees from north, clockwise", std::uint16_t{0}, std::uint16_t{359});
+    add("SIM_HOME_LNG", home_lng_, "degrees: where the world begins", -180.0, 180.0);
+    add("SIM_HOME_LAT", home_lat_, "degrees", -80.0, 80.0);
+    add("SIM_PICTURES", pictures_, "1: sends a moving picture", std::uint8_t{0}, std::uint8_t{1});
+    add("SIM_P_POSITION", settings_.gains.position, "1/s", 0.2f, 2.0f);
+    add("SIM_P_VELOCITY", settings_.gains.velocity, "1/s", 0.5f, 4.0f);
+    add("SIM_P_ATTITUDE", settings_.gains.attitude, "1/s", 3.0f, 10.0f);
+    add("SIM_P_RATE", settings_.gains.rate, "1/s", 10.0f, 25.0f);
+    parameters.add("SIM_BORN", other_.born, {.info = "seconds since 1970", .min = {}, .max = {}});
+    parameters.add("SIM_NOTE", other_.note, {.info = "anything", .max_size = 29});
+    Parameter serial{.name = "SIM_SERIAL", .type = Type::u64, .initial = other_.serial, .info = "can't be written"};
+    serial.get = [this] { return Value{other_.serial}; };
+    parameters.add(serial);
+    Parameter charge{.name = "SIM_CHARGE", .type = Type::u8, .initial = std::int64_t{100}, .info = "of the battery, %"};
+    charge.max = std::int64_t{100};
+    charge.get = [this] { return Value{static_cast<std::int64_t>(std::lround(100 * flight_.battery().charge()))}; };
+    charge.set = [this](const Value& percent) {
+        flight_.battery().charge(device::from_value<double>(percent) / 100);
+        return true;
+    };
+    parameters.add(charge);
+}
+
+// So many that a host has something to read; of every type in turn.
+void FlightController::add_user_parameters() {
+    auto& parameters = device().parameters();
+    other_.user.reserve(parameter_count);
+    while (parameters.count() < parameter_count) {
+        const std::size_t n = other_.user.size();
+        const Type type = types[n % types.size()];
+        Value& value = other_.user.emplace_back(device::zero_of(type));
+        const std::string number = std::to_string(n);
+        Parameter row{.name = "USER_" + std::string(number.size() < 2 ? 1 : 0, '0') + number, .type = type, .initial = value};
+        row.info = "anything";
+        row.max_size = 20;
+        row.get = [&value] { return value; };
+        row.set = [&value](const Value& v) { return value = v, true; };
+        parameters.add(std::move(row));
+    }
+}
+
+void FlightController::add_commands() {
+    auto& commands = device().commands();
+    add_flights();
+    commands.add({0x10, 0, 5}, "ADD", "tells the sum of its values",
+                 [this](std::uint8_t a, std::int64_t b, std::uint16_t c, std::int16_t d, std::uint32_t e, std::int32_t f, float g,
+                        double h) {
+                     const double sum = a + static_cast<double>(b) + c + d + static_cast<double>(e) + f + double{g} + h;
+                     device().log(static_cast<float>(sum), "is the sum");
+                 });
+    commands.add({0x10, 0, 6}, "UNLOCK", "", [this] { return flight_.unlock(); });
+    commands.add({0x10, 0, 7}, "LOCK", "on the ground", [this] { return flight_.lock(); });
+    commands.add({0x10, 0, 11}, "MODE", "as SIM_MODE", [this](std::uint8_t mode) {
+        return mode <= 3 && device().parameters().write("SIM_MODE", Value{std::int64_t{mode}});
+    });
+}
+
+// Those that take a while stand in 0x06 until they are done.
+void FlightController::add_flights() {
+    auto& commands = device().commands();
+    commands.add(command_of(Flight::Task::take_off), "TAKE_OFF", "height in cm; 0: SIM_HEIGHT",
+                 [this](std::uint16_t height) { return flight_.take_off((height == 0 ? settings_.height : height) / 100.0); });
+    commands.add(command_of(Flight::Task::land), "LAND", "", [this] { return flight_.land(); });
+    commands.add({0x10, 0, 3}, "TURN", "degrees a second, in a hover",
+                 [this](std::int8_t turn) { return device().parameters().write("SIM_TURN", Value{std::int64_t{turn}}); });
+    commands.add(command_of(Flight::Task::hover), "HOVER", "here", [this] { return flight_.hover(); });
+    commands.add(command_of(Flight::Task::go_to), "GO_TO", "cm from take-off: north, west, up",
+                 [this](std::int32_t x, std::int32_t y, std::uint16_t z) {
+                     return flight_.go_to({x / 100.0, y / 100.0, z / 100.0});
+                 });
+    commands.add(command_of(Flight::Task::yaw), "YAW", "degrees to the left of north",
+                 [this](std::int16_t yaw) { return flight_.yaw(yaw * degree); });
+    commands.add(command_of(Flight::Task::return_home), "RETURN_HOME", "and lands there",
+                 [this] { return flight_.return_home(); });
+    commands.add(command_of(Flight::Task::route), "WAYPOINTS", "from this one on",
+                 [this](std::uint8_t first) { return fly_waypoints(first); });
+}
+
+void FlightController::add_waypoints() {
+    device().waypoints().allow(waypoints);
+    device().waypoints().resize(1);
+    device::Waypoint home;
+    home.lng = home_lng_;
+    home.lat = home_lat_;
+    device().waypoints().set(0, home);
+}
+
+Vector FlightController::place_of(const device::Waypoint& w) const noexcept {
+    return {(w.lat - home_lat_) * metres_of_a_degree, (home_lng_ - w.lng) * metres_of_a_degree * std::cos(home_lat_ * degree),
+            w.alt / 100.0};
+}
+
+bool FlightController::fly_waypoints(std::uint8_t first) {
+    const auto& all = device().waypoints();
+    std::vector<RoutePoint> route;
+    for (std::size_t n = first; n < all.count(); ++n) route.push_back({place_of(all[n]), all[n].spd / 100.0});
+    return flight_.fly(std::move(route));
+}
+
+}    // namespace ano::world

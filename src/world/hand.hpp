@@ -1,0 +1,41 @@
+// Somebody who turns a device for a calibration: onto its six faces, or all round.
+#pragma once
+#include "vector.hpp"
+
+#include <cstddef>
+
+namespace ano::world {
+
+class Hand {
+public:
+    static constexpr std::size_t faces = 6;
+    static constexpr double time_to_turn = 1;    // s, from one face to the next
+    static constexpr unsigned rounds = 3;        // then it gives up
+
+    /// Lays it on one face after the other, for `rest` seconds each.
+    void turn_to_faces(double rest) noexcept;
+    /// Turns it so that a needle on it that keeps to `field` points everywhere in `duration` seconds.
+    void turn_all_round(Vector field, double duration) noexcept;
+    /// Lays it on this face and leaves it there: x up, x down, y up, y down, z up, z down.
+    void lay(std::size_t face) noexcept;
+    /// Puts it back on its feet.
+    void let_go() noexcept { does_ = Does::nothing; }
+
+    bool holds() const noexcept { return does_ != Does::nothing; }
+    /// How it is held `dt` seconds later.
+    Attitude next(double dt) noexcept;
+
+private:
+    enum class Does : unsigned char { nothing, lies, faces, round };
+
+    Attitude on_faces() const noexcept;
+    Attitude all_round() const noexcept;
+    double duration() const noexcept;
+
+    Does does_ = Does::nothing;
+    std::size_t face_ = 4;
+    double rest_ = 0, round_ = 0, at_ = 0;
+    Vector field_;
+};
+
+}    // namespace ano::world

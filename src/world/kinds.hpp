@@ -1,0 +1,15 @@
+// The simulated devices that there are, by name.
+#pragma once
+#include "simulated_device.hpp"
+
+#include <memory>
+#include <string_view>
+
+namespace ano::world {
+
+inline constexpr std::string_view kinds = "fc|imu|flow|radio|car";
+
+/// `kind` is one of them; another one is an fc.
+std::unique_ptr<SimulatedDevice> make_device(std::string_view kind, const Settings& settings, TimePoint start);
+
+}    // namespace ano::world

@@ -1,0 +1,34 @@
+// Chance that a seed repeats, on every machine and with every standard library.
+#pragma once
+#include <cstdint>
+
+namespace ano::world {
+
+/// SplitMix64. Two with seeds that differ have nothing in common.
+class Noise {
+public:
+    explicit Noise(std::uint64_t seed) noexcept : state_{seed} {}
+
+    std::uint64_t bits() noexcept {
+        std::uint64_t z = state_ += 0x9E37'79B9'7F4A'7C15;
+        z = (z ^ (z >> 30)) * 0xBF58'476D'1CE4'E5B9;
+        z = (z ^ (z >> 27)) * 0x94D0'49BB'1331'11EB;
+        return z ^ (z >> 31);
+    }
+    /// 0 to 1, never 1.
+    double share() noexcept { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+    /// -most to most.
+    double within(double most) noexcept { return (2 * share() - 1) * most; }
+    /// About normal, of variance 1: the sum of four numbers of 16 bits.
+    double normal() noexcept {
+        constexpr double half = 2 * 65535.0, deviation = 37837.2;
+        const std::uint64_t b = bits();
+        const std::uint64_t sum = (b & 0xFFFF) + (b >> 16 & 0xFFFF) + (b >> 32 & 0xFFFF) + (b >> 48);
+        return (static_cast<double>(sum) - half) / deviation;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+}    // namespace ano::world

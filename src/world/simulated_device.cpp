@@ -1,0 +1,100 @@
+#include "simulated_device.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace ano::world {
+
+SimulatedDevice::SimulatedDevice(device::Info info, const Settings& settings, TimePoint start)
+    : device_{std::move(info)}, hz_{settings.hz}, chance_{settings.seed}, start_{start}, now_{start} {
+    allow_images();
+}
+
+// It says that it took one, and stays as it is.
+void SimulatedDevice::allow_images() {
+    using namespace std::chrono_literals;
+    device::Flash flash;
+    flash.max_size = std::size_t{1} << 20;
+    flash.accept = [this](const device::ImageInfo&) { return may_be_upgraded(); };
+    flash.install = [this](const device::Image&) {
+        device_.log("new firmware", device::LogColor::green);
+        return true;
+    };
+    flash.erase_time = 1s;
+    flash.check_time = 200ms;
+    device_.firmware().allow(std::move(flash));
+}
+
+void SimulatedDevice::take(FrameView frame, TimePoint now, const Send& send) {
+    run(now, send);
+    send_ = &send;
+    device_.take(frame, now_);
+    if (is_ours(frame)) heard(frame);
+    let_go(now_);
+    send_ = nullptr;
+}
+
+bool SimulatedDevice::is_ours(FrameView frame) const noexcept {
+    const std::uint8_t to = frame.destination(), from = frame.source();
+    return (to == device_.info().id || to == address::broadcast) && from != device_.info().id && from != address::unassigned &&
+           from != address::broadcast;
+}
+
+// What is due comes in its order, however late it is called.
+void SimulatedDevice::run(TimePoint now, const Send& send) {
+    send_ = &send;
+    notice_pause(now);
+    for (;;) {
+        const TimePoint next = time_of_step(steps_ + 1);
+        const auto answer = device_.due();
+        if (answer && *answer <= std::min(now, next)) {
+            now_ = std::max(now_, *answer);
+            device_.run(*answer);
+        } else if (next <= now) {
+            now_ = next;
+            take_step();
+        } else {
+            break;
+        }
+        let_go(now_);
+    }
+    now_ = std::max(now_, now);
+    send_ = nullptr;
+}
+
+void SimulatedDevice::notice_pause(TimePoint now) noexcept {
+    const TimePoint last = time_of_step(steps_);
+    if (now - last > longest_pause) start_ += (now - last) / step * Duration{step} - Duration{step};
+}
+
+void SimulatedDevice::take_step() {
+    ++steps_;
+    advance();
+    const Duration world = static_cast<std::int64_t>(steps_) * Duration{step};
+    for (Stream& stream : streams_) {
+        if (world < stream.next) continue;
+        stream.say();
+        stream.next = std::max(stream.next, Duration{step}) + stream.period;
+    }
+}
+
+void SimulatedDevice::let_go(TimePoint at) {
+    while (const auto out = device_.next()) (*send_)(out->frame, at);
+}
+
+TimePoint SimulatedDevice::due() const noexcept {
+    Duration next = Duration::max();
+    for (const Stream& stream : streams_) next = std::min(next, stream.next);
+    const auto steps = static_cast<std::uint64_t>((next + Duration{step} - Duration{1}) / step);
+    const TimePoint said = time_of_step(std::max(steps, steps_ + 1));
+    const auto answer = device_.due();
+    return answer ? std::min(said, *answer) : said;
+}
+
+void SimulatedDevice::say_flexible(std::uint8_t id, std::span<const std::uint8_t> data) {
+    std::array<std::uint8_t, overhead + device::max_sent> frame;
+    const std::size_t size = encode(frame, device_.info().id, address::host, id, data);
+    if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);
+}
+
+}    // namespace ano::world

@@ -1,0 +1,24 @@
+// Wind: a mean, and gusts around it.
+#pragma once
+#include "noise.hpp"
+#include "vector.hpp"
+
+namespace ano::world {
+
+class Weather {
+public:
+    /// `speed`, m/s, from there: degrees from north, clockwise.
+    void step(double dt, double speed, double from, Noise& chance) noexcept {
+        constexpr double lasts = 2;    // s, a gust
+        const double size = 0.2 * speed * std::sqrt(2 * dt / lasts);
+        gust_ = (1 - dt / lasts) * gust_ + size * Vector{chance.normal(), chance.normal(), 0};
+        wind_ = gust_ - speed * Vector{std::cos(from * degree), -std::sin(from * degree), 0};
+    }
+    /// m/s, where it goes.
+    Vector wind() const noexcept { return wind_; }
+
+private:
+    Vector gust_, wind_;
+};
+
+}    // namespace ano::world

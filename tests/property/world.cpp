@@ -1,0 +1,162 @@
+// A simulated world, whatever it is told: the same seed and the same frames at the same times are the same bytes; what it says are
+// whole frames of its own; and it answers each frame at most once.
+#include <world/kinds.hpp>
+
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+using namespace ano::world;
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::Random;
+
+constexpr ano::TimePoint start{1000s};
+
+std::unique_ptr<SimulatedDevice> any_device(Random& random) {
+    const ano::world::Settings settings{0, random.of({1u, 7u, 50u, 100u}), random.below(1000u)};
+    return make_device(random.of<std::string_view>({"fc", "fc", "imu", "flow", "radio", "car"}), settings, start);
+}
+
+// What hosts write, command and steer.
+Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
+    const auto id = random.of<std::uint8_t>(
+        {0xE1, 0xE1, 0xC0, 0xC0, 0xE0, 0x61, 0x60, 0x40, 0x41, 0xC1, 0xF0, 0x00, random.byte()});
+    Bytes data{static_cast<std::uint8_t>(random.below(160u)), 0};
+    if (id == 0xC0) data = {random.of<std::uint8_t>({0x10, 0x20}), 0, static_cast<std::uint8_t>(random.below(14u))};
+    if (id == 0xE0)
+        data = {random.of<std::uint8_t>({0, 1, 2, 3, 0x10}), random.of<std::uint8_t>({0xAA, 0xAB, 0x20, 0x21, 0x30, 0x31}), 0};
+    if (id == 0xC1) data = {random.of<std::uint8_t>({0, 1}), random.below<std::uint8_t>(14), 0};
+    for (std::size_t i = random.below(32u); i-- > 0;)
+        data.push_back(random.of<std::uint8_t>({0, 1, 2, 5, 0x7F, 0x80, 0xFF, random.byte()}));
+    return support::frame(from, to, id, data);
+}
+
+struct Deed {
+    ano::TimePoint at;
+    Bytes frame;    // empty: none
+};
+
+std::vector<Deed> random_deeds(Random& random, std::uint8_t to) {
+    std::vector<Deed> deeds;
+    ano::TimePoint at = start;
+    for (int i = 0; i < 60; ++i) {
+        at += random.of<ano::Duration>({0ms, 1ms, 13ms, 100ms, 900ms});
+        deeds.push_back({at, random_frame(random, 0xFE, to)});
+    }
+    return deeds;
+}
+
+TEST(World, says_the_same_bytes_for_a_seed_whatever_the_steps_of_time) {
+    for (std::uint64_t seed = 0; seed < 15; ++seed) {
+        std::vector<Bytes> said(2);
+        std::vector<Deed> deeds;
+        for (std::size_t turn = 0; turn < 2; ++turn) {
+            Random random{seed};
+            const auto device = any_device(random);
+            if (deeds.empty()) deeds = random_deeds(random, device->device().info().id);
+            const SimulatedDevice::Send hear = [&](ano::FrameView f, ano::TimePoint) {
+                said[turn].insert(said[turn].end(), f.bytes().begin(), f.bytes().end());
+            };
+            Random steps{2 * seed + turn};
+            ano::TimePoint now = start;
+            for (const Deed& deed : deeds) {
+                while (now < deed.at) {
+                    now = std::min(deed.at, now + steps.of<ano::Duration>({1ms, 3ms, 20ms, 333ms, 2s}));
+                    device->run(now, hear);
+                }
+                device->take(ano::FrameView{deed.frame}, deed.at, hear);
+            }
+        }
+        ASSERT_GT(said[0].size(), 500u);
+        ASSERT_EQ(said[0], said[1]) << "seed " << seed;
+    }
+}
+
+TEST(World, differs_by_seed) {
+    const auto bytes_of = [](std::uint64_t seed) {
+        Bytes said;
+        make_device("fc", {0, 50, seed}, start)->run(start + 1s, [&](ano::FrameView f, ano::TimePoint) {
+            said.insert(said.end(), f.bytes().begin(), f.bytes().end());
+        });
+        return said;
+    };
+    EXPECT_EQ(bytes_of(7), bytes_of(7));
+    EXPECT_NE(bytes_of(7), bytes_of(8));
+}
+
+TEST(World, says_whole_frames_of_its_own_at_times_that_go_on) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        Random random{seed};
+        const auto device = any_device(random);
+        const std::uint8_t id = device->device().info().id;
+        ano::TimePoint last = start;
+        std::size_t said = 0;
+        const SimulatedDevice::Send hear = [&](ano::FrameView frame, ano::TimePoint at) {
+            ++said;
+            ASSERT_TRUE(ano::frame_at(frame.bytes())) << "seed " << seed;
+            ASSERT_EQ(frame.source(), id);
+            ASSERT_LE(frame.data().size(), 198u);
+            ASSERT_GE(at, last);
+            last = at;
+        };
+        for (const Deed& deed : random_deeds(random, id)) {
+            device->take(ano::FrameView{deed.frame}, deed.at, hear);
+            ASSERT_LE(last, deed.at);
+            device->run(deed.at, hear);
+            ASSERT_GT(device->due(), deed.at);
+        }
+        ASSERT_GT(said, 10u);
+    }
+}
+
+// Of what it says at once, behind a run(): what is no telemetry and no log.
+TEST(World, answers_every_frame_at_most_once) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        Random random{seed};
+        const auto device = any_device(random);
+        for (const Deed& deed : random_deeds(random, device->device().info().id)) {
+            device->run(deed.at, [](ano::FrameView, ano::TimePoint) {});
+            int answers = 0;
+            device->take(ano::FrameView{deed.frame}, deed.at,
+                         [&](ano::FrameView f, ano::TimePoint) { answers += f.id() != 0xA0 && f.id() != 0xA1; });
+            ASSERT_LE(answers, 1) << "seed " << seed;
+        }
+    }
+}
+
+// Two that hear all that the other one says, addressed to whom it may be: telemetry apart, what one says begins no talk.
+TEST(World, makes_no_storm_of_two) {
+    for (std::uint64_t seed = 0; seed < 15; ++seed) {
+        Random random{seed};
+        const auto a = any_device(random);
+        const auto b = make_device(random.of<std::string_view>({"fc", "car", "imu"}), {0x21, 50, seed}, start);
+        ano::TimePoint now = start;
+        for (int i = 0; i < 50; ++i, now += 7ms) {
+            const auto ignore = [](ano::FrameView, ano::TimePoint) {};
+            a->run(now, ignore);
+            b->run(now, ignore);
+            std::deque<Bytes> line{random_frame(random, a->device().info().id, 0x21)};
+            for (std::size_t heard = 0; !line.empty(); ++heard) {
+                ASSERT_LE(heard, 4u) << "seed " << seed;
+                const Bytes frame = line.front();
+                line.pop_front();
+                const auto hear = [&](ano::FrameView f, ano::TimePoint) {
+                    line.emplace_back(f.bytes().begin(), f.bytes().end());
+                };
+                a->take(ano::FrameView{frame}, now, hear);
+                b->take(ano::FrameView{frame}, now, hear);
+            }
+        }
+    }
+}
+
+}    // namespace
