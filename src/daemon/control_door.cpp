@@ -5,6 +5,7 @@
 #include <http/socket_path.hpp>
 #include <http/tcp_door.hpp>
 #include <http/token_file.hpp>
+#include <link/device_permission.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -20,10 +21,6 @@ namespace {
 constexpr Duration retry = std::chrono::milliseconds{500};
 constexpr std::size_t request_memory = 384 * 1024;    // for one request with its answer: without it, they are not begun
 
-/// The first user id that people have (login.defs, UID_MIN): below are those of services.
-constexpr uid_t first_person = 1000;
-bool is_service(uid_t user) { return user < first_person; }
-
 std::string host_name() {
     char name[HOST_NAME_MAX + 1] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
@@ -38,7 +35,7 @@ std::string whole_path(const std::string& path) {
 
 }    // namespace
 
-bool network_needs_token(const std::string& address, uid_t user) { return is_service(user) || !http::is_loopback(address); }
+bool network_needs_token(const std::string& address, uid_t user) { return is_service_user(user) || !http::is_loopback(address); }
 
 ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
     : settings_{std::move(settings)}, server_{io, {}, [] { return memory_is_left(request_memory); }}, again_{io, [this] {

@@ -262,19 +262,16 @@ void DeviceService::changed(Job& job) {
 void DeviceService::look(Job& job, TimePoint now) {
     if (!job.work) return;
     const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
-    std::string message = job.work->message();
-    if (state != job.state || message != job.message) {
-        job.state = state;
-        job.message = std::move(message);
-        job.told_at = TimePoint::min();
-    }
-    if (job.told_at != TimePoint::min() && now - job.told_at < between_progress) return;
+    if (state == job.state && now - job.told_at < between_progress) return;
+    std::string message = job.work->message(), step = job.work->step();
     const ano::host::Progress progress = job.work->progress();
-    std::string step = job.work->step();
-    const bool is_new = progress.done != job.progress.done || progress.total != job.progress.total || step != job.step;
-    if (!is_new && job.told_at != TimePoint::min()) return;
-    job.progress = progress;
+    const bool is_news = state != job.state || message != job.message || step != job.step || progress.done != job.progress.done ||
+                         progress.total != job.progress.total;
+    if (!is_news) return;
+    job.state = state;
+    job.message = std::move(message);
     job.step = std::move(step);
+    job.progress = progress;
     job.told_at = now;
     changed(job);
 }

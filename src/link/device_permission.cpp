@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uid_t first_person = 1000;    // login.defs, UID_MIN: below are the users of services
-
 struct DeviceGroup {
     std::string name;
     std::vector<std::string> members;
@@ -45,7 +43,7 @@ bool is_among(const std::vector<T>& list, const T& value) {
 }
 
 std::string how_to_join(const DeviceGroup& group, const DeviceUser& user) {
-    const bool is_service = user.uid < first_person;
+    const bool is_service = is_service_user(user.uid);
     const std::string then = is_service ? "restart the service" : "log in again";
     if (is_among(group.members, user.name))
         return is_service ? "its user " + user.name + " is in the group " + group.name + " since the last start: " + then

@@ -8,6 +8,9 @@
 
 namespace anogate {
 
+/// No person's: below the first user id that those have (login.defs, UID_MIN).
+constexpr bool is_service_user(uid_t user) noexcept { return user < 1000; }
+
 /// Who wants to open a device.
 struct DeviceUser {
     uid_t uid = 0;

@@ -69,7 +69,9 @@ TEST(TokenFile, is_judged_without_being_made) {
     std::filesystem::permissions(path, std::filesystem::perms{0644});
     EXPECT_EQ(fault(path), path + ": everybody on this computer may read it; chmod o= " + path);
     EXPECT_EQ(fault(dir.path()), dir.path().string() + ": is not a file");
-    if (::geteuid() != 0) EXPECT_EQ(fault("/proc/token"), "/proc/token: Permission denied");
+    if (::geteuid() != 0) {
+        EXPECT_EQ(fault("/proc/token"), "/proc/token: Permission denied");
+    }
 }
 
 TEST(TokenFile, that_everybody_may_read_is_refused) {
