@@ -42,6 +42,13 @@ unsigned status_of(Refusal refusal) {
     return refusal == Refusal::not_known ? 404 : 409;
 }
 
+// A frame that changes the device, or makes it do something.
+bool is_act(ano::FrameView frame) {
+    const auto query = ano::as<"parameter_command">(frame);
+    return (query && query->get<"cmd">() == 0x10) || frame.id() == ano::id_of<"parameter_value"> ||
+           frame.id() == ano::id_of<"command"> || frame.id() == ano::id_of<"waypoint"> || frame.id() == ano::id_of<"firmware">;
+}
+
 // While it is upgraded, a device answers nothing else.
 bool has_it_alone(JobKind kind) { return kind == JobKind::firmware; }
 
@@ -221,17 +228,20 @@ void DeviceService::send_all(TimePoint now) {
         if (!known_[a] || !known_[a]->device) continue;
         while (const auto frame = known_[a]->device->next_frame(now)) {
             const std::uint8_t id = frame->id();
-            if (const std::string never = net_.send(*frame); !never.empty()) fail(static_cast<std::uint8_t>(a), id, never, now);
+            const bool acts = is_act(*frame);
+            if (const std::string never = net_.send(*frame); !never.empty())
+                fail(static_cast<std::uint8_t>(a), id, acts, never, now);
         }
     }
 }
 
-// What one frame meets, all of its kind meet.
-void DeviceService::fail(std::uint8_t address, std::uint8_t id, const std::string& why, TimePoint now) {
+// What one frame meets, all of its kind meet; what changes the device is of the one job that may.
+void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
-    for (const auto& job : all)
-        if (!job->is_over() && job->order.address == address && sends(job->order.kind, id))
-            finish(*job, {403, {}, why, "refused", {}, false}, now);
+    for (const auto& job : all) {
+        if (job->is_over() || job->order.address != address) continue;
+        if (acts ? job->is_writing() : asks_by(job->order.kind, id)) finish(*job, {403, {}, why, "refused", {}, false}, now);
+    }
 }
 
 void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {

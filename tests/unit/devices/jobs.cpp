@@ -135,6 +135,16 @@ TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
 }
 
+TEST_F(Jobs, that_read_go_on_when_what_another_does_may_not_pass) {
+    const auto reads = net.asked("GET", "/devices/0xDC/parameters");
+    net.refuses[0xE1] = "no";
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 403u);
+    ASSERT_TRUE(net.until([&] { return reads->has_value(); }));
+    EXPECT_EQ((*reads)->status, 200u);
+    net.refuses = {{0xE0, "no"}};
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 403u);
+}
+
 TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDD/parameters").json.at("error"), "0xDD was not heard");
     EXPECT_EQ(net.ask("GET", "/devices/nobody/parameters").status, 404u);
