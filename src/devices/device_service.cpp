@@ -313,25 +313,39 @@ std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) c
     return known_[address] ? known_[address]->info : std::nullopt;
 }
 
+// An address is one whatever a device calls itself.
 std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view word, TimePoint now) {
+    const auto called = ano::address_called(word);
+    if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
     std::optional<std::uint8_t> named;
-    for (const HeardAddress& one : net_.heard(now)) {
+    for (const HeardAddress& one : heard(now)) {
         const auto said = info(one.address);
         if (!said || said->name != word) continue;
         if (named) return not_begun(409, "several devices are called " + ano::in_quotes(word) + ": say which by its address");
         named = one.address;
     }
     if (named) return *named;
-    const auto called = ano::address_called(word);
-    if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
     return not_begun(404, "no device is called " + ano::in_quotes(word) + ", and it is no address");
+}
+
+// What the net knows, and what passed here: the way to a pinned address is known without it being heard.
+std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
+    std::vector<HeardAddress> all = net_.heard(now);
+    for (unsigned a = 1; a < ano::address::broadcast; ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        const auto is_it = [&](const HeardAddress& one) { return one.address == address; };
+        if (!known_[a] || !known_[a]->heard_at || now - *known_[a]->heard_at >= ano::host::Device::away_after) continue;
+        if (ano::address::is_host(address) || address == own_ || std::any_of(all.begin(), all.end(), is_it)) continue;
+        all.push_back({address, {}, {}, known_[a]->heard_at});
+    }
+    return all;
 }
 
 std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
     if (!stopped_) use(now);
     std::vector<DeviceReport> all;
-    for (HeardAddress& heard : net_.heard(now)) {
-        DeviceReport report{std::move(heard), {}, {}, {}, {}};
+    for (HeardAddress& one : heard(now)) {
+        DeviceReport report{std::move(one), {}, {}, {}, {}};
         const std::uint8_t address = report.heard.address;
         if (const auto& known = known_[address]) {
             report.info = known->info;

@@ -97,6 +97,7 @@ private:
     };
 
     void use(ano::TimePoint now);
+    std::vector<HeardAddress> heard(ano::TimePoint now);
     ano::host::Device& device(std::uint8_t address);
     WorkPlace place(const Job& job);
     std::optional<NotBegun> refusal(const JobOrder& order, ano::TimePoint now);
