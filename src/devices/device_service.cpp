@@ -251,6 +251,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
     job.message = end.error;
+    if (end.status < 300) job.progress.done = job.progress.total;
     if (end.status < 300 && job.order.result) end.result = job.order.result();
     job.end = std::move(end);
     job.ended_at = now;
