@@ -107,9 +107,18 @@ private:
         calibration_->look(now);
         if (phase() != Phase::keep) return;
         if (!std::exchange(kept_->is_asked, true)) keep();
+        if (is_waiting()) return look_at_clock(now);
         if (kept_->fault.empty()) return;
         calibration_->cancel(now);
         finish(work_fault(503, "the old values could not be kept, so nothing was changed: " + kept_->fault));
+    }
+    // Whoever waits has the device.
+    void look_at_clock(TimePoint now) {
+        if (!waits_since_) waits_since_ = now;
+        if (now - *waits_since_ < Calibration::time_to_turn) return;
+        calibration_->cancel(now);
+        forget();
+        finish(work_fault(504, "nobody said go on within 10 minutes; nothing was changed"));
     }
     void keep() {
         const auto& device = place().device;
@@ -142,6 +151,7 @@ private:
 
     Sensor sensor_;
     Calibration* calibration_ = nullptr;
+    std::optional<TimePoint> waits_since_;
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };
 

@@ -231,6 +231,7 @@ void Session::refuse_for_memory() noexcept {
 void Session::refuse(const Response& words) {
     deadline_.cancel();
     producer_.reset();
+    needed_.reset();
     stream_->cancel();
     owner_.refuse(std::move(stream_), words);
 }

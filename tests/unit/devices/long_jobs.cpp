@@ -148,6 +148,14 @@ TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
     EXPECT_EQ(fake.parameters[0].value, before);
 }
 
+TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("error"), "nobody said go on within 10 minutes; nothing was changed");
+    EXPECT_EQ(over.at("status"), 504);
+    EXPECT_TRUE(net.kept.empty());
+}
+
 TEST_F(Calibrates, only_what_there_is_to_calibrate) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "barometer"})").status, 400u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", "{}").status, 400u);
