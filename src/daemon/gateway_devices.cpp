@@ -119,11 +119,19 @@ ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::Ti
     return where;
 }
 
-ano::host::TextLimits GatewayDevices::text_limits(std::uint8_t address) {
-    const LinkSet links = gateway_.forwarder().router().learned(address, gateway_.time()).links;
-    for (const LinkState& state : gateway_.links())
-        if (links.contains(state.link->id()) && state.link->settings().profile == Profile::vendor) return {false, vendor_text};
-    return {};
+// Of the strictest of the links that lead there.
+DeviceManners GatewayDevices::manners(std::uint8_t address) {
+    const Router& router = gateway_.forwarder().router();
+    const LinkSet links = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);
+    DeviceManners manners;
+    for (const LinkState& state : gateway_.links()) {
+        if (!links.contains(state.link->id())) continue;
+        const LinkSettings& link = state.link->settings();
+        if (link.profile == Profile::vendor) manners.text.most_bytes = vendor_text;
+        manners.value_type_7 = link.meaning_of_type_7();
+        manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());
+    }
+    return manners;
 }
 
 }    // namespace anogate

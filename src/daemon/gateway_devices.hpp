@@ -28,7 +28,7 @@ public:
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
     ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
-    ano::host::TextLimits text_limits(std::uint8_t address) override;
+    DeviceManners manners(std::uint8_t address) override;
     bool may_have_waited(ano::TimePoint came_at) override;
 
 private:

@@ -2,9 +2,11 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <ano/values.hpp>
 #include <host/air_guard.hpp>
 #include <host/parameter_write.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -19,6 +21,13 @@ struct HeardAddress {
     std::string link;    // by which it was heard; empty: not known
     std::string peer;
     std::optional<ano::TimePoint> heard_at{};
+};
+
+/// What is configured of the way to a device.
+struct DeviceManners {
+    ano::host::TextLimits text{};
+    ano::ValueType7 value_type_7 = ano::ValueType7::f32;
+    std::size_t max_data = 198;    // bytes of DATA that a frame to it may have
 };
 
 /// The service calls it from within its own functions. Nothing here calls the service back at once, but that send() may lead to
@@ -37,13 +46,18 @@ public:
     /// Devices and ports; hosts are not among them.
     virtual std::vector<HeardAddress> heard(ano::TimePoint now) = 0;
     virtual ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) = 0;
-    /// What a text may be for this device.
-    virtual ano::host::TextLimits text_limits(std::uint8_t /*address*/) { return {}; }
+    virtual DeviceManners manners(std::uint8_t /*address*/) { return {}; }
     /// A request that came at `came_at` waited through a standstill: it is not to be carried out late.
     virtual bool may_have_waited(ano::TimePoint /*came_at*/) { return false; }
     /// Keeps `text` under `name` where it survives a crash, then calls `done` with what is wrong, or nothing; an empty text: it is
     /// no longer needed. `done` may be called at once.
     virtual void keep(std::string /*name*/, std::string /*text*/, std::function<void(std::string fault)> done) { done({}); }
+    /// Calls `work`, which may take long and touches nothing that others have, and then `done`, with what it threw or nothing;
+    /// `done` may be called at once.
+    virtual void aside(std::function<void()> work, std::function<void(std::string fault)> done) {
+        work();
+        done({});
+    }
 };
 
 }    // namespace anogate

@@ -1,10 +1,13 @@
 #include <ano_json/json_line.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
+#include <devices/command_works.hpp>
 #include <devices/device_json.hpp>
 #include <devices/device_routes.hpp>
 #include <devices/job_answers.hpp>
 #include <devices/parameter_works.hpp>
+#include <devices/scan_work.hpp>
+#include <devices/waypoint_works.hpp>
 #include <http/routes.hpp>
 
 #include <nlohmann/json.hpp>
@@ -30,11 +33,11 @@ Response json_response(const Json& json) {
     return response;
 }
 
-Response devices_answer(DeviceService& service) {
+Json devices_list(DeviceService& service) {
     const ano::TimePoint now = service.net().now();
     Json devices = Json::array();
     for (const DeviceReport& report : service.devices(now)) devices.push_back(device_json(report, now));
-    return json_response({{"devices", std::move(devices)}});
+    return {{"devices", std::move(devices)}};
 }
 
 /// What a client wants of one device.
@@ -68,6 +71,17 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
     return wish.at_once ? job_answer(service, job, request, 202) : answer_of(service, job, request);
+}
+
+Response scan_answer(DeviceService& service, const Request& request) {
+    DeviceNet& net = service.net();
+    if (net.may_have_waited(request.came_at))
+        return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
+    JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
+    order.result = [&service] { return devices_list(service).dump(-1, ' ', false, Json::error_handler_t::replace); };
+    const auto begun = service.begin(std::move(order), net.now());
+    if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
+    return answer_of(service, std::get<std::shared_ptr<Job>>(begun), request);
 }
 
 /// The body as an object; or what is wrong with it.
@@ -156,7 +170,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add(
         {"GET", "/jobs", Access::view, "what is asked of devices now, and what came of it lately", [&service](const Request&) {
              Json jobs = Json::array();
-             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
+             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job, false));
              return json_response({{"jobs", std::move(jobs)}});
          }});
     routes.add({"GET", "/jobs/{job}", Access::view, "one job; with Accept: application/x-ndjson a line for each change",
@@ -200,12 +214,96 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
                 [&service](const Request& request) { return apply(service, request); }});
 }
 
+Response act(DeviceService& service, const Request& request) {
+    using ano::host::Action;
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    const Json& json = std::get<Json>(body);
+    const std::string name = json.contains("action") && json["action"].is_string() ? json["action"].get<std::string>() : "";
+    const bool restores = name == "restore_defaults";
+    if (json.size() != 1 || (!restores && name != "save"))
+        return http::error(400, R"(the body must be {"action": "save"} or {"action": "restore_defaults"})");
+    return begin(service, request,
+                 {JobKind::action, restores ? Deed::ground : Deed::write, [restores, name](const WorkPlace& place) {
+                      return anogate::act(place, restores ? Action::restore_defaults : Action::save, name);
+                  }});
+}
+
+Response call(DeviceService& service, const Request& request) {
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    const Json& json = std::get<Json>(body);
+    if (const std::string wrong = stranger_in(json, {"values", "repeat"}); !wrong.empty()) return http::error(400, wrong);
+    const auto repeat = flag_in(json, "repeat");
+    const Json values = json.value("values", Json::array());
+    if (!values.is_array()) return http::error(400, "'values' must be an array");
+    if (!repeat) return http::error(400, "'repeat' must be true or false");
+    return begin(service, request,
+                 {JobKind::command, Deed::write,
+                  [name = std::string{request.parameter("command")}, values, repeat](const WorkPlace& place) {
+                      return call_command(place, name, values, *repeat);
+                  }});
+}
+
+void add_command_routes(http::Routes& routes, DeviceService& service) {
+    routes.add({"POST", "/devices/{device}/actions", Access::control,
+                "{\"action\": \"save\"} or \"restore_defaults\" (not in the air, but for ?force)",
+                [&service](const Request& request) { return act(service, request); }});
+    routes.add({"GET", "/devices/{device}/commands", Access::view, "the commands of a device, as it describes them",
+                [&service](const Request& request) {
+                    return begin(service, request, {JobKind::commands, Deed::read, read_commands});
+                }});
+    routes.add({"POST", "/devices/{device}/commands/{command}", Access::control,
+                "calls a command, {\"values\": [...]}, once; with \"repeat\": true again while no answer comes",
+                [&service](const Request& request) { return call(service, request); }});
+}
+
+std::variant<WaypointForm, Response> form_of(const Request& request) {
+    const std::string_view name = request.query_value("format").value_or("");
+    if (const auto form = waypoint_form(name)) return *form;
+    return http::error(400, "'format' must be json, geojson or qgc, not " + ano::in_quotes(name));
+}
+
+Response get_waypoints(DeviceService& service, const Request& request) {
+    auto form = form_of(request);
+    if (auto* wrong = std::get_if<Response>(&form)) return std::move(*wrong);
+    return begin(service, request,
+                 {JobKind::waypoints, Deed::read,
+                  [form = std::get<WaypointForm>(form)](const WorkPlace& place) { return read_waypoints(place, form); }});
+}
+
+Response put_waypoints(DeviceService& service, const Request& request) {
+    auto form = form_of(request);
+    if (auto* wrong = std::get_if<Response>(&form)) return std::move(*wrong);
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    auto waypoints = waypoints_in(std::get<Json>(body), std::get<WaypointForm>(form));
+    if (const auto* wrong = std::get_if<std::string>(&waypoints)) return http::error(422, *wrong);
+    return begin(service, request,
+                 {JobKind::put_waypoints, Deed::write,
+                  [all = std::get<std::vector<ano::host::Waypoint>>(std::move(waypoints))](const WorkPlace& place) {
+                      return write_waypoints(place, all);
+                  }});
+}
+
+void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
+    routes.add({"GET", "/devices/{device}/waypoints", Access::view,
+                "the waypoints of a device (format=geojson, or qgc: a plan of QGroundControl)",
+                [&service](const Request& request) { return get_waypoints(service, request); }});
+    routes.add({"PUT", "/devices/{device}/waypoints", Access::control, "writes waypoints, in the same forms, each read back",
+                [&service](const Request& request) { return put_waypoints(service, request); }});
+}
+
 }    // namespace
 
 void add_device_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices", Access::view, "the devices that were heard, and what they say of themselves",
-                [&service](const Request&) { return devices_answer(service); }});
+                [&service](const Request&) { return json_response(devices_list(service)); }});
+    routes.add({"POST", "/devices/scan", Access::control, "asks everybody who is there, and lists who was heard",
+                [&service](const Request& request) { return scan_answer(service, request); }});
     add_parameter_routes(routes, service);
+    add_command_routes(routes, service);
+    add_waypoint_routes(routes, service);
     add_job_routes(routes, service);
 }
 

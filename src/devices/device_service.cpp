@@ -241,10 +241,12 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
     job.message = end.error;
+    if (end.status < 300 && job.order.result) end.result = job.order.result();
     job.end = std::move(end);
     job.ended_at = now;
     job.work.reset();
     job.order.work = nullptr;
+    job.order.result = nullptr;
     used_at_ = now;
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
     changed(job);

@@ -26,7 +26,7 @@ constexpr std::uint8_t questions = ano::id_of<"parameter_command">, value = ano:
 
 // In the order of JobKind.
 constexpr KindRow kinds[] = {
-    {"parameters", "parameters", {questions, questions}},
+    {"parameters", "answers", {questions, questions}},
     {"write", "steps", {questions, value}},
     {"apply", "parameters", {questions, value}},
     {"action", "steps", {questions, questions}},
@@ -59,7 +59,7 @@ std::string words_of(const Job& job) {
     return words + ")";
 }
 
-nlohmann::ordered_json job_json(const Job& job) {
+nlohmann::ordered_json job_json(const Job& job, bool with_result) {
     Json json{{"id", job.id}};
     if (job.order.address) json["device"] = ano::hex_byte(*job.order.address);
     json["kind"] = name_of(job.order.kind);
@@ -74,6 +74,7 @@ nlohmann::ordered_json job_json(const Job& job) {
     json["message"] = job.message;
     if (!job.step.empty()) json["step"] = Json::parse(job.step, nullptr, false);
     if (!job.end) return json;
+    if (!with_result && job.end->status < 300) return json;
     if (job.end->status < 300) {
         json["result"] = job.end->result.empty() ? Json(nullptr) : Json::parse(job.end->result, nullptr, false);
         return json;
@@ -81,7 +82,7 @@ nlohmann::ordered_json job_json(const Job& job) {
     json["error"] = job.end->error;
     json["what"] = job.end->what;
     json["status"] = job.end->status;
-    if (!job.end->result.empty()) json["result"] = Json::parse(job.end->result, nullptr, false);
+    if (with_result && !job.end->result.empty()) json["result"] = Json::parse(job.end->result, nullptr, false);
     Json evidence{{"sent", job.end->evidence.sent}};
     if (job.end->evidence.round_trip)
         evidence["rtt_ms"] = static_cast<double>(

@@ -40,6 +40,7 @@ struct JobOrder {
     bool force = false;                     // although it flies
     std::string client;                     // who asked, as he calls himself
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
+    std::function<std::string()> result{};    // JSON, of a work that has none of its own
 };
 
 struct Job {
@@ -70,8 +71,8 @@ std::string_view unit_of(JobKind kind) noexcept;
 /// Frames of this id leave for jobs of this kind.
 bool sends(JobKind kind, std::uint8_t id) noexcept;
 
-/// The object that is told of it.
-nlohmann::ordered_json job_json(const Job& job);
+/// The object that is told of it; a list of jobs is without what came of each.
+nlohmann::ordered_json job_json(const Job& job, bool with_result = true);
 /// "job 7 (firmware, of anoctl)"
 std::string words_of(const Job& job);
 

@@ -123,7 +123,7 @@ private:
         if (info == nullptr) return;
         const auto value = value_in(Json::parse(json_), info->type);
         if (!value) return finish(work_fault(422, "the value must be a number or a text"));
-        auto limits = place().net.text_limits(place().device.address());
+        auto limits = place().net.manners(place().device.address()).text;
         limits.longer = longer_;
         write_ = &next(std::make_unique<ParameterWrite>(place().device, *info, *value, limits));
         write_->start(now);
@@ -167,7 +167,7 @@ private:
             values.emplace_back(name, *value);
         }
         ano::host::ApplyOptions options{order_.rollback, order_.dry_run, false,
-                                        place().net.text_limits(place().device.address())};
+                                        place().net.manners(place().device.address()).text};
         options.text.longer = order_.longer;
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);

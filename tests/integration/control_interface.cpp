@@ -150,6 +150,37 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /reload",
          [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload
         {"POST /reload/confirm", [this] { refuses("POST", "/reload/confirm", 409, "refused", "nothing waits"); }},
+        {"GET /devices",
+         [this] {
+             EXPECT_EQ(get("/devices"), (json{{"devices", json::array()}}));
+         }},    // Devices, as all that follow
+        {"GET /devices/{device}/parameters",
+         [this] { refuses("GET", "/devices/0xDC/parameters", 404, "unknown", "0xDC was not heard"); }},
+        {"GET /devices/{device}/parameters/{parameter}",
+         [this] { refuses("GET", "/devices/nobody/parameters/P", 404, "unknown", "'nobody'"); }},
+        {"PUT /devices/{device}/parameters/{parameter}",
+         [this] { refuses("PUT", "/devices/0xDC/parameters/P", 400, "invalid", "'value'", "{}"); }},
+        {"POST /devices/{device}/apply", [this] { refuses("POST", "/devices/0xDC/apply", 400, "invalid", "no JSON", "{"); }},
+        {"POST /devices/scan",
+         [this] {
+             const json nobody{{"devices", json::array()}};
+             EXPECT_EQ(json::parse(ask("POST", "/devices/scan").body), nobody);
+         }},
+        {"POST /devices/{device}/actions", [this] { refuses("POST", "/devices/0xDC/actions", 400, "invalid", "save", "{}"); }},
+        {"GET /devices/{device}/commands", [this] { refuses("GET", "/devices/0xDC/commands", 404, "unknown", "not heard"); }},
+        {"POST /devices/{device}/commands/{command}",
+         [this] { refuses("POST", "/devices/0xDC/commands/C", 400, "invalid", "'values'", R"({"values": 1})"); }},
+        {"GET /devices/{device}/waypoints",
+         [this] { refuses("GET", "/devices/0xDC/waypoints?format=kml", 400, "invalid", "'format'"); }},
+        {"PUT /devices/{device}/waypoints",
+         [this] { refuses("PUT", "/devices/0xDC/waypoints", 422, "invalid", "'waypoints' must be an array", "{}"); }},
+        {"GET /jobs",
+         [this] {
+             EXPECT_EQ(get("/jobs"), (json{{"jobs", json::array()}}));
+         }},
+        {"GET /jobs/{job}", [this] { refuses("GET", "/jobs/1", 404, "unknown", "there is no job '1'"); }},
+        {"DELETE /jobs/{job}", [this] { refuses("DELETE", "/jobs/x", 404, "unknown", "'x'"); }},
+        {"POST /jobs/{job}/next", [this] { refuses("POST", "/jobs/1/next", 404, "unknown", "there is no job"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
     };
     std::set<std::string> tested, there;

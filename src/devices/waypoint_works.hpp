@@ -1,0 +1,14 @@
+// Works that read and write the waypoints of a device.
+#pragma once
+#include <devices/waypoint_forms.hpp>
+#include <devices/work.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace anogate {
+
+std::unique_ptr<Work> read_waypoints(const WorkPlace& place, WaypointForm form);
+std::unique_ptr<Work> write_waypoints(const WorkPlace& place, std::vector<ano::host::Waypoint> waypoints);
+
+}    // namespace anogate

@@ -1,0 +1,215 @@
+// Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
+#include <http/client.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <ano/frame.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <future>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using anogate::http::Answer;
+using anogate::http::Outcome;
+using anogate::http::Request;
+using nlohmann::json;
+
+struct Told {
+    unsigned status = 0;
+    json body;
+};
+
+class Devices : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(daemon.until_answers());
+        ASSERT_TRUE(daemon.until([](const json& status) { return !status.at("routes").empty(); }));
+    }
+    Answer answer(const std::string& method, const std::string& target, const std::string& body = {},
+                  const std::string& accept = {}) const {
+        Request request;
+        request.method = method;
+        request.target = target;
+        request.body = body;
+        if (!accept.empty()) request.headers.push_back({"Accept", accept});
+        const Outcome outcome = anogate::http::ask(socket, request, {.patience = patience});
+        EXPECT_EQ(outcome.fault, "") << method << ' ' << target;
+        return outcome.answer;
+    }
+    Told ask(const std::string& method, const std::string& target, const std::string& body = {}) const {
+        const Answer got = answer(method, target, body);
+        return {got.status, json::parse(got.body, nullptr, false)};
+    }
+    std::vector<json> lines(const std::string& method, const std::string& target, const std::string& body = {}) const {
+        const Answer got = answer(method, target, body, "application/x-ndjson");
+        EXPECT_EQ(got.header("Content-Type"), "application/x-ndjson") << got.body;
+        std::vector<json> all;
+        std::istringstream stream{got.body};
+        for (std::string line; std::getline(stream, line);) all.push_back(json::parse(line, nullptr, false));
+        return all;
+    }
+    json value(const std::string& name) const { return ask("GET", "/devices/0xDC/parameters/" + name).body.at("value"); }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    std::string config = dir.write("anogate.json", R"({"links": ["sim:fc", "udp-listen:127.0.0.1:0,name=ground"]})");
+    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    UdpPeer ground;
+};
+
+TEST_F(Devices, who_was_heard_is_listed) {
+    const Told told = ask("GET", "/devices");
+    EXPECT_EQ(told.status, 200u);
+    ASSERT_EQ(told.body.at("devices").size(), 1u) << told.body;
+    const json& fc = told.body.at("devices")[0];
+    EXPECT_EQ(fc.at("address"), "0xDC");
+    EXPECT_EQ(fc.at("link"), "fc");
+    EXPECT_FALSE(fc.contains("name")) << "nobody asked yet";
+    EXPECT_EQ(ask("GET", "/devices/0xDC/parameters").status, 200u);
+    EXPECT_TRUE(ask("GET", "/devices").body.at("devices")[0].contains("name"));
+}
+
+TEST_F(Devices, parameters_are_read_and_written) {
+    const Told all = ask("GET", "/devices/0xDC/parameters");
+    ASSERT_EQ(all.status, 200u) << all.body;
+    EXPECT_GT(all.body.at("parameters").size(), 30u);
+    EXPECT_EQ(all.body.at("parameters")[2].at("name"), "SIM_HEIGHT");
+    const Told written = ask("PUT", "/devices/0xDC/parameters/SIM_HEIGHT", R"({"value": 123})");
+    EXPECT_EQ(written.status, 200u) << written.body;
+    EXPECT_EQ(written.body.at("stored"), 123);
+    EXPECT_EQ(value("SIM_HEIGHT"), 123);
+    const Told clamped = ask("PUT", "/devices/0xDC/parameters/SIM_HEIGHT", R"({"value": 60000})");
+    EXPECT_EQ(clamped.body.at("clamped"), true) << clamped.body;
+    EXPECT_EQ(clamped.body.at("stored"), 10000);
+    EXPECT_EQ(ask("PUT", "/devices/0xDC/parameters/SIM_HEIGHT", R"({"value": "high"})").status, 422u);
+    EXPECT_EQ(ask("PUT", "/devices/0xDC/parameters/9999", R"({"value": 1})").status, 404u);
+    EXPECT_EQ(ask("PUT", "/devices/0xDC/parameters/SIM_SERIAL", R"({"value": 1})").status, 502u);
+}
+
+TEST_F(Devices, what_is_applied_is_undone_when_one_fails) {
+    const json before = value("SIM_TURN");
+    const Told told = ask("POST", "/devices/0xDC/apply", R"({"parameters": {"SIM_TURN": 7, "SIM_SERIAL": 1}, "rollback": true})");
+    EXPECT_EQ(told.status, 502u) << told.body;
+    EXPECT_EQ(told.body.at("result").at("parameters")[0].at("state"), "undone") << told.body;
+    EXPECT_EQ(value("SIM_TURN"), before);
+    EXPECT_EQ(ask("POST", "/devices/0xDC/apply", R"({"SIM_TURN": 7})").status, 200u);
+    EXPECT_EQ(value("SIM_TURN"), 7);
+}
+
+TEST_F(Devices, a_job_is_told_line_by_line_and_kept) {
+    const std::vector<json> all = lines("GET", "/devices/0xDC/parameters");
+    ASSERT_GE(all.size(), 2u);
+    EXPECT_EQ(all.front().at("state"), "running");
+    EXPECT_EQ(all.back().at("state"), "done");
+    EXPECT_GT(all.back().at("result").at("parameters").size(), 30u);
+    const std::string path = "/jobs/" + std::to_string(all.back().at("id").get<int>());
+    EXPECT_EQ(ask("GET", path).body, all.back());
+    EXPECT_EQ(lines("GET", path), std::vector{all.back()});
+    EXPECT_EQ(ask("GET", "/jobs").body.at("jobs").size(), 1u);
+    EXPECT_EQ(ask("DELETE", path).body, all.back()) << "it was over";
+    EXPECT_EQ(ask("POST", path + "/next").status, 409u);
+    EXPECT_EQ(ask("GET", "/jobs/77").status, 404u);
+}
+
+// Two clients and a ground station that is the same host.
+TEST_F(Devices, nobody_gets_what_another_asked_for_and_nobody_waits_for_ever) {
+    const std::uint16_t port = daemon.port("ground");
+    const auto read = [&] { return ask("GET", "/devices/0xDC/parameters"); };
+    auto one = std::async(std::launch::async, read), two = std::async(std::launch::async, read);
+    std::set<int> answered;
+    for (std::uint8_t id = 0; id < 10; ++id) {    // the ground station asks for the same
+        ASSERT_TRUE(ground.send(port, frame(0xFE, 0xDC, 0xE0, {2, id, 0})));
+        EXPECT_TRUE(wait_until([&] {
+            for (const Bytes& heard : ground.frames())
+                if (ano::FrameView{heard}.id() == 0xE1) answered.insert(ano::FrameView{heard}.data()[0]);
+            return answered.contains(id);
+        })) << int{id};
+    }
+    const Told first = one.get(), second = two.get();
+    EXPECT_EQ(first.status, 200u);
+    EXPECT_EQ(second.status, 200u);
+    EXPECT_EQ(first.body.at("parameters"), second.body.at("parameters"));
+}
+
+TEST_F(Devices, the_way_of_hosts_stays_as_it_is) {
+    const json before = ask("GET", "/routes").body;
+    ASSERT_EQ(ask("GET", "/devices/0xDC/parameters").status, 200u);
+    ASSERT_EQ(ask("PUT", "/devices/0xDC/parameters/SIM_TURN", R"({"value": 3})").status, 200u);
+    const json after = ask("GET", "/routes").body;
+    ASSERT_EQ(before.size(), after.size()) << after;
+    EXPECT_EQ(before[0].at("address"), after[0].at("address"));
+    EXPECT_EQ(before[0].at("links"), after[0].at("links"));
+    EXPECT_EQ(before[0].at("via"), after[0].at("via"));
+}
+
+// What the ground station writes, another host leaves alone.
+TEST_F(Devices, that_another_host_writes_are_busy) {
+    ASSERT_EQ(ask("GET", "/devices").status, 200u);    // from now on it is listened
+    ASSERT_TRUE(ground.send(daemon.port("ground"), frame(0xFE, 0xDC, 0xE1, {1, 0, 9})));
+    EXPECT_TRUE(wait_until([&] {
+        const Told told = ask("PUT", "/devices/0xDC/parameters/SIM_HEIGHT", R"({"value": 500})");
+        return told.status == 409 && told.body.at("what") == "busy";
+    }));
+}
+
+TEST_F(Devices, one_job_writes_at_a_time) {
+    UdpPeer deaf;    // is heard, and answers nothing
+    ASSERT_TRUE(deaf.send(daemon.port("ground"), frame(0xDD, 0xFF, 0x01, Bytes(13))));
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
+    auto first = std::async(std::launch::async,
+                            [&] { return ask("PUT", "/devices/0xDD/parameters/X?client=one", R"({"value": 1})"); });
+    Told second;
+    EXPECT_TRUE(wait_until([&] {
+        second = ask("POST", "/devices/0xDD/apply", R"({"X": 1})");
+        return second.status == 409;
+    }));
+    EXPECT_NE(second.body.at("error").get<std::string>().find("(write of one) has 0xDD"), std::string::npos) << second.body;
+    const std::string path = "/jobs/" + std::to_string(second.body.at("job").get<int>());
+    EXPECT_EQ(ask("DELETE", path).body.at("state"), "cancelled");
+    EXPECT_EQ(first.get().status, 409u);
+}
+
+TEST_F(Devices, a_job_ends_with_the_client_who_said_so) {
+    UdpPeer deaf;
+    ASSERT_TRUE(deaf.send(daemon.port("ground"), frame(0xDD, 0xFF, 0x01, Bytes(13))));
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
+    const int client = connect_unix(socket);
+    const std::string request = "GET /devices/0xDD/parameters?while_connected HTTP/1.1\r\n\r\n";
+    ASSERT_EQ(::send(client, request.data(), request.size(), 0), static_cast<ssize_t>(request.size()));
+    EXPECT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs").size() == 1; }));
+    ::close(client);
+    EXPECT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs")[0].at("state") == "cancelled"; }));
+}
+
+// Rules of the link `control` are rules of this host as well.
+TEST(DevicesAndRules, what_does_not_pass_ends_at_once) {
+    TempDir dir;
+    const std::string socket = dir / "control.sock";
+    const std::string config = dir.write(
+        "anogate.json", R"({"links": ["sim:fc"], "control": {"receive": {"deny": ["parameter_value"]}, "host": "0xD2"}})");
+    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    ASSERT_TRUE(daemon.until_answers());
+    ASSERT_TRUE(daemon.until([](const json& status) { return !status.at("routes").empty(); }));
+    Request request;
+    request.method = "PUT";
+    request.target = "/devices/0xDC/parameters/SIM_TURN";
+    request.body = R"({"value": 1})";
+    const Outcome outcome = anogate::http::ask(socket, request);
+    EXPECT_EQ(outcome.answer.status, 403u) << outcome.answer.body;
+    EXPECT_NE(outcome.answer.body.find("control.receive"), std::string::npos) << outcome.answer.body;
+    EXPECT_EQ(daemon.status().at("routes").size(), 1u) << "it teaches no address";
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+}
+
+}    // namespace

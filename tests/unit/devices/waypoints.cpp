@@ -1,0 +1,92 @@
+// Waypoints by the routes, in all their forms; and a scan.
+#include <devices/waypoint_forms.hpp>
+#include <support/simulated_net.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace support;
+using anogate::WaypointForm;
+using json = nlohmann::ordered_json;
+
+struct WaypointRoutes : testing::Test {
+    SimulatedNet net;
+    FakeDevice& fake = net.add();
+
+    const std::string two =
+        R"({"waypoints": [{"num": 0, "lng": 116.4, "lat": 39.9, "alt": 0, "spd": 0, "yaw": 0, "fun": 0, "cmd": [0, 0, 0, 0]},
+        {"num": 1, "lng": -0.1275, "lat": 51.5072, "alt": -250, "spd": 300, "yaw": 400, "fun": 2, "cmd": [1, 2, 3, 4]}]})";
+};
+
+TEST_F(WaypointRoutes, are_written_and_read_back) {
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints", two).json, json::parse(R"({"written": 2})"));
+    EXPECT_EQ(fake.waypoints.size(), 2u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/waypoints").json, json::parse(two));
+}
+
+TEST_F(WaypointRoutes, come_back_the_same_in_every_form_that_has_all) {
+    net.ask("PUT", "/devices/0xDC/waypoints", two);
+    const json map = net.ask("GET", "/devices/0xDC/waypoints?format=geojson").json;
+    EXPECT_EQ(map.at("type"), "FeatureCollection");
+    EXPECT_EQ(map.at("features")[1].at("geometry").at("coordinates"), json::parse("[-0.1275, 51.5072, -2.5]"));
+    fake.waypoints.clear();
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints?format=geojson", map.dump()).status, 200u);
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/waypoints").json, json::parse(two));
+}
+
+TEST_F(WaypointRoutes, a_plan_has_place_speed_and_yaw) {
+    net.ask("PUT", "/devices/0xDC/waypoints", two);
+    const json plan = net.ask("GET", "/devices/0xDC/waypoints?format=qgc").json;
+    EXPECT_EQ(plan.at("fileType"), "Plan");
+    EXPECT_EQ(plan.at("mission").at("plannedHomePosition"), json::parse("[39.9, 116.4, 0.0]"));
+    ASSERT_EQ(plan.at("mission").at("items").size(), 2u) << "the speed first";
+    EXPECT_EQ(plan.at("mission").at("items")[1].at("params"), json::parse("[0, 0, 0, null, 51.5072, -0.1275, -2.5]"));
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints?format=qgc", plan.dump()).status, 200u);
+    const json back = net.ask("GET", "/devices/0xDC/waypoints").json.at("waypoints")[1];
+    EXPECT_EQ(back.at("spd"), 300);
+    EXPECT_EQ(back.at("yaw"), 400);
+    EXPECT_EQ(back.at("alt"), -250);
+    EXPECT_EQ(back.at("fun"), 0) << "a plan has no word for it";
+}
+
+TEST_F(WaypointRoutes, that_are_none_are_never_sent) {
+    const std::pair<const char*, const char*> wrong[]{
+        {"", R"({})"},
+        {"", R"({"waypoints": [{"lng": 1}]})"},
+        {"", R"({"waypoints": [5]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "spd": 70000}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "spd": 1.5}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "cmd": [1]}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 91}]})"},
+        {"?format=geojson", R"({"features": [{"geometry": {"type": "LineString"}}]})"},
+        {"?format=geojson", R"({"features": [5]})"},
+        {"?format=geojson", R"({"features": [{"geometry": {"type": "Point", "coordinates": ["a", 1]}}]})"},
+        {"?format=qgc", R"({"mission": {"items": []}})"},
+        {"?format=qgc", R"({"mission": {"plannedHomePosition": [1, 2, 3], "items": [{"command": 22, "params": []}]}})"},
+        {"?format=qgc", R"({"mission": {"plannedHomePosition": [1, 2, 3], "items": [{"command": 16, "params": [1]}]}})"},
+    };
+    for (const auto& [query, body] : wrong)
+        EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints" + std::string{query}, body).status, 422u) << body;
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints?format=kml", two).status, 400u);
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints", "[]").status, 400u);
+    EXPECT_TRUE(fake.waypoints.empty());
+}
+
+TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {
+    net.add(0x30).name = "pod";
+    const ano::TimePoint begin = net.time;
+    const auto [status, all] = net.ask("POST", "/devices/scan", "{}");
+    EXPECT_EQ(status, 200u);
+    EXPECT_LE(net.time - begin, 1500ms);
+    ASSERT_EQ(all.at("devices").size(), 2u);
+    EXPECT_EQ(all.at("devices")[0].at("name"), "fake");
+    EXPECT_EQ(all.at("devices")[1].at("name"), "pod");
+    EXPECT_EQ(net.sent.size(), 3u);
+    EXPECT_EQ(net.sent[0], frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    EXPECT_EQ(net.ask("GET", "/devices/pod/commands").status, 200u) << "it may be called by that name now";
+    net.refuses[0xE0] = "no";
+    EXPECT_EQ(net.ask("POST", "/devices/scan").status, 403u);
+}
+
+}    // namespace
