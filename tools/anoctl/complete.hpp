@@ -1,4 +1,5 @@
-// anoctl __complete devices|links WORD...: what the gateway that runs knows, for the completions of shells.
+// anoctl __complete devices|links|names|parameters|commands WORD...: what the gateway that runs knows, or one of its devices, for the
+// completions of shells.
 #pragma once
 #include "anoctl.hpp"
 
@@ -7,7 +8,7 @@
 namespace anoctl {
 
 /// One a line, "0xDC<tab>flight controller, fc"; WORD... are those of the command line so far, which may have --control. Nothing when
-/// no gateway answers within 300 ms, and never a word about why.
+/// no gateway answers within 300 ms (no device within 1.5 s), and never a word about why.
 int complete(std::span<const char* const> words, Streams& streams) noexcept;
 
 /// The command that shells call; --help does not show it.

@@ -33,6 +33,9 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     case Offer::ports: return prefix + "ports";
     case Offer::addresses: return prefix + "addresses";
     case Offer::link_names: return prefix + "link_names";
+    case Offer::devices: return prefix + "devices";
+    case Offer::parameters: return prefix + "parameters";
+    case Offer::commands: return prefix + "commands";
     case Offer::nothing: break;
     }
     return ":";
@@ -56,9 +59,13 @@ std::string options_of(const Command& command) {
 }
 
 std::string operands_for_bash(const Program& program, const Command& command) {
-    std::string offer = ":";
-    for (const Argument& operand : command.operands)
-        if (offer == ":") offer = offered_by_bash(program, operand);
+    std::string offer = ":", first;
+    for (const Argument& operand : command.operands) {
+        if (operand.offer() == Offer::words && first.empty() && command.operands.size() > 1)
+            first = offered_by_bash(program, operand);
+        else if (offer == ":") offer = offered_by_bash(program, operand);
+    }
+    if (!first.empty()) offer = "if ((COMP_CWORD == 2)); then " + first + "; else " + offer + "; fi";
     return "        " + quoted(command.name) + ") options=" + quoted(options_of(command)) + "; operands=" + quoted(offer) +
            " ;;\n";
 }
@@ -94,6 +101,14 @@ constexpr char bash_known[] =
     R"bash(_%P_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _%P_addresses() { _%P_words "%ADDRESSES% $(_%P_known devices)"; }
 _%P_link_names() { _%P_words "$(_%P_known links)"; }
+_%P_devices() { _%P_words "$(_%P_known names)"; }
+_%P_commands() { _%P_words "$(_%P_known commands)"; }
+_%P_parameters() {
+    case ${COMP_WORDS[2]} in
+        get | set) _%P_words "$(_%P_known parameters)" ;;
+        *) _%P_files ;;
+    esac
+}
 )bash";
 
 constexpr char zsh_known[] = R"zsh(_%P_known() {
@@ -103,6 +118,14 @@ constexpr char zsh_known[] = R"zsh(_%P_known() {
 }
 _%P_addresses() { compadd -- %ADDRESSES%; _%P_known devices; }
 _%P_link_names() { _%P_known links; }
+_%P_devices() { _%P_known names; }
+_%P_commands() { _%P_known commands; }
+_%P_parameters() {
+    case $words[2] in
+        get | set) _%P_known parameters ;;
+        *) _files ;;
+    esac
+}
 )zsh";
 
 constexpr char fish_known[] = R"fish(function __%P_known
@@ -135,6 +158,9 @@ std::string offered_by_zsh(const Program& program, const Argument& argument) {
     case Offer::ports: return "_files -g \"/dev/tty*\"";
     case Offer::addresses: return "_" + program.name + "_addresses";
     case Offer::link_names: return "_" + program.name + "_link_names";
+    case Offer::devices: return "_" + program.name + "_devices";
+    case Offer::parameters: return "_" + program.name + "_parameters";
+    case Offer::commands: return "_" + program.name + "_commands";
     case Offer::nothing: break;
     }
     return "";
@@ -172,6 +198,9 @@ std::string offered_by_fish(const Argument& argument) {
     case Offer::ports: return " -x -a '(__fish_complete_suffix /dev/tty)'";
     case Offer::addresses: return " -x -a " + quoted_for_fish(joined(address_names()) + " (__anoctl_known devices)");
     case Offer::link_names: return " -x -a '(__anoctl_known links)'";
+    case Offer::devices: return " -x -a '(__anoctl_known names)'";
+    case Offer::parameters: return " -F -a '(__anoctl_known parameters)'";
+    case Offer::commands: return " -x -a '(__anoctl_known commands)'";
     case Offer::nothing: break;
     }
     return " -x";
