@@ -74,6 +74,10 @@ public:
 
     Step step() const noexcept { return end() ? Step::over : step_; }
     const CalibrationValues& old_values() const noexcept { return old_; }
+    /// Empty before they are computed.
+    const CalibrationValues& new_values() const noexcept { return new_; }
+    /// Nothing was changed, or the old values are back.
+    bool has_old_values() const noexcept;
     const SixFaces& faces() const noexcept { return faces_; }
     const CompassSphere& sphere() const noexcept { return sphere_; }
     /// Of the old values and of the new ones; see SixFaces::fit() and CompassSphere::fit(). Nothing before they are computed.
@@ -100,7 +104,7 @@ private:
     ParameterAction clear_;
     std::unique_ptr<CalibrationWrite> write_;
     std::unique_ptr<CalibrationWrite> restore_;
-    CalibrationValues old_;
+    CalibrationValues old_, new_;
     SixFaces faces_;
     CompassSphere sphere_;
     std::optional<TimePoint> turn_until_;

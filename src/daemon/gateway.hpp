@@ -88,6 +88,7 @@ public:
     const std::string& name(LinkId link) const { return links_by_id_[index(link)]->name(); }
     /// nullptr when there is none.
     const TunnelLink* tunnel() const noexcept { return tunnel_; }
+    asio::io_context& io() noexcept { return io_; }
     Gpio& gpio() noexcept { return *gpio_; }
     /// The link `control`, made when it is first asked for; nullptr: there is no place for one more link.
     ControlLink* control();

@@ -3,9 +3,12 @@
 #include <daemon/control_link.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gateway_devices.hpp>
+#include <daemon/kept_file.hpp>
 #include <daemon/route_rows.hpp>
+#include <daemon/state_folder.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace anogate {
@@ -23,11 +26,44 @@ bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out ||
 GatewayDevices::GatewayDevices(Gateway& gateway)
     : gateway_{gateway},
       alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
+      errand_{gateway.io()},
       service_{*this, gateway.settings().control.host} {}
 
 void GatewayDevices::stop() {
     service_.stop(gateway_.now());
     alarm_.cancel();
+    chores_.clear();
+    errand_.stop();
+}
+
+void GatewayDevices::keep(std::string name, std::string text, std::function<void(std::string fault)> done) {
+    const std::string folder = state_folder();
+    const std::string path = folder.empty() ? std::string{} : folder + "/" + name;
+    const auto fault = std::make_shared<std::string>();
+    aside(
+        [path, text = std::move(text), fault] {
+            *fault = text.empty() ? forget_file(path)
+                                  : keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        },
+        [fault, done = std::move(done)](const std::string& thrown) { done(thrown.empty() ? *fault : thrown); });
+}
+
+void GatewayDevices::aside(std::function<void()> work, std::function<void(std::string fault)> done) {
+    chores_.push_back({std::move(work), std::move(done)});
+    next_chore();
+}
+
+void GatewayDevices::next_chore() {
+    if (chores_.empty() || errand_.is_running()) return;
+    Chore chore = std::move(chores_.front());
+    chores_.pop_front();
+    const auto done = [this, told = chore.done](std::string fault) {
+        told(std::move(fault));
+        next_chore();
+    };
+    if (errand_.run(std::move(chore.work), done)) return;
+    chore.done("no thread can be had");
+    next_chore();
 }
 
 ano::TimePoint GatewayDevices::now() { return gateway_.now(); }

@@ -1,10 +1,13 @@
 // The host engine of the gateway: what it sends enters by the link `control`, what it hears is what the Forwarder tells observers.
 #pragma once
+#include <daemon/errand.hpp>
 #include <devices/device_net.hpp>
 #include <devices/device_service.hpp>
 #include <gateway/forwarder.hpp>
 #include <link/alarm.hpp>
 
+#include <deque>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,6 +33,8 @@ public:
     ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
     DeviceManners manners(std::uint8_t address) override;
     bool may_have_waited(ano::TimePoint came_at) override;
+    void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
+    void aside(std::function<void()> work, std::function<void(std::string fault)> done) override;
 
 private:
     void received(const Channel&, ano::FrameView, TimePoint) override {}
@@ -38,8 +43,16 @@ private:
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
 
+    struct Chore {
+        std::function<void()> work;
+        std::function<void(std::string)> done;
+    };
+    void next_chore();
+
     Gateway& gateway_;
     Alarm alarm_;
+    Errand errand_;
+    std::deque<Chore> chores_;    // that wait for it
     bool sends_ = false;
     bool was_taken_ = false;
     std::string refusal_;

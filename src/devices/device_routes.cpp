@@ -1,9 +1,11 @@
 #include <ano_json/json_line.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
+#include <devices/calibration_work.hpp>
 #include <devices/command_works.hpp>
 #include <devices/device_json.hpp>
 #include <devices/device_routes.hpp>
+#include <devices/firmware_work.hpp>
 #include <devices/job_answers.hpp>
 #include <devices/parameter_works.hpp>
 #include <devices/scan_work.hpp>
@@ -32,6 +34,8 @@ Response json_response(const Json& json) {
     response.body = ano::json_line(json);
     return response;
 }
+
+constexpr std::uint64_t max_firmware = std::uint64_t{16} << 20;    // bytes: it is held in memory
 
 Json devices_list(DeviceService& service) {
     const ano::TimePoint now = service.net().now();
@@ -294,6 +298,40 @@ void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
 
+Response flash(DeviceService& service, const Request& request) {
+    const std::string_view name = request.query_value("crc").value_or(ano::usual_crc16.name);
+    const auto crc = ano::find_crc16(name);
+    if (!crc) return http::error(400, "no CRC is called " + ano::in_quotes(name));
+    const bool force = request.query_value("force").has_value();
+    const auto work = [&service, file = std::make_shared<const std::string>(request.body), crc, force](const WorkPlace& place) {
+        return upgrade(place, {file, *crc, force, service.info(place.device.address())});
+    };
+    return begin(service, request, {JobKind::firmware, Deed::ground, work, true});
+}
+
+Response calibration(DeviceService& service, const Request& request) {
+    const auto body = object_in(request);
+    if (const auto* wrong = std::get_if<std::string>(&body)) return http::error(400, *wrong);
+    const Json& json = std::get<Json>(body);
+    const Json what = json.value("what", Json{});
+    const bool is_compass = what == "compass";
+    if (json.size() != 1 || (!is_compass && what != "accelerometer"))
+        return http::error(400, R"(the body must be {"what": "accelerometer"} or {"what": "compass"})");
+    const auto sensor = is_compass ? ano::host::Sensor::compass : ano::host::Sensor::accelerometer;
+    const auto work = [sensor](const WorkPlace& place) { return calibrate(place, sensor); };
+    return begin(service, request, {JobKind::calibration, Deed::ground, work, true});
+}
+
+void add_long_routes(http::Routes& routes, DeviceService& service) {
+    routes.add({"POST", "/devices/{device}/firmware", Access::control,
+                "upgrades the firmware, a .bin or .bia as the body: a job (force: though it flies, or the file is for other "
+                "hardware; crc=NAME)",
+                [&service](const Request& request) { return flash(service, request); }, max_firmware});
+    routes.add({"POST", "/devices/{device}/calibration", Access::control,
+                "calibrates the \"accelerometer\" or the \"compass\", {\"what\": ...}: a job that waits once",
+                [&service](const Request& request) { return calibration(service, request); }});
+}
+
 }    // namespace
 
 void add_device_routes(http::Routes& routes, DeviceService& service) {
@@ -304,6 +342,7 @@ void add_device_routes(http::Routes& routes, DeviceService& service) {
     add_parameter_routes(routes, service);
     add_command_routes(routes, service);
     add_waypoint_routes(routes, service);
+    add_long_routes(routes, service);
     add_job_routes(routes, service);
 }
 

@@ -42,6 +42,13 @@ unsigned status_of(Refusal refusal) {
     return refusal == Refusal::not_known ? 404 : 409;
 }
 
+// A frame that changes the device, or makes it do something.
+bool is_act(ano::FrameView frame) {
+    const auto query = ano::as<"parameter_command">(frame);
+    return (query && query->get<"cmd">() == 0x10) || frame.id() == ano::id_of<"parameter_value"> ||
+           frame.id() == ano::id_of<"command"> || frame.id() == ano::id_of<"waypoint"> || frame.id() == ano::id_of<"firmware">;
+}
+
 // While it is upgraded, a device answers nothing else.
 bool has_it_alone(JobKind kind) { return kind == JobKind::firmware; }
 
@@ -221,17 +228,20 @@ void DeviceService::send_all(TimePoint now) {
         if (!known_[a] || !known_[a]->device) continue;
         while (const auto frame = known_[a]->device->next_frame(now)) {
             const std::uint8_t id = frame->id();
-            if (const std::string never = net_.send(*frame); !never.empty()) fail(static_cast<std::uint8_t>(a), id, never, now);
+            const bool acts = is_act(*frame);
+            if (const std::string never = net_.send(*frame); !never.empty())
+                fail(static_cast<std::uint8_t>(a), id, acts, never, now);
         }
     }
 }
 
-// What one frame meets, all of its kind meet.
-void DeviceService::fail(std::uint8_t address, std::uint8_t id, const std::string& why, TimePoint now) {
+// What one frame meets, all of its kind meet; what changes the device is of the one job that may.
+void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
-    for (const auto& job : all)
-        if (!job->is_over() && job->order.address == address && sends(job->order.kind, id))
-            finish(*job, {403, {}, why, "refused", {}, false}, now);
+    for (const auto& job : all) {
+        if (job->is_over() || job->order.address != address) continue;
+        if (acts ? job->is_writing() : asks_by(job->order.kind, id)) finish(*job, {403, {}, why, "refused", {}, false}, now);
+    }
 }
 
 void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
@@ -262,19 +272,16 @@ void DeviceService::changed(Job& job) {
 void DeviceService::look(Job& job, TimePoint now) {
     if (!job.work) return;
     const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
-    std::string message = job.work->message();
-    if (state != job.state || message != job.message) {
-        job.state = state;
-        job.message = std::move(message);
-        job.told_at = TimePoint::min();
-    }
-    if (job.told_at != TimePoint::min() && now - job.told_at < between_progress) return;
+    if (state == job.state && now - job.told_at < between_progress) return;
+    std::string message = job.work->message(), step = job.work->step();
     const ano::host::Progress progress = job.work->progress();
-    std::string step = job.work->step();
-    const bool is_new = progress.done != job.progress.done || progress.total != job.progress.total || step != job.step;
-    if (!is_new && job.told_at != TimePoint::min()) return;
-    job.progress = progress;
+    const bool is_news = state != job.state || message != job.message || step != job.step || progress.done != job.progress.done ||
+                         progress.total != job.progress.total;
+    if (!is_news) return;
+    job.state = state;
+    job.message = std::move(message);
     job.step = std::move(step);
+    job.progress = progress;
     job.told_at = now;
     changed(job);
 }
@@ -306,25 +313,39 @@ std::optional<ano::host::DeviceInfo> DeviceService::info(std::uint8_t address) c
     return known_[address] ? known_[address]->info : std::nullopt;
 }
 
+// An address is one whatever a device calls itself.
 std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view word, TimePoint now) {
+    const auto called = ano::address_called(word);
+    if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
     std::optional<std::uint8_t> named;
-    for (const HeardAddress& one : net_.heard(now)) {
+    for (const HeardAddress& one : heard(now)) {
         const auto said = info(one.address);
         if (!said || said->name != word) continue;
         if (named) return not_begun(409, "several devices are called " + ano::in_quotes(word) + ": say which by its address");
         named = one.address;
     }
     if (named) return *named;
-    const auto called = ano::address_called(word);
-    if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
     return not_begun(404, "no device is called " + ano::in_quotes(word) + ", and it is no address");
+}
+
+// What the net knows, and what passed here: the way to a pinned address is known without it being heard.
+std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
+    std::vector<HeardAddress> all = net_.heard(now);
+    for (unsigned a = 1; a < ano::address::broadcast; ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        const auto is_it = [&](const HeardAddress& one) { return one.address == address; };
+        if (!known_[a] || !known_[a]->heard_at || now - *known_[a]->heard_at >= ano::host::Device::away_after) continue;
+        if (ano::address::is_host(address) || address == own_ || std::any_of(all.begin(), all.end(), is_it)) continue;
+        all.push_back({address, {}, {}, known_[a]->heard_at});
+    }
+    return all;
 }
 
 std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
     if (!stopped_) use(now);
     std::vector<DeviceReport> all;
-    for (HeardAddress& heard : net_.heard(now)) {
-        DeviceReport report{std::move(heard), {}, {}, {}, {}};
+    for (HeardAddress& one : heard(now)) {
+        DeviceReport report{std::move(one), {}, {}, {}, {}};
         const std::uint8_t address = report.heard.address;
         if (const auto& known = known_[address]) {
             report.info = known->info;

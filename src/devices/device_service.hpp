@@ -97,6 +97,7 @@ private:
     };
 
     void use(ano::TimePoint now);
+    std::vector<HeardAddress> heard(ano::TimePoint now);
     ano::host::Device& device(std::uint8_t address);
     WorkPlace place(const Job& job);
     std::optional<NotBegun> refusal(const JobOrder& order, ano::TimePoint now);
@@ -105,7 +106,7 @@ private:
     std::size_t running() const;
     void advance(const std::shared_ptr<Job>& job, ano::TimePoint now);
     void send_all(ano::TimePoint now);
-    void fail(std::uint8_t address, std::uint8_t id, const std::string& why, ano::TimePoint now);
+    void fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, ano::TimePoint now);
     void finish(Job& job, WorkEnd end, ano::TimePoint now);
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);

@@ -5,9 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <array>
-#include <span>
+#include <chrono>
 
 namespace anogate {
 namespace {
@@ -16,27 +14,25 @@ using Json = nlohmann::ordered_json;
 
 struct KindRow {
     std::string_view name, unit;
-    std::array<std::uint8_t, 2> ids;    // of the frames that leave for it
+    std::uint8_t asks_by;    // the id of its questions
 };
 
-constexpr std::uint8_t questions = ano::id_of<"parameter_command">, value = ano::id_of<"parameter_value">,
-                       command = ano::id_of<"command">, command_query = ano::id_of<"command_query">,
-                       waypoint_read = ano::id_of<"waypoint_read">, waypoint = ano::id_of<"waypoint">,
-                       firmware = ano::id_of<"firmware">;
+constexpr std::uint8_t questions = ano::id_of<"parameter_command">, command_query = ano::id_of<"command_query">,
+                       waypoint_read = ano::id_of<"waypoint_read">;
 
 // In the order of JobKind.
 constexpr KindRow kinds[] = {
-    {"parameters", "answers", {questions, questions}},
-    {"write", "steps", {questions, value}},
-    {"apply", "parameters", {questions, value}},
-    {"action", "steps", {questions, questions}},
-    {"commands", "commands", {command_query, command_query}},
-    {"command", "steps", {command_query, command}},
-    {"waypoints", "waypoints", {waypoint_read, waypoint_read}},
-    {"put_waypoints", "waypoints", {waypoint_read, waypoint}},
-    {"firmware", "bytes", {questions, firmware}},
-    {"calibration", "steps", {questions, value}},
-    {"scan", "devices", {questions, questions}},
+    {"parameters", "answers", questions},
+    {"write", "steps", questions},
+    {"apply", "parameters", questions},
+    {"action", "steps", questions},
+    {"commands", "commands", command_query},
+    {"command", "steps", command_query},
+    {"waypoints", "waypoints", waypoint_read},
+    {"put_waypoints", "waypoints", waypoint_read},
+    {"firmware", "bytes", questions},
+    {"calibration", "steps", questions},
+    {"scan", "devices", questions},
 };
 constexpr std::string_view states[] = {"running", "waiting", "done", "failed", "cancelled"};
 
@@ -48,10 +44,7 @@ std::string_view name_of(JobKind kind) noexcept { return row_of(kind).name; }
 std::string_view unit_of(JobKind kind) noexcept { return row_of(kind).unit; }
 std::string_view name_of(JobState state) noexcept { return states[static_cast<std::size_t>(state)]; }
 
-bool sends(JobKind kind, std::uint8_t id) noexcept {
-    const auto& ids = row_of(kind).ids;
-    return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
+bool asks_by(JobKind kind, std::uint8_t id) noexcept { return row_of(kind).asks_by == id; }
 
 std::string words_of(const Job& job) {
     std::string words = "job " + std::to_string(job.id) + " (" + std::string{name_of(job.order.kind)};

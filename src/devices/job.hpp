@@ -68,8 +68,8 @@ std::string_view name_of(JobKind kind) noexcept;
 std::string_view name_of(JobState state) noexcept;
 /// What the progress of a kind counts in: "bytes".
 std::string_view unit_of(JobKind kind) noexcept;
-/// Frames of this id leave for jobs of this kind.
-bool sends(JobKind kind, std::uint8_t id) noexcept;
+/// Jobs of this kind ask by frames of this id.
+bool asks_by(JobKind kind, std::uint8_t id) noexcept;
 
 /// The object that is told of it; a list of jobs is without what came of each.
 nlohmann::ordered_json job_json(const Job& job, bool with_result = true);

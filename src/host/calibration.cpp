@@ -167,7 +167,8 @@ void Calibration::use(const Fit<Found>& fit, TimePoint now) {
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
     step_ = Step::write;
     const auto values = fit.calibration->values();
-    write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, named(values));
+    new_ = named(values);
+    write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, new_);
     write_->on_end([this](TimePoint then) { written(then); });
     write_->start(now);
 }
@@ -196,6 +197,11 @@ void Calibration::restored(TimePoint now) {
     const bool back = restore_->end()->ending == Ending::done;
     why_.what += back ? "; the old values are back" : "; the old values could not be written back: " + restore_->end()->what;
     finish(why_, now);
+}
+
+bool Calibration::has_old_values() const noexcept {
+    if (restore_) return restore_->end() && restore_->end()->ending == Ending::done;
+    return !write_ && !clear_.end() && step_ != Step::clear;
 }
 
 void Calibration::cancel(TimePoint now) {

@@ -6,6 +6,7 @@
 #include <boost/beast/http/string_body.hpp>
 
 #include <functional>
+#include <limits>
 #include <utility>
 
 namespace anogate::http {
@@ -40,11 +41,15 @@ struct RequestReader::Parser : beast::request_parser<beast::string_body> {
 
     std::function<void(std::uint64_t, boost::beast::string_view, error_code&)> stop_at_the_last =
         [this](std::uint64_t size, boost::beast::string_view, error_code& ec) {
-            if (size > 0) return;
+            if (size > most || most - size < in_chunks) ec = beast::error::body_limit;
+            in_chunks += size;
+            if (size > 0 || ec) return;
             at_the_last = true;
             ec = beast::error::end_of_stream;
         };
     bool at_the_last = false;
+    std::uint64_t most = 0;         // bytes of the body
+    std::uint64_t in_chunks = 0;    // so far
 
     /// Where the body ends is not said: it must not be taken for the next request (RFC 9112, 6.3).
     bool length_is_unknown() {
@@ -53,24 +58,43 @@ struct RequestReader::Parser : beast::request_parser<beast::string_body> {
     }
 };
 
-RequestReader::RequestReader(const RequestLimits& limits) : limits_{limits}, parser_{std::make_unique<Parser>()} {
+// What a body may have is known behind the header, and Beast must be told before.
+RequestReader::RequestReader(const RequestLimits& limits, BodyLimit body_limit)
+    : limits_{limits}, body_limit_{std::move(body_limit)}, parser_{std::make_unique<Parser>()} {
     parser_->header_limit(limits.header);
-    parser_->body_limit(limits.body);
-    parser_->eager(true);
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
 }
 RequestReader::RequestReader(RequestReader&&) noexcept = default;
 RequestReader& RequestReader::operator=(RequestReader&&) noexcept = default;
 RequestReader::~RequestReader() = default;
 
-std::size_t RequestReader::put(std::string_view bytes) {
-    // Another assertion of Beast 1.74: it holds four bytes of an only chunk to be impossible.
-    if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < shortest_chunks.size())
-        return 0;
+std::size_t RequestReader::put_header(std::string_view bytes) {
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
-    if (parser_->is_header_done() && parser_->length_is_unknown())
+    if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
+    if (fault_ || !parser_->is_header_done()) return used;
+    if (parser_->length_is_unknown()) {
         fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
-    else if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
+        return used;
+    }
+    if (body_limit_) limits_.body = body_limit_(head());
+    parser_->most = limits_.body;
+    if (parser_->content_length().value_or(0) > limits_.body) fault_ = fault_of(beast::error::body_limit, limits_);
+    parser_->eager(true);
+    return used;
+}
+
+std::size_t RequestReader::put(std::string_view bytes) {
+    if (!parser_->is_header_done()) {
+        const std::size_t used = put_header(bytes);
+        const bool goes_on = !fault_ && parser_->is_header_done() && !parser_->is_done() && used < bytes.size();
+        return goes_on ? used + put(bytes.substr(used)) : used;
+    }
+    // Another assertion of Beast 1.74: it holds four bytes of an only chunk to be impossible.
+    if (parser_->chunked() && bytes.starts_with('0') && bytes.size() < shortest_chunks.size()) return 0;
+    error_code ec;
+    const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
+    if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
     else if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
     else if (!parser_->is_done() && bytes.size() - used > limits_.header) fault_ = fault_of_chunk(limits_);
     return used;
@@ -78,15 +102,20 @@ std::size_t RequestReader::put(std::string_view bytes) {
 
 bool RequestReader::is_done() const { return parser_->is_done() || parser_->at_the_last; }
 
-Request RequestReader::take() {
+Request RequestReader::head() const {
+    const auto& message = parser_->get();
     Request request;
-    request.keep_alive = parser_->get().keep_alive();
-    auto message = parser_->release();
+    request.keep_alive = message.keep_alive();
     request.method = text(message.method_string());
     request.target = text(message.target());
     request.version = message.version() == 10 ? 10 : 11;
     for (const auto& field : message) request.headers.push_back({text(field.name_string()), text(field.value())});
-    request.body = std::move(message.body());
+    return request;
+}
+
+Request RequestReader::take() {
+    Request request = head();
+    request.body = std::move(parser_->get().body());
     return request;
 }
 

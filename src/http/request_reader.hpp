@@ -2,6 +2,7 @@
 #pragma once
 #include <http/request.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +18,10 @@ struct RequestLimits {
 /// One request. Flow: put() what came, again with what it left and more, until is_done() or fault().
 class RequestReader {
 public:
-    explicit RequestReader(const RequestLimits& limits);
+    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body.
+    using BodyLimit = std::function<std::uint64_t(const Request& head)>;
+
+    explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
     RequestReader(RequestReader&&) noexcept;
     RequestReader& operator=(RequestReader&&) noexcept;
     ~RequestReader();
@@ -38,7 +42,11 @@ public:
 
 private:
     struct Parser;
+    std::size_t put_header(std::string_view bytes);
+    Request head() const;
+
     RequestLimits limits_;
+    BodyLimit body_limit_;
     std::unique_ptr<Parser> parser_;
     std::optional<Fault> fault_;
 };

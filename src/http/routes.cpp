@@ -98,6 +98,13 @@ Response Routes::answer(Request request) const {
     return allowed.empty() ? not_found(target.path) : not_allowed(allowed);
 }
 
+const Routes::Row* Routes::row_for(const Request& request) const {
+    const std::string_view path = split(request.target).path;
+    const auto row = std::find_if(rows_.begin(), rows_.end(),
+                                  [&](const Row& one) { return fits(one.pattern, path) && answers(one, request.method); });
+    return row != rows_.end() ? &*row : nullptr;
+}
+
 Response Routes::not_found(std::string_view path) const {
     const std::string nothing = "there is nothing at this path";
     if (rows_.empty()) return error(404, nothing);

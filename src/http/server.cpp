@@ -57,6 +57,15 @@ void Server::admit(std::unique_ptr<Stream> stream) {
     session->start();
 }
 
+// More than usual is taken from those alone who may ask that.
+std::uint64_t Server::body_limit(const Request& head) {
+    const std::uint64_t usual = limits_.session.request.body;
+    const Routes::Row* const row = routes_.row_for(head);
+    if (!row || row->body <= usual) return usual;
+    const auto access = admission_.judge(head, ano::Clock::now());
+    return access && *access >= row->access ? row->body : usual;
+}
+
 bool Server::make_place(std::uint32_t user) {
     std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
     if (sessions_.size() < limits_.connections) return true;

@@ -70,6 +70,7 @@ private:
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
     Response answer(Request request) override;
+    std::uint64_t body_limit(const Request& head) override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     bool has_memory() override { return !has_memory_ || has_memory_(); }
 

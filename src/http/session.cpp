@@ -39,7 +39,11 @@ Visitor Session::visitor(ano::TimePoint now) const {
 
 // Some of the next request may be here.
 void Session::await_request() {
-    reader_.emplace(limits_.request);
+    reader_.emplace(limits_.request, [this](Request head) {
+        head.user = user_;
+        head.door = stream_->door();
+        return owner_.body_limit(head);
+    });
     expect_progress();
     if (input_.empty()) return read();
     asking_ = Asking::half;
@@ -227,6 +231,7 @@ void Session::refuse_for_memory() noexcept {
 void Session::refuse(const Response& words) {
     deadline_.cancel();
     producer_.reset();
+    needed_.reset();
     stream_->cancel();
     owner_.refuse(std::move(stream_), words);
 }

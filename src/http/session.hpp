@@ -31,6 +31,8 @@ public:
     /// Calls take_turn() in its time.
     virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
     virtual Response answer(Request request) = 0;
+    /// What the body of a request may have, of which the rest is known.
+    virtual std::uint64_t body_limit(const Request& head) = 0;
     /// The connection ends with these words.
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// There is enough of it for one request and its answer.

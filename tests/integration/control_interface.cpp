@@ -174,6 +174,10 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
          [this] { refuses("GET", "/devices/0xDC/waypoints?format=kml", 400, "invalid", "'format'"); }},
         {"PUT /devices/{device}/waypoints",
          [this] { refuses("PUT", "/devices/0xDC/waypoints", 422, "invalid", "'waypoints' must be an array", "{}"); }},
+        {"POST /devices/{device}/firmware",
+         [this] { refuses("POST", "/devices/0xDC/firmware?crc=none", 400, "invalid", "'none'", "x"); }},
+        {"POST /devices/{device}/calibration",
+         [this] { refuses("POST", "/devices/0xDC/calibration", 400, "invalid", "compass", "{}"); }},
         {"GET /jobs",
          [this] {
              EXPECT_EQ(get("/jobs"), (json{{"jobs", json::array()}}));

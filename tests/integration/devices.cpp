@@ -1,5 +1,6 @@
 // Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
 #include <http/client.hpp>
+#include <support/fake_loader.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <future>
 #include <set>
 #include <sstream>
@@ -63,8 +65,27 @@ protected:
     TempDir dir;
     std::string socket = dir / "control.sock";
     std::string config = dir.write("anogate.json", R"({"links": ["sim:fc", "udp-listen:127.0.0.1:0,name=ground"]})");
-    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    Daemon daemon{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
     UdpPeer ground;
+};
+
+/// A device of the tests behind a listening UDP link.
+struct UdpDevice {
+    UdpDevice(std::uint16_t gateway, std::uint8_t address) : port{gateway} {
+        fake.address = address;
+        EXPECT_TRUE(peer.send(port, frame(address, 0xFF, 0x01, Bytes(13))));
+    }
+    /// Answers as long as somebody waits for what it has to do with.
+    Told serve(std::future<Told> waits) {
+        while (waits.wait_for(std::chrono::milliseconds{1}) != std::future_status::ready)
+            for (const Bytes& heard : peer.frames())
+                for (const Bytes& answer : fake.take(ano::FrameView{heard})) peer.send(port, answer);
+        return waits.get();
+    }
+
+    std::uint16_t port;
+    UdpPeer peer;
+    FakeDevice fake;
 };
 
 TEST_F(Devices, who_was_heard_is_listed) {
@@ -189,6 +210,93 @@ TEST_F(Devices, a_job_ends_with_the_client_who_said_so) {
     EXPECT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs").size() == 1; }));
     ::close(client);
     EXPECT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs")[0].at("state") == "cancelled"; }));
+}
+
+TEST_F(Devices, commands_waypoints_and_actions) {
+    const Told commands = ask("GET", "/devices/0xDC/commands");
+    ASSERT_EQ(commands.status, 200u) << commands.body;
+    EXPECT_EQ(commands.body.at("commands")[0].at("name"), "TAKE_OFF");
+    EXPECT_EQ(ask("POST", "/devices/0xDC/commands/TURN", R"({"values": [-5]})").status, 200u);
+    EXPECT_EQ(value("SIM_TURN"), -5);
+    EXPECT_EQ(ask("POST", "/devices/0xDC/commands/TURN", R"({"values": [500]})").status, 422u);
+    EXPECT_EQ(ask("POST", "/devices/0xDC/actions", R"({"action": "save"})").status, 200u);
+    const std::string two =
+        R"({"waypoints": [{"lng": 116.4, "lat": 39.9}, {"lng": 116.5, "lat": 39.8, "alt": 2500, "spd": 300, "yaw": 90}]})";
+    EXPECT_EQ(ask("PUT", "/devices/0xDC/waypoints", two).body, (json{{"written", 2}}));
+    const json back = ask("GET", "/devices/0xDC/waypoints").body.at("waypoints");
+    EXPECT_EQ(back[1].at("alt"), 2500);
+    const json map = ask("GET", "/devices/0xDC/waypoints?format=geojson").body;
+    EXPECT_EQ(map.at("features").size(), back.size());
+    const json plan = ask("GET", "/devices/0xDC/waypoints?format=qgc").body;
+    EXPECT_EQ(ask("PUT", "/devices/0xDC/waypoints?format=qgc", plan.dump()).status, 200u);
+    EXPECT_EQ(ask("GET", "/devices/0xDC/waypoints").body.at("waypoints"), back);
+}
+
+TEST_F(Devices, a_scan_learns_what_devices_say_of_themselves) {
+    const Told told = ask("POST", "/devices/scan");
+    ASSERT_EQ(told.status, 200u) << told.body;
+    ASSERT_EQ(told.body.at("devices").size(), 1u);
+    EXPECT_EQ(told.body.at("devices")[0].at("name"), "SimFC");
+    EXPECT_EQ(ask("GET", "/devices/SimFC/parameters/SIM_TURN").status, 200u);
+}
+
+TEST_F(Devices, firmware_is_written_however_large_the_file_is) {
+    UdpDevice device{daemon.port("ground"), 0xDD};
+    FakeLoader loader;
+    device.fake.instead = [&](ano::FrameView f) { return loader.take(device.fake, f); };
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
+    const std::string file(100'000, '\x5A');
+    const Told over = device.serve(std::async(std::launch::async, [&]() -> Told {
+        const std::vector<json> all = lines("POST", "/devices/0xDD/firmware", file);
+        return {200, all.empty() ? json{} : all.back()};
+    }));
+    EXPECT_EQ(over.body.at("state"), "done") << over.body;
+    EXPECT_EQ(over.body.at("result").at("bytes"), 100'000);
+    EXPECT_EQ(loader.flash.size(), file.size());
+    EXPECT_EQ(ask("PUT", "/devices/0xDD/waypoints", std::string(100'000, ' ')).status, 413u) << "a body of another route";
+    EXPECT_EQ(ask("POST", "/devices/0xDD/firmware", std::string(std::size_t{17} << 20, ' ')).status, 413u);
+}
+
+TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
+    const std::string what = R"({"what": "accelerometer"})";
+    const std::vector<json> flying = lines("POST", "/devices/0xDC/calibration", what);
+    ASSERT_FALSE(flying.empty());
+    EXPECT_EQ(flying.back().at("error"), "0xDC is unlocked or flies: this is for the ground");
+    EXPECT_EQ(ask("POST", "/devices/0xDC/commands/LAND").status, 200u);
+    const json before = value("CAL_AOFF_X");
+    Told begun;
+    ASSERT_TRUE(wait_until([&] { return (begun = ask("POST", "/devices/0xDC/calibration", what)).status == 202; })) << begun.body;
+    const std::string path = "/jobs/" + std::to_string(begun.body.at("id").get<int>());
+    json job;
+    ASSERT_TRUE(wait_until([&] { return (job = ask("GET", path).body).at("state") != "running"; }));
+    ASSERT_EQ(job.at("state"), "waiting") << job;
+    const std::string kept = (dir / "state") + "/calibration-0xDC-accelerometer.json";
+    EXPECT_TRUE(std::filesystem::exists(kept));
+    EXPECT_EQ(ask("POST", path + "/next").status, 200u);
+    EXPECT_TRUE(wait_until([&] { return ask("GET", path).body.contains("step"); }));
+    EXPECT_EQ(ask("DELETE", path).body.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(value("CAL_AOFF_X"), before);
+    EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept); }));
+}
+
+// The chip is not there, so its switch counts as on.
+TEST(DevicesAndRules, what_a_switch_keeps_off_ends_at_once) {
+    TempDir dir;
+    const std::string socket = dir / "control.sock";
+    const std::string config = dir.write("anogate.json", R"({"links": ["sim:fc"],
+        "gpio": [{"chip": "no-such-chip", "line": 4, "use": "inhibit", "links": ["control"]}]})");
+    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    ASSERT_TRUE(daemon.until_answers());
+    ASSERT_TRUE(daemon.until([](const json& status) { return !status.at("routes").empty(); }));
+    Request request;
+    request.method = "POST";
+    request.target = "/devices/0xDC/commands/LAND";
+    const Outcome refused = anogate::http::ask(socket, request);
+    EXPECT_EQ(refused.answer.status, 403u) << refused.answer.body;
+    EXPECT_NE(refused.answer.body.find("GPIO"), std::string::npos) << refused.answer.body;
+    request.method = "GET";
+    request.target = "/devices/0xDC/parameters";
+    EXPECT_EQ(anogate::http::ask(socket, request).answer.status, 200u) << "asking moves nothing";
 }
 
 // Rules of the link `control` are rules of this host as well.

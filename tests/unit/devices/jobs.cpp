@@ -135,6 +135,16 @@ TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
 }
 
+TEST_F(Jobs, that_read_go_on_when_what_another_does_may_not_pass) {
+    const auto reads = net.asked("GET", "/devices/0xDC/parameters");
+    net.refuses[0xE1] = "no";
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 403u);
+    ASSERT_TRUE(net.until([&] { return reads->has_value(); }));
+    EXPECT_EQ((*reads)->status, 200u);
+    net.refuses = {{0xE0, "no"}};
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 403u);
+}
+
 TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDD/parameters").json.at("error"), "0xDD was not heard");
     EXPECT_EQ(net.ask("GET", "/devices/nobody/parameters").status, 404u);
@@ -189,6 +199,29 @@ TEST_F(Jobs, devices_are_listed_with_what_is_known) {
     EXPECT_EQ(devices[0].at("parameters"), 20);
     net.asked("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
     EXPECT_EQ(net.ask("GET", "/devices").json.at("devices")[0].at("job"), 2);
+}
+
+TEST_F(Jobs, devices_that_passed_are_listed_and_hosts_are_not) {
+    net.ask("GET", "/devices");
+    net.passes(frame(0x30, 0xFF, 0x01, Bytes(13)));
+    net.passes(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    json devices = net.ask("GET", "/devices").json.at("devices");
+    ASSERT_EQ(devices.size(), 2u);
+    EXPECT_EQ(devices[1], json::parse(R"({"address": "0x30", "age": 0.0})"));
+    for (int i = 0; i < 500; ++i) {
+        net.pass(10ms);
+        net.passes(frame(0x30, 0xFF, 0x01, Bytes(13)));
+    }
+    devices = net.ask("GET", "/devices").json.at("devices");
+    EXPECT_NEAR(devices[1].at("rate").get<double>(), 100, 5);
+    net.pass(1min);
+    EXPECT_EQ(net.ask("GET", "/devices").json.at("devices").size(), 1u);
+}
+
+TEST_F(Jobs, a_device_can_not_take_the_address_of_another_by_its_name) {
+    net.add(0x30).name = "0xDC";
+    net.ask("POST", "/devices/scan");
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/commands").json.at("device").at("address"), "0xDC");
 }
 
 TEST_F(Jobs, that_read_forever_changing_devices_end) {

@@ -12,6 +12,7 @@ namespace {
 class Tally final : public Forwarder::Observer {
 public:
     void received(const Channel&, ano::FrameView, TimePoint) override { ++in; }
+    void passes(const Channel&, ano::FrameView frame) override { passed.emplace_back(frame.bytes().begin(), frame.bytes().end()); }
     void offered(const Channel&, ano::FrameView, ChannelId) override { ++offers; }
     void dropped(const Channel&, ano::FrameView, ReceiveCause cause) override { ++dropped_in[name_of(receive_counters, cause)]; }
     void refused(LinkId, ano::FrameView, SendCause cause) override { ++not_sent[name_of(send_counters, cause)]; }
@@ -24,6 +25,7 @@ public:
     std::uint64_t in = 0, out = 0, offers = 0;
     std::map<std::string, std::uint64_t> dropped_in, not_sent;
     Bytes last_left;
+    std::vector<Bytes> passed;
 };
 
 class Watched : public Forwarding {
@@ -86,6 +88,17 @@ TEST_F(Watched, what_left_is_what_its_receiver_sees) {
     receive(device, frame(fc, host, 0x00, {0xC0, 1, 2}));
     taken(device);
     EXPECT_EQ(tally.last_left, frame(host, fc, 0xC0, {1, 2, 3}));
+}
+
+TEST_F(Watched, what_passes_is_what_all_others_see_and_what_was_kept_back_does_not) {
+    Channel& aliased = add_with([](ForwarderLink& link) {
+        link.aliases = {{fc, 31}};
+        link.rules.receive = without(0x03);
+    });
+    receive(aliased, telemetry);
+    EXPECT_TRUE(tally.passed.empty());
+    receive(aliased, frame(fc, host, 0xE1, {1, 0, 7}));
+    EXPECT_EQ(tally.passed, std::vector{frame(31, host, 0xE1, {1, 0, 7})}) << "though nobody takes it";
 }
 
 TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {

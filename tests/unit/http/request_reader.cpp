@@ -101,6 +101,32 @@ TEST(RequestReader, says_what_is_too_large) {
     EXPECT_EQ(status_of("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nb\r\n01234567890\r\n0\r\n\r\n"), 413u);
 }
 
+TEST(RequestReader, takes_as_much_as_the_head_allows) {
+    const auto limit = [](const Request& head) -> std::uint64_t {
+        return head.target == "/file" && head.header("A") == "b" ? 1000 : 10;
+    };
+    for (const std::size_t step : {1u, 7u, 5000u}) {
+        for (const auto& [target, fits] : {std::pair{"/file", true}, std::pair{"/other", false}}) {
+            const std::string head = "POST " + std::string{target} + " HTTP/1.1\r\nA: b\r\n";
+            RequestReader whole{{.header = 200, .body = 10}, limit};
+            put(whole, head + "Content-Length: 1000\r\n\r\n" + std::string(1000, 'x'), step);
+            EXPECT_EQ(whole.fault() ? whole.fault()->status : 200u, fits ? 200u : 413u) << target;
+            EXPECT_EQ(whole.is_done(), fits);
+            RequestReader chunked{{.header = 200, .body = 10}, limit};
+            const std::string chunk = "1f4\r\n" + std::string(500, 'x') + "\r\n";
+            put(chunked, head + "Transfer-Encoding: chunked\r\n\r\n" + chunk + chunk + "0\r\n\r\n", step);
+            EXPECT_EQ(chunked.fault() ? chunked.fault()->status : 200u, fits ? 200u : 413u) << target;
+            if (fits) {
+                ASSERT_TRUE(chunked.is_done());
+                EXPECT_EQ(chunked.take().body.size(), 1000u);
+            }
+            RequestReader beyond{{.header = 200, .body = 10}, limit};
+            put(beyond, head + "Content-Length: 1001\r\n\r\n", step);
+            EXPECT_EQ(beyond.fault() ? beyond.fault()->status : 200u, 413u);
+        }
+    }
+}
+
 TEST(RequestReader, says_what_is_not_a_request) {
     for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / XTTP/1.1\r\n\r\n",
                             "GET / HTTP/1.1\r\nno colon\r\n\r\n", "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",

@@ -1,0 +1,158 @@
+// An upgrade and a calibration: jobs that are answered at once, with steps, to be cancelled and to go on.
+#include <host/calibration.hpp>
+#include <support/fake_loader.hpp>
+#include <support/simulated_net.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace support;
+using json = nlohmann::ordered_json;
+
+struct LongJobs : testing::Test {
+    SimulatedNet net;
+    FakeDevice& fake = net.add();
+    FakeLoader loader;
+
+    json until_over(int id, Duration limit = 1h) {
+        json job;
+        net.until(
+            [&] {
+                job = net.ask("GET", "/jobs/" + std::to_string(id)).json;
+                return job.at("state") != "running" && job.at("state") != "waiting";
+            },
+            limit);
+        return job;
+    }
+    void load() {
+        fake.instead = [this](ano::FrameView f) { return loader.take(fake, f); };
+    }
+};
+
+TEST_F(LongJobs, an_upgrade_writes_the_whole_file) {
+    load();
+    const std::string file(10'000, '\x5A');
+    const auto [status, job] = net.ask("POST", "/devices/0xDC/firmware", file);
+    EXPECT_EQ(status, 202u);
+    EXPECT_EQ(job.at("kind"), "firmware");
+    EXPECT_EQ(job.at("state"), "running");
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 409u) << "it answers nothing else meanwhile";
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("state"), "done") << over;
+    EXPECT_EQ(over.at("result").at("bytes"), 10'000);
+    EXPECT_EQ(over.at("result").at("frames"), 52);
+    EXPECT_EQ(over.at("unit"), "bytes");
+    EXPECT_EQ(over.at("progress"), 1.0);
+    EXPECT_EQ(loader.flash, Bytes(10'000, 0x5A));
+}
+
+TEST_F(LongJobs, an_upgrade_that_is_refused_says_so) {
+    load();
+    loader.refuses = true;
+    net.ask("POST", "/devices/0xDC/firmware", std::string(1000, 'x'));
+    json over = until_over(1);
+    EXPECT_EQ(over.at("state"), "failed");
+    EXPECT_EQ(over.at("status"), 502);
+    net.ask("POST", "/devices/0xDC/firmware", "");
+    over = until_over(2);
+    EXPECT_EQ(over.at("status"), 422) << over;
+    EXPECT_EQ(loader.erases, 0u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/firmware?crc=crc99", "x").status, 400u);
+}
+
+TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
+    load();
+    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, 'x'));
+    ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
+    const json over = net.ask("DELETE", "/jobs/1").json;
+    EXPECT_EQ(over.at("state"), "cancelled");
+    EXPECT_NE(over.at("error").get<std::string>().find("loader"), std::string::npos) << over;
+}
+
+struct Calibrates : LongJobs {
+    Calibrates() {
+        double value = 0.5;
+        for (const std::string& name : ano::host::calibration_names(ano::host::Sensor::accelerometer)) {
+            Bytes bytes(4);
+            ano::store(bytes.data(), static_cast<float>(value += 0.125));
+            fake.parameters.push_back({8, name, "", bytes});
+        }
+        before = fake.parameters[0].value;
+    }
+    std::string state() { return net.ask("GET", "/jobs/1").json.at("state").get<std::string>(); }
+    void lie(std::size_t face) {
+        ano::Draft<"inertial"> m;
+        std::array<int, 3> acc{20, 0, 0};
+        acc[face / 2] += face % 2 == 0 ? 1000 : -1000;
+        for (int i = 0; i < 100; ++i) {
+            (void)m.set<"acc_x">(acc[0] + i % 3);
+            (void)m.set<"acc_y">(acc[1] - i % 3);
+            (void)m.set<"acc_z">(acc[2] + i % 2);
+            std::array<std::uint8_t, 64> bytes{};
+            const std::size_t size = m.encode(bytes, 0xDC, 0xFF);
+            net.passes(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+        }
+        net.pass(200ms);
+    }
+
+    Bytes before;
+};
+
+TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})").status, 202u);
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    EXPECT_EQ(net.kept.size(), 1u) << "the old values survive a crash";
+    EXPECT_EQ(json::parse(net.kept.begin()->second).at("parameters").size(), 15u);
+    EXPECT_EQ(net.kept.begin()->first, "calibration-0xDC-accelerometer.json");
+    net.pass(1min);
+    EXPECT_EQ(state(), "waiting");
+    EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+    EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 409u) << "it goes on already";
+    net.pass(1s);
+    lie(0);
+    const json step = net.ask("GET", "/jobs/1").json.at("step");
+    EXPECT_EQ(step.at("face"), "+x");
+    EXPECT_EQ(step.at("done"), json::array({"+x"}));
+    EXPECT_EQ(step.at("still"), 1.0);
+    for (std::size_t face = 1; face < 6; ++face) lie(face);
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("state"), "done") << over;
+    EXPECT_LT(over.at("result").at("after").get<double>(), over.at("result").at("before").get<double>());
+    EXPECT_EQ(over.at("result").at("values").size(), 15u);
+    EXPECT_NE(fake.parameters[0].value, before);
+    EXPECT_TRUE(net.kept.empty());
+}
+
+TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.ask("POST", "/jobs/1/next");
+    net.pass(1s);
+    fake.parameters[0].value = Bytes(4);    // it has forgotten
+    const json over = net.ask("DELETE", "/jobs/1").json;
+    EXPECT_EQ(over.at("state"), "cancelled");
+    EXPECT_EQ(over.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(fake.parameters[0].value, before);
+    EXPECT_TRUE(net.kept.empty());
+}
+
+TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
+    net.keep_fault = "the disk is full";
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("status"), 503);
+    EXPECT_NE(over.at("error").get<std::string>().find("the disk is full"), std::string::npos);
+    EXPECT_EQ(fake.parameters[0].value, before);
+}
+
+TEST_F(Calibrates, only_what_there_is_to_calibrate) {
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "barometer"})").status, 400u);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", "{}").status, 400u);
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "compass"})");
+    EXPECT_EQ(until_over(1).at("what"), "unsupported");
+}
+
+}    // namespace
