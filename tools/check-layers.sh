@@ -25,8 +25,8 @@ forbid "gateway/|world/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system"
 if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(producer|request|response|routes)\.hpp>'; then bad=1; fi
 forbid "devices/" include src/ano src/device src/world src/host src/gateway src/ano_json src/config src/link src/http
 forbid "daemon/|spdlog/" tools/anoctl
-# Of the door, only the client's side.
-if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|request|socket_path|web_socket)\.hpp>'; then bad=1; fi
+# Of the door, only the client's side; and the table of routes, for the devices at a link of its own.
+if grep -rnE '^ *# *include *[<"]http/' tools/anoctl | grep -vE '<http/(answer|asio|certificate|client|producer|request|response|routes|socket_path|web_socket)\.hpp>'; then bad=1; fi
 forbid "http/|daemon/|spdlog/|CLI/" src/link
 forbid "gateway/|config/|daemon/|spdlog/|nlohmann/|CLI/" src/http
 forbid "boost/beast" --include='*.hpp' src/http

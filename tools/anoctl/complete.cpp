@@ -22,11 +22,12 @@ using ano::Json;
 using Words = std::span<const char* const>;
 
 constexpr ano::Duration patience = std::chrono::milliseconds{300};    // somebody has pressed a key and waits
+constexpr ano::Duration patience_with_device = std::chrono::milliseconds{1500};
 
-/// As on the command line that is being written; bash takes --control=PATH for three words.
-std::string control_of(Words words) {
+/// Of an option as on the command line that is being written; bash takes --control=PATH for three words.
+std::string value_of(Words words, std::string_view option) {
     const auto at = [&](std::size_t i) { return i < words.size() ? std::string_view{words[i]} : std::string_view{}; };
-    constexpr std::string_view option = "--control", with_value = "--control=";
+    const std::string with_value = std::string{option} + "=";
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (at(i) == option) return std::string{at(i + 1) == "=" ? at(i + 2) : at(i + 1)};
         if (at(i).starts_with(with_value)) return std::string{at(i).substr(with_value.size())};
@@ -34,12 +35,12 @@ std::string control_of(Words words) {
     return {};
 }
 
-Json asked(const GatewayOptions& gateway, const char* target) {
+Json asked(const GatewayOptions& gateway, const std::string& target, ano::Duration time = patience) {
     anogate::http::Request request;
     request.method = "GET";
     request.target = target;
     anogate::http::ClientLimits limits;
-    limits.patience = patience;
+    limits.patience = time;
     const anogate::http::Outcome outcome = anogate::http::ask(gateway.socket(), std::move(request), limits);
     if (!outcome.fault.empty() || outcome.answer.status / 100 != 2) return Json::array();
     return parse_answer(outcome.answer.body);
@@ -56,15 +57,45 @@ void write_links(const Json& links, std::ostream& out) {
         out << text_at(link, "name") << '\t' << text_at(link, "kind") << ", " << text_at(link, "state") << '\n';
 }
 
+/// By name where it has one.
+void write_names(const Json& devices, std::ostream& out) {
+    for (const Json& device : devices) {
+        const std::string name = text_at(device, "name"), address = text_at(device, "address");
+        out << (name.empty() ? address : name) << '\t' << address << '\n';
+    }
+}
+
+/// As --device says, else the only one there.
+std::string device_of(const GatewayOptions& gateway, Words words) {
+    if (std::string said = value_of(words, "--device"); !said.empty()) return said;
+    const Json answer = asked(gateway, "/devices");
+    const Json& devices = at(answer, "devices");
+    return devices.size() == 1 ? text_at(devices.front(), "address") : std::string{};
+}
+
+/// Its descriptions are asked for, where the gateway has not read them yet; names with blanks are left out, a shell would take two.
+void write_of_device(const GatewayOptions& gateway, Words words, const std::string& what, std::ostream& out) {
+    const std::string device = device_of(gateway, words);
+    if (device.empty()) return;
+    const std::string target = "/devices/" + percent_encoded(device) + "/" + what + "?values=0&while_connected";
+    const Json answer = asked(gateway, target, patience_with_device);
+    for (const Json& one : at(answer, what))
+        if (const std::string name = text_at(one, "name"); !name.empty() && name.find(' ') == name.npos)
+            out << name << '\t' << text_at(one, "text") << '\n';
+}
+
 }    // namespace
 
 int complete(Words words, Streams& streams) noexcept {
     try {
         const std::string_view what = words.empty() ? std::string_view{} : words[0];
         GatewayOptions gateway;
-        if (!words.empty()) gateway.control = control_of(words.subspan(1));
+        if (!words.empty()) gateway.control = value_of(words.subspan(1), "--control");
         if (what == "devices") write_devices(asked(gateway, "/routes"), streams.out);
         else if (what == "links") write_links(asked(gateway, "/links"), streams.out);
+        else if (what == "names") write_names(at(asked(gateway, "/devices"), "devices"), streams.out);
+        else if (what == "parameters" || what == "commands")
+            write_of_device(gateway, words.subspan(1), std::string{what}, streams.out);
         else if (what == "fields")
             for (const std::string& word : field_words(words.subspan(1))) streams.out << word << '\n';
         streams.out.flush();

@@ -159,7 +159,7 @@ private:
             facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
             std::visit([&](const auto& v) { facts += text_of(v); }, value);
         }
-        if (!up_) complain() << link.name() << " is up" << facts << std::endl;
+        if (!up_ && !who_.empty()) complain() << link.name() << " is up" << facts << std::endl;
         if (!up_) up_at_ = now();
         up_ = true;
         why_.clear();

@@ -23,7 +23,7 @@ std::string keys_idle_for_listener(std::string_view link);
 /// gateway's status would have. It works when its loop runs, and stops that when its taker wants no more.
 class OwnLink {
 public:
-    /// Everything outlives it. `who` is the command, for the words on `err`.
+    /// Everything outlives it. `who` is the command, for the words on `err`; empty: that it is up is not said.
     OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameTaker& taker, Streams& streams,
             std::string who);
     ~OwnLink();

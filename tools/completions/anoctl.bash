@@ -26,12 +26,20 @@ _anoctl_links() {
 _anoctl_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _anoctl_addresses() { _anoctl_words "power_unit ros_2_bridge vendor_mcu flight_controller imu optical_flow openmv_camera data_radio protocol_simulator host broadcast $(_anoctl_known devices)"; }
 _anoctl_link_names() { _anoctl_words "$(_anoctl_known links)"; }
+_anoctl_devices() { _anoctl_words "$(_anoctl_known names)"; }
+_anoctl_commands() { _anoctl_words "$(_anoctl_known commands)"; }
+_anoctl_parameters() {
+    case ${COMP_WORDS[2]} in
+        get | set) _anoctl_words "$(_anoctl_known parameters)" ;;
+        *) _anoctl_files ;;
+    esac
+}
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send log image top web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint log image top web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send log image top web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint log image top web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -68,6 +76,18 @@ _anoctl() {
         'send --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'send --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'send --config') _anoctl_files; return ;;
+        'devices --link') _anoctl_links; return ;;
+        'devices --control') _anoctl_files; return ;;
+        'param --device') _anoctl_devices; return ;;
+        'param --link') _anoctl_links; return ;;
+        'param --control') _anoctl_files; return ;;
+        'command --device') _anoctl_devices; return ;;
+        'command --link') _anoctl_links; return ;;
+        'command --control') _anoctl_files; return ;;
+        'waypoint --format') _anoctl_words 'json geojson qgc'; return ;;
+        'waypoint --device') _anoctl_devices; return ;;
+        'waypoint --link') _anoctl_links; return ;;
+        'waypoint --control') _anoctl_files; return ;;
         'log --device') _anoctl_addresses; return ;;
         'log --link') _anoctl_links; return ;;
         'log --control') _anoctl_files; return ;;
@@ -92,6 +112,10 @@ _anoctl() {
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'devices') options='--scan --link --control --json -h --help'; operands=':' ;;
+        'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
+        'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
+        'waypoint') options='--format --device --link --control --json -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;

@@ -34,6 +34,9 @@ std::string offered_by_bash(const Program& program, const Argument& argument) {
     case Offer::addresses: return prefix + "addresses";
     case Offer::link_names: return prefix + "link_names";
     case Offer::fields: return prefix + "fields";
+    case Offer::devices: return prefix + "devices";
+    case Offer::parameters: return prefix + "parameters";
+    case Offer::commands: return prefix + "commands";
     case Offer::nothing: break;
     }
     return ":";
@@ -57,9 +60,13 @@ std::string options_of(const Command& command) {
 }
 
 std::string operands_for_bash(const Program& program, const Command& command) {
-    std::string offer = ":";
-    for (const Argument& operand : command.operands)
-        if (offer == ":" || operand.offer() == Offer::fields) offer = offered_by_bash(program, operand);
+    std::string offer = ":", first;
+    for (const Argument& operand : command.operands) {
+        if (operand.offer() == Offer::words && first.empty() && command.operands.size() > 1)
+            first = offered_by_bash(program, operand);
+        else if (offer == ":" || operand.offer() == Offer::fields) offer = offered_by_bash(program, operand);
+    }
+    if (!first.empty()) offer = "if ((COMP_CWORD == 2)); then " + first + "; else " + offer + "; fi";
     return "        " + quoted(command.name) + ") options=" + quoted(options_of(command)) + "; operands=" + quoted(offer) +
            " ;;\n";
 }
@@ -103,6 +110,14 @@ _%P_fields() {
     if [[ $known == *= ]]; then compopt -o nospace 2>/dev/null; fi
     _%P_words "$known"
 }
+_%P_devices() { _%P_words "$(_%P_known names)"; }
+_%P_commands() { _%P_words "$(_%P_known commands)"; }
+_%P_parameters() {
+    case ${COMP_WORDS[2]} in
+        get | set) _%P_words "$(_%P_known parameters)" ;;
+        *) _%P_files ;;
+    esac
+}
 )bash";
 
 constexpr char zsh_known[] = R"zsh(_%P_known() {
@@ -116,6 +131,14 @@ _%P_fields() {
     local -a known
     known=(${(f)"$(command $program __complete fields "${(@)words[1,CURRENT]}" 2>/dev/null)"})
     if [[ $words[CURRENT] == *=* ]]; then compadd -- $known; else compadd -S '' -- $known; fi
+}
+_%P_devices() { _%P_known names; }
+_%P_commands() { _%P_known commands; }
+_%P_parameters() {
+    case $words[2] in
+        get | set) _%P_known parameters ;;
+        *) _files ;;
+    esac
 }
 )zsh";
 
@@ -155,6 +178,9 @@ std::string offered_by_zsh(const Program& program, const Argument& argument) {
     case Offer::addresses: return "_" + program.name + "_addresses";
     case Offer::link_names: return "_" + program.name + "_link_names";
     case Offer::fields: return "_" + program.name + "_fields";
+    case Offer::devices: return "_" + program.name + "_devices";
+    case Offer::parameters: return "_" + program.name + "_parameters";
+    case Offer::commands: return "_" + program.name + "_commands";
     case Offer::nothing: break;
     }
     return "";
@@ -193,6 +219,9 @@ std::string offered_by_fish(const Argument& argument) {
     case Offer::addresses: return " -x -a " + quoted_for_fish(joined(address_names()) + " (__anoctl_known devices)");
     case Offer::link_names: return " -x -a '(__anoctl_known links)'";
     case Offer::fields: return " -x -a '(__anoctl_fields)'";
+    case Offer::devices: return " -x -a '(__anoctl_known names)'";
+    case Offer::parameters: return " -F -a '(__anoctl_known parameters)'";
+    case Offer::commands: return " -x -a '(__anoctl_known commands)'";
     case Offer::nothing: break;
     }
     return " -x";

@@ -7,7 +7,7 @@
 namespace reference {
 
 /// What a shell offers for a value.
-enum class Offer { nothing, words, files, messages, links, ports, addresses, link_names, fields };
+enum class Offer { nothing, words, files, messages, links, ports, addresses, link_names, fields, devices, parameters, commands };
 
 struct Argument {
     std::vector<std::string> names;    // "-c", "--config"; none: it is known by its place

@@ -12,7 +12,9 @@ namespace {
 class Tally final : public Forwarder::Observer {
 public:
     void received(const Channel&, ano::FrameView, TimePoint) override { ++in; }
-    void passes(const Channel&, ano::FrameView frame) override { passed.emplace_back(frame.bytes().begin(), frame.bytes().end()); }
+    void passes(const Channel&, ano::FrameView frame) override {
+        passed.emplace_back(frame.bytes().begin(), frame.bytes().end());
+    }
     void offered(const Channel&, ano::FrameView, ChannelId) override { ++offers; }
     void dropped(const Channel&, ano::FrameView, ReceiveCause cause) override { ++dropped_in[name_of(receive_counters, cause)]; }
     void refused(LinkId, ano::FrameView, SendCause cause) override { ++not_sent[name_of(send_counters, cause)]; }

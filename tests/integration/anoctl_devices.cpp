@@ -1,0 +1,283 @@
+// `anoctl devices`, `param`, `command` and `waypoint`: by the gateway that runs, and by a link of their own.
+#include <support/bytes.hpp>
+#include <support/files.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+struct Ran {
+    int exit = -1;
+    std::string output;
+};
+
+std::vector<json> lines_of(const std::string& text) {
+    std::vector<json> all;
+    std::istringstream in{text};
+    for (std::string line; std::getline(in, line);) all.push_back(json::parse(line));
+    return all;
+}
+
+bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+
+class AnoctlDevices : public testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(gateway.until_answers()) << gateway.output();
+        ASSERT_TRUE(gateway.until([](const json& status) { return status.dump().find("\"0xDC\"") != std::string::npos; }));
+    }
+    /// Standard input is no terminal.
+    Ran anoctl(std::vector<std::string> words) {
+        words.insert(words.end(), {"--control", socket});
+        Process process{ANOCTL, std::move(words)};
+        const int exit = process.wait();
+        return {exit, process.output()};
+    }
+    /// A second device, which never answers.
+    void hear_of_another() {
+        ASSERT_TRUE(wait_until([&] {
+            peer.send(gateway.port("peer"), frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));
+            return contains(anoctl({"devices"}).output, "0xDD");
+        }));
+    }
+
+    /// The second device was sent a question.
+    bool is_asked() {
+        const auto frames = split(peer.heard()).frames;
+        return std::any_of(frames.begin(), frames.end(), [](const Bytes& one) { return one[2] == 0xDD && one[3] == 0xE0; });
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock";
+    UdpPeer peer;
+    Daemon gateway{ANOGATED, socket, {"sim:fc,name=fc", peer.link("peer")}};
+};
+
+TEST_F(AnoctlDevices, are_listed) {
+    const Ran table = anoctl({"devices"});
+    EXPECT_EQ(table.exit, 0);
+    EXPECT_TRUE(contains(table.output, "ADDRESS")) << table.output;
+    EXPECT_TRUE(contains(table.output, "0xDC")) << table.output;
+    const Ran told = anoctl({"devices", "--json"});
+    const auto devices = lines_of(told.output);
+    ASSERT_EQ(devices.size(), 1u) << told.output;
+    EXPECT_EQ(devices[0].at("address"), "0xDC");
+    EXPECT_EQ(devices[0].at("link"), "fc");
+}
+
+TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
+    const Ran list = anoctl({"param", "list"});
+    EXPECT_EQ(list.exit, 0) << list.output;
+    EXPECT_TRUE(contains(list.output, "SIM_HEIGHT")) << list.output;
+    EXPECT_TRUE(contains(list.output, "where it hovers, cm")) << list.output;
+    const Ran all = anoctl({"param", "get", "--all", "--json"});
+    EXPECT_EQ(all.exit, 0);
+    const auto rows = lines_of(all.output);
+    EXPECT_GT(rows.size(), 20u);
+    for (const json& row : rows) EXPECT_TRUE(row.contains("value")) << row;
+    const Ran set = anoctl({"param", "set", "SIM_TURN", "-30"});
+    EXPECT_EQ(set.exit, 0) << set.output;
+    EXPECT_EQ(set.output, "SIM_TURN=-30\n");
+    const Ran clamped = anoctl({"param", "set", "SIM_TURN=100", "SIM_NOTE=2nd floor"});
+    EXPECT_EQ(clamped.exit, 0) << clamped.output;
+    EXPECT_TRUE(contains(clamped.output, "SIM_TURN=90 (the device clamps 100)\n")) << clamped.output;
+    const Ran get = anoctl({"param", "get", "SIM_TURN", "SIM_SERIAL"});
+    EXPECT_EQ(get.output, "SIM_TURN=90\nSIM_SERIAL=687194767361\n") << get.output;
+}
+
+TEST_F(AnoctlDevices, what_is_wrong_is_said_with_its_exit_status) {
+    const Ran unknown = anoctl({"param", "get", "SIM_TRN"});
+    EXPECT_EQ(unknown.exit, 1);
+    EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is called 'SIM_TRN'")) << unknown.output;
+    const Ran range = anoctl({"param", "set", "SIM_TURN", "300"});
+    EXPECT_EQ(range.exit, 1) << range.output;
+    EXPECT_EQ(anoctl({"param", "sett", "A", "1"}).output.find("anoctl: param 'sett' is nothing to do (did you mean 'set'?)"), 0u);
+    EXPECT_EQ(anoctl({"param", "set", "SIM_TURN"}).exit, 2);
+    EXPECT_EQ(anoctl({"param", "import", dir / "nowhere"}).exit, 2);
+    const Ran nobody = anoctl({"param", "get", "SIM_TURN", "--device", "Nobody"});
+    EXPECT_EQ(nobody.exit, 1);
+    EXPECT_TRUE(contains(nobody.output, "'Nobody' is no device that answers")) << nobody.output;
+}
+
+TEST_F(AnoctlDevices, of_several_one_has_to_be_chosen) {
+    hear_of_another();
+    const Ran several = anoctl({"param", "get", "SIM_TURN"});
+    EXPECT_EQ(several.exit, 2);
+    EXPECT_TRUE(contains(several.output, "there are several devices, choose one by --device: 0xDC")) << several.output;
+    EXPECT_TRUE(contains(several.output, "0xDD")) << several.output;
+    EXPECT_EQ(anoctl({"param", "get", "SIM_SWAY", "--device", "0xDC"}).exit, 0);
+    EXPECT_EQ(anoctl({"param", "get", "SIM_SWAY", "--device", "flight_controller"}).exit, 0);
+}
+
+TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_somebody_says_so) {
+    const std::string file = dir / "backup.json";
+    ASSERT_EQ(anoctl({"param", "export", file}).exit, 0);
+    json backup = json::parse(text_of(file));
+    EXPECT_EQ(backup.at("device"), "0xDC");
+    EXPECT_EQ(backup.at("name"), "SimFC");
+    EXPECT_TRUE(backup.at("parameters").contains("CAL_AOFF_X"));
+    EXPECT_TRUE(contains(anoctl({"param", "diff", file}).output, "nothing differs\n21 calibration parameters left out"));
+
+    backup["parameters"]["SIM_HEIGHT"] = 333;
+    backup["parameters"]["CAL_AOFF_X"] = 5;
+    dir.write("backup.json", backup.dump());
+    const Ran diff = anoctl({"param", "diff", file});
+    EXPECT_EQ(diff.exit, 0);
+    EXPECT_TRUE(contains(diff.output, "SIM_HEIGHT: ")) << diff.output;
+    EXPECT_TRUE(contains(diff.output, " -> 333\n")) << diff.output;
+    EXPECT_FALSE(contains(diff.output, "CAL_AOFF_X")) << diff.output;
+    EXPECT_TRUE(contains(anoctl({"param", "diff", file, "--with-calibration"}).output, "CAL_AOFF_X: 0 -> 5\n"));
+
+    const Ran refused = anoctl({"param", "import", file});
+    EXPECT_EQ(refused.exit, 2) << "nobody can be asked";
+    EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
+    EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=333\n");
+    const Ran written = anoctl({"param", "import", file, "--yes"});
+    EXPECT_EQ(written.exit, 0) << written.output;
+    EXPECT_TRUE(contains(written.output, "1 parameter written")) << written.output;
+    EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT", "CAL_AOFF_X"}).output, "SIM_HEIGHT=333\nCAL_AOFF_X=0\n");
+}
+
+TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {
+    EXPECT_EQ(anoctl({"param", "reset"}).exit, 2);
+    ASSERT_EQ(anoctl({"param", "set", "SIM_SWAY", "7"}).exit, 0);
+    EXPECT_EQ(anoctl({"param", "save"}).exit, 0);
+    const Ran flies = anoctl({"param", "reset", "--yes"});
+    EXPECT_EQ(flies.exit, 1);
+    EXPECT_TRUE(contains(flies.output, "this is for the ground")) << flies.output;
+    const Ran reset = anoctl({"param", "reset", "--yes", "--force"});
+    EXPECT_EQ(reset.exit, 0) << reset.output;
+    EXPECT_NE(anoctl({"param", "get", "SIM_SWAY"}).output, "SIM_SWAY=7\n");
+}
+
+TEST_F(AnoctlDevices, an_interrupt_cancels_the_job_and_says_so) {
+    hear_of_another();
+    peer.forget();
+    Process list{ANOCTL, {"param", "list", "--device", "0xDD", "--control", socket}};
+    ASSERT_TRUE(wait_until([&] { return is_asked(); })) << list.output();
+    list.signal(SIGINT);
+    EXPECT_EQ(list.wait(), 130);
+    EXPECT_TRUE(contains(list.output(), "anoctl: cancelled")) << list.output();
+    EXPECT_TRUE(wait_until([&] { return contains(http(socket, "GET /jobs HTTP/1.0\r\n\r\n"), "\"cancelled\""); }));
+}
+
+TEST_F(AnoctlDevices, commands_are_listed_and_called_when_somebody_says_so) {
+    const Ran list = anoctl({"command", "list"});
+    EXPECT_EQ(list.exit, 0) << list.output;
+    EXPECT_TRUE(contains(list.output, "ADD u8 i8 u16 i16 u32 i32 f32 f64")) << list.output;
+    const Ran refused = anoctl({"command", "call", "TAKE_OFF", "300"});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
+    const Ran called = anoctl({"command", "call", "TURN", "-5", "--yes"});
+    EXPECT_EQ(called.exit, 0) << called.output;
+    EXPECT_TRUE(contains(called.output, "TURN -5: acknowledged\n")) << called.output;
+    EXPECT_EQ(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=-5\n");
+    for (const char* wrong : {"200", "x", "1.5"}) EXPECT_EQ(anoctl({"command", "call", "TURN", wrong, "--yes"}).exit, 2) << wrong;
+    EXPECT_EQ(anoctl({"command", "call", "TURN", "--yes"}).exit, 2);
+    const Ran unknown = anoctl({"command", "call", "TAKEOFF", "--yes"});
+    EXPECT_TRUE(contains(unknown.output, "did you mean 'TAKE_OFF'?")) << unknown.output;
+    const Ran refuses = anoctl({"command", "call", "TAKE_OFF", "5", "--yes"});
+    EXPECT_EQ(refuses.exit, 1) << "too low for it: it does not answer";
+    EXPECT_TRUE(contains(refuses.output, "may have been carried out")) << refuses.output;
+}
+
+TEST_F(AnoctlDevices, waypoints_go_to_a_file_and_back) {
+    const std::string file = dir / "way.json", plan = dir / "way.geojson";
+    ASSERT_EQ(anoctl({"waypoint", "get", file}).exit, 0);
+    json way = json::parse(text_of(file));
+    ASSERT_FALSE(way.at("waypoints").empty());
+    json second = way["waypoints"][0];
+    second["num"] = 1;
+    way["waypoints"].push_back(second);
+    dir.write("way.json", way.dump());
+    const Ran put = anoctl({"waypoint", "put", file});
+    EXPECT_EQ(put.exit, 0) << put.output;
+    EXPECT_TRUE(contains(put.output, ": 2 waypoints written\n")) << put.output;
+    EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 2u);
+    ASSERT_EQ(anoctl({"waypoint", "get", plan}).exit, 0);
+    EXPECT_EQ(json::parse(text_of(plan)).at("type"), "FeatureCollection");
+    EXPECT_EQ(anoctl({"waypoint", "put", plan}).exit, 0);
+    EXPECT_EQ(anoctl({"waypoint", "put", dir.write("no.json", "{")}).exit, 2);
+}
+
+TEST_F(AnoctlDevices, names_complete) {
+    const Ran names = anoctl({"__complete", "names"});
+    EXPECT_TRUE(contains(names.output, "\t0xDC\n")) << names.output;
+    EXPECT_TRUE(wait_until([&] { return contains(anoctl({"__complete", "parameters", "param", "get"}).output, "SIM_TURN\t"); }));
+}
+
+TEST_F(AnoctlDevices, nobody_is_asked_without_a_gateway) {
+    Process none{ANOCTL, {"param", "list", "--control", dir / "nothing"}};
+    EXPECT_EQ(none.wait(), 1);
+    EXPECT_TRUE(contains(none.output(), dir / "nothing")) << none.output();
+}
+
+TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
+    TempDir dir;
+    const auto by_link = [](std::vector<std::string> words) {
+        words.insert(words.end(), {"--link", "sim:fc"});
+        Process process{ANOCTL, std::move(words)};
+        const int exit = process.wait();
+        return Ran{exit, process.output()};
+    };
+    const Ran devices = by_link({"devices"});
+    EXPECT_EQ(devices.exit, 0) << devices.output;
+    EXPECT_TRUE(contains(devices.output, "SimFC")) << devices.output;
+    const Ran set = by_link({"param", "set", "SIM_TURN", "-5"});
+    EXPECT_EQ(set.exit, 0) << set.output;
+    EXPECT_TRUE(contains(set.output, "SIM_TURN=-5\n")) << set.output;
+    EXPECT_EQ(by_link({"param", "export", dir / "backup.json"}).exit, 0);
+    EXPECT_TRUE(json::parse(text_of(dir / "backup.json")).at("parameters").contains("SIM_NOTE"));
+    Process absent{ANOCTL, {"param", "list", "--link", "serial:" + (dir / "absent")}};
+    EXPECT_EQ(absent.wait(), 1);
+    EXPECT_TRUE(contains(absent.output(), "is not there")) << absent.output();
+}
+
+TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
+    if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
+    const auto tmux = [&](const std::string& words) {
+        return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
+    };
+    const std::string file = dir / "other.json";
+    dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
+    ASSERT_EQ(tmux("-f /dev/null new-session -d -x 120 -y 24 -s t 'sh'"), 0);
+    const auto type = [&](const std::string& words) { tmux("send-keys -t t '" + words + "' Enter"); };
+    const auto shows = [&](const std::string& words) {
+        return wait_until([&] {
+            Process capture{"tmux", {"-S", dir / "tmux", "capture-pane", "-p", "-t", "t"}};
+            capture.wait();
+            return contains(capture.output(), words);
+        });
+    };
+    type(ANOCTL " param import " + file + " --control " + socket + "; echo ended as $?");
+    EXPECT_TRUE(shows("the file is of Other, device type 1, this is SimFC"));
+    EXPECT_TRUE(shows("Go on all the same? [y/N]"));
+    type("y");
+    EXPECT_TRUE(shows("Write 1 parameter into SimFC (0xDC)? [y/N]"));
+    type("n");
+    EXPECT_TRUE(shows("ended as 1"));
+    EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
+    type("clear");
+    hear_of_another();
+    type(ANOCTL " param list --device 0xDD --control " + socket + "; echo ended as $?");
+    EXPECT_TRUE(shows("reading parameters"));
+    tmux("send-keys -t t C-c");
+    EXPECT_TRUE(shows("ended as 130"));
+    tmux("kill-server");
+}
+
+}    // namespace

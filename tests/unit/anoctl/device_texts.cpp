@@ -1,0 +1,157 @@
+// What the commands for devices make of answers, and of what somebody typed.
+#include <anoctl/anoctl.hpp>
+#include <anoctl/device/command_values.hpp>
+#include <anoctl/device/job_text.hpp>
+#include <anoctl/device/parameter_file.hpp>
+#include <anoctl/device/waypoint_form.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace anoctl;
+using ano::Json;
+
+namespace {
+
+template <class Error, class F>
+std::string thrown(F&& f) {
+    try {
+        f();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "nothing was thrown";
+}
+
+TEST(JobText, has_rate_and_time_left) {
+    const Json job{{"done", 60}, {"total", 150}, {"unit", "parameters"}, {"message", "reading"}};
+    EXPECT_EQ(progress_text(job, 5, 200), "[########............] 60 of 150 parameters, 12/s, 7.5 s left: reading");
+    EXPECT_EQ(progress_text(job, 0.1, 200), "[########............] 60 of 150 parameters: reading")
+        << "nothing is known of the rate yet";
+    EXPECT_EQ(progress_text(job, 5, 10), "[########.");
+    const Json file{{"done", 128 * 1024}, {"total", 256 * 1024}, {"unit", "bytes"}};
+    EXPECT_EQ(progress_text(file, 4, 200), "[##########..........] 128 KiB of 256 KiB, 32 KiB/s, 4.0 s left");
+    const Json whole{{"done", 4}, {"total", 4}, {"unit", "steps"}};
+    EXPECT_EQ(progress_text(whole, 2, 200), "[####################] 4 of 4 steps, 2/s");
+    EXPECT_EQ(progress_text(Json{{"message", "waits"}}, 2, 200), "waits");
+}
+
+TEST(JobText, says_what_is_half_done) {
+    const auto half = [](const char* kind, int done) {
+        return half_done(Json{{"kind", kind}, {"done", done}, {"total", 2048}, {"unit", "bytes"}});
+    };
+    EXPECT_EQ(half("firmware", 1024), "1 KiB of 2 KiB were written, the device is left in its loader: flash it again");
+    EXPECT_EQ(half("firmware", 0), "");
+    EXPECT_NE(half("apply", 1).find("unless it is saved"), std::string::npos);
+    EXPECT_EQ(half("put_waypoints", 1), "1 bytes of 2 KiB were written");
+    EXPECT_EQ(half("command", 0), "the command may have been carried out");
+    EXPECT_EQ(half("parameters", 7), "") << "who only reads leaves nothing";
+}
+
+const Json answered{{"device", {{"address", "0xDC"}, {"name", "SimFC"}, {"dev_id", 220}, {"hw", 100}, {"sw", 3}, {"pt", 800}}},
+                    {"parameters",
+                     {{{"id", 0}, {"name", "PID_P"}, {"type", "f32"}, {"value", 1.5}},
+                      {{"id", 1}, {"name", "CAL_AOFF_X"}, {"type", "f32"}, {"value", 0.25}},
+                      {{"id", 2}, {"name", "NAME"}, {"type", "string"}, {"value", "x"}}}}};
+
+TEST(ParameterFile, holds_values_by_name_in_their_order) {
+    EXPECT_EQ(
+        parameter_file(answered).dump(),
+        R"({"device":"0xDC","name":"SimFC","dev_id":220,"hw":100,"sw":3,"parameters":{"PID_P":1.5,"CAL_AOFF_X":0.25,"NAME":"x"}})");
+}
+
+TEST(ParameterFile, has_no_holes) {
+    Json holed = answered;
+    holed["parameters"][1].erase("value");
+    EXPECT_EQ(thrown<Failure>([&] { parameter_file(holed); }), "nothing is exported: these did not come: CAL_AOFF_X");
+    Json doubled = answered;
+    doubled["parameters"][2]["name"] = "PID_P";
+    EXPECT_EQ(thrown<Failure>([&] { parameter_file(doubled); }), "nothing is exported: several parameters are called PID_P");
+}
+
+TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
+    const Json whole = parsed_parameter_file(parameter_file(answered).dump(), "f");
+    EXPECT_EQ(whole["name"], "SimFC");
+    EXPECT_EQ(whole["parameters"]["PID_P"], 1.5);
+    EXPECT_EQ(parsed_parameter_file(R"({"A": 1})", "f")["parameters"]["A"], 1);
+    EXPECT_NE(thrown<UsageError>([] { parsed_parameter_file("{", "f"); }).find("f: it is not JSON: "), std::string::npos);
+    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("[1]", "f"); }),
+              "f: it is no file of parameters: {\"parameters\": {NAME: value}}");
+    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file(R"({"A": null})", "f"); }),
+              "f: the value of 'A' is neither a number nor a text");
+}
+
+TEST(ParameterFile, of_another_device_is_known) {
+    const Json& device = answered["device"];
+    EXPECT_EQ(of_another_device(Json{{"name", "SimFC"}, {"dev_id", 220}}, device), "");
+    EXPECT_EQ(of_another_device(Json{{"parameters", Json::object()}}, device), "") << "it does not say";
+    EXPECT_EQ(of_another_device(Json{{"name", "Other"}, {"dev_id", 220}}, device),
+              "the file is of Other, this is SimFC, device type 220");
+    EXPECT_EQ(of_another_device(Json{{"name", "Other"}, {"dev_id", 1}}, device),
+              "the file is of Other, device type 1, this is SimFC, device type 220");
+}
+
+TEST(ParameterFile, leaves_out_what_belongs_to_one_piece_of_hardware) {
+    const Json file = parameter_file(answered);
+    std::size_t left_out = 9;
+    EXPECT_EQ(wanted_values(file, false, left_out).dump(), R"({"PID_P":1.5,"NAME":"x"})");
+    EXPECT_EQ(left_out, 1u);
+    EXPECT_EQ(wanted_values(file, true, left_out).size(), 3u);
+    EXPECT_EQ(left_out, 0u);
+}
+
+TEST(ParameterFile, shows_what_changes) {
+    const Json answer{{"parameters",
+                       {{{"name", "A"}, {"was", 1}, {"written", 1}, {"state", "unchanged"}},
+                        {{"name", "B"}, {"was", 1.5}, {"written", 2}, {"state", "differs"}},
+                        {{"name", "C"}, {"was", 1}, {"written", 9}, {"stored", 5}, {"state", "clamped"}},
+                        {{"name", "D"}, {"written", 9}, {"state", "failed"}, {"what", "no parameter is called D"}},
+                        {{"name", "E"}, {"was", "a"}, {"written", "b\x1b"}, {"stored", "b\x1b"}, {"state", "written"}}}}};
+    EXPECT_EQ(difference_lines(answer),
+              (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, clamped: 9 was asked for",
+                                        "D: 9, failed: no parameter is called D", "E: \"a\" -> \"b\\u001b\""}));
+    EXPECT_EQ(rows_with(answer, "failed"), 1u);
+}
+
+const Json commands{{{"id", 0}, {"name", "land"}, {"values", Json::array()}},
+                    {{"id", 1}, {"name", "move"}, {"values", {"u8", "i16", "f32"}}},
+                    {{"id", 2}, {"name", "twice"}, {"values", Json::array()}},
+                    {{"id", 3}, {"name", "twice"}, {"values", Json::array()}}};
+
+TEST(CommandValues, of_a_command_by_name_or_number) {
+    EXPECT_EQ(command_called(commands, "move")["id"], 1);
+    EXPECT_EQ(command_called(commands, "0")["name"], "land");
+    EXPECT_EQ(command_called(commands, "3")["id"], 3);
+    EXPECT_EQ(thrown<UsageError>([] { command_called(commands, "mve"); }),
+              "the device has no command 'mve' (did you mean 'move'?); anoctl command list has them");
+    EXPECT_NE(thrown<UsageError>([] { command_called(commands, "twice"); }).find("several commands are called 'twice'"),
+              std::string::npos);
+}
+
+TEST(CommandValues, fit_number_type_and_range) {
+    const Json& move = commands[1];
+    EXPECT_EQ(command_values(move, {"255", "-5", "1.5"}).dump(), "[255,-5,1.5]");
+    EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1"}); }), "move takes 3 values, not 1: move u8 i16 f32");
+    EXPECT_EQ(thrown<UsageError>([&] { command_values(commands[0], {"1"}); }), "land takes 0 values, not 1: land");
+    EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1", "x", "1"}); }), "move, value 2: 'x' is no number");
+    for (const char* wrong : {"256", "-1", "1.5"})
+        EXPECT_EQ(thrown<UsageError>([&] {
+                      command_values(move, {wrong, "1", "1"});
+                  }).find("move, value 1: '" + std::string{wrong} + "' "),
+                  0u)
+            << wrong;
+}
+
+TEST(WaypointForm, is_known_by_the_name_or_the_content) {
+    EXPECT_EQ(form_of_name("a.geojson"), "geojson");
+    EXPECT_EQ(form_of_name("a.plan"), "qgc");
+    EXPECT_EQ(form_of_name("a.json"), "json");
+    EXPECT_EQ(form_of_content(Json{{"type", "FeatureCollection"}}), "geojson");
+    EXPECT_EQ(form_of_content(Json{{"fileType", "Plan"}}), "qgc");
+    EXPECT_EQ(form_of_content(Json{{"waypoints", Json::array()}}), "json");
+}
+
+}    // namespace

@@ -1,0 +1,274 @@
+#include "device_client.hpp"
+
+#include "door.hpp"
+#include "job_text.hpp"
+#include "link_door.hpp"
+
+#include <ano/hex.hpp>
+#include <ano_json/text.hpp>
+#include <anoctl/gateway_json.hpp>
+#include <anoctl/own_link.hpp>
+#include <anoctl/table.hpp>
+#include <http/asio.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <optional>
+#include <ostream>
+#include <utility>
+#include <variant>
+
+namespace anoctl {
+
+namespace asio = anogate::asio;
+namespace http = anogate::http;
+using ano::Json;
+using anogate::error_code;
+
+namespace {
+
+http::Request request_of(const std::string& method, std::string target, std::string body) {
+    http::Request request;
+    request.method = method;
+    request.target = std::move(target);
+    request.body = std::move(body);
+    return request;
+}
+
+std::string quoted_devices(const Json& devices) {
+    std::string all;
+    for (const Json& device : devices) {
+        all += (all.empty() ? "" : ", ") + text_at(device, "address");
+        if (const std::string name = text_at(device, "name"); !name.empty()) all += " " + name;
+    }
+    return all;
+}
+
+Json with_name(const Json& devices, const std::string& name) {
+    Json named = Json::array();
+    for (const Json& device : devices)
+        if (text_at(device, "name") == name) named.push_back(device);
+    return named;
+}
+
+}    // namespace
+
+struct DeviceClient::Loop {
+    asio::io_context io{1};
+    std::unique_ptr<DeviceDoor> door;
+    Json device;    // null: it is not chosen yet
+};
+
+// One job, from the request to its end.
+class DeviceClient::Exchange {
+public:
+    Exchange(Loop& loop, Streams& streams, JobView& view) : loop_{loop}, streams_{streams}, view_{view} {}
+
+    Json run(http::Request request) {
+        request.headers.push_back({"Accept", "application/x-ndjson"});
+        request.target += request.target.find('?') == std::string::npos ? "?while_connected" : "&while_connected";
+        loop_.io.restart();
+        await_signal();
+        begin(std::move(request));
+        loop_.io.run();
+        loop_.door->hang_up();
+        signals_.cancel();
+        view_.end();
+        return result();
+    }
+
+private:
+    void begin(http::Request request) {
+        loop_.door->stream(
+            std::move(request), [this](std::string_view line) { hear(line); },
+            [this](http::Outcome outcome) {
+                // Firmware and calibration: the job is the answer, and is followed from there.
+                if (outcome.fault.empty() && outcome.answer.status == 202 && !has_job_) {
+                    hear(outcome.answer.body);
+                    http::Request follow = request_of("GET", "/jobs/" + text_at(job_, "id") + "?while_connected", {});
+                    follow.headers.push_back({"Accept", "application/x-ndjson"});
+                    return begin(std::move(follow));
+                }
+                outcome_ = std::move(outcome);
+                loop_.io.stop();
+            });
+    }
+
+    void hear(std::string_view line) {
+        Json job = Json::parse(line, nullptr, false);
+        if (!job.is_object()) return;
+        const std::string state = text_at(job, "state");
+        job_ = std::move(job);
+        has_job_ = true;
+        if (state != "running" && state != "waiting") return;
+        view_.show(job_);
+        waits_ = state == "waiting";
+        if (waits_ && view_.goes_on_by_itself()) go_on();
+        else if (waits_) await_key();
+    }
+
+    void go_on() {
+        if (!std::exchange(waits_, false)) return;
+        loop_.door->ask(request_of("POST", "/jobs/" + text_at(job_, "id") + "/next", {}), [](const http::Outcome&) {});
+    }
+
+    // Enter says that a job that waits may go on.
+    void await_key() {
+        if (!streams_.in_is_terminal || keys_.is_open()) return;
+        error_code ec;
+        keys_.assign(::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC), ec);    // by itself: what never waits is not for others
+        if (!ec) read_key();
+    }
+    void read_key() {
+        keys_.async_read_some(asio::buffer(typed_), [this](error_code ec, std::size_t) {
+            if (ec) return;
+            go_on();
+            read_key();
+        });
+    }
+
+    // The first cancels the job and waits for its end, the second does not wait.
+    void await_signal() {
+        signals_.async_wait([this](error_code ec, int) {
+            if (ec) return;
+            if (std::exchange(interrupted_, true) || !has_job_) return loop_.io.stop();
+            streams_.err << "\nanoctl: cancelling; Ctrl-C again does not wait for it" << std::endl;
+            loop_.door->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
+            await_signal();
+        });
+    }
+
+    Json result() {
+        const std::string state = text_at(job_, "state"), error = text_at(job_, "error");
+        if (state == "done" && job_.contains("result")) return std::move(job_["result"]);
+        if (interrupted_ || !outcome_) {
+            const std::string rest = half_done(job_);
+            throw Interrupted{"cancelled" + (rest.empty() ? "" : ": " + rest) +
+                              (error.empty() || error == "cancelled" ? "" : ": " + error)};
+        }
+        if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
+        if (!error.empty()) throw Failure{error};
+        if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
+        if (has_job_ && state != "done") throw Failure{"the job ended without a word of how"};
+        if (outcome_->answer.status / 100 != 2) throw Failure{words_of(outcome_->answer)};
+        return parse_answer(outcome_->answer.body);
+    }
+
+    Loop& loop_;
+    Streams& streams_;
+    JobView& view_;
+    asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
+    asio::posix::stream_descriptor keys_{loop_.io};
+    Json job_;
+    bool has_job_ = false, waits_ = false, interrupted_ = false;
+    std::array<char, 64> typed_{};
+    std::optional<http::Outcome> outcome_;
+};
+
+void DeviceOptions::add(Options& declared, DeviceOptions& self) {
+    declared.push_back({"--device", &self.device, "DEVICE", "The device, by address or name (default: the only one there)"});
+    add_place(declared, self);
+}
+
+void DeviceOptions::add_place(Options& declared, DeviceOptions& self) {
+    declared.push_back(
+        {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
+    GatewayOptions::add(declared, self.gateway);
+    declared.push_back({"--json", &self.json, "", "As JSON, one object a line"});
+}
+
+void DeviceOptions::add_yes(Options& declared, DeviceOptions& self) {
+    declared.push_back({"--yes", &self.yes, "", "Does it without asking first"});
+}
+
+DeviceClient::DeviceClient(const DeviceOptions& options, Streams& streams)
+    : options_{options}, streams_{streams}, loop_{std::make_unique<Loop>()} {
+    if (options.link.empty()) loop_->door = gateway_door(loop_->io, options.gateway.socket());
+    else loop_->door = link_door(loop_->io, link_settings_of(options.link), streams);
+}
+DeviceClient::~DeviceClient() = default;
+
+Json DeviceClient::ask(const std::string& method, const std::string& target, std::string body) {
+    std::optional<http::Outcome> outcome;
+    loop_->io.restart();
+    loop_->door->ask(request_of(method, target, std::move(body)), [&](http::Outcome came) {
+        outcome = std::move(came);
+        loop_->io.stop();
+    });
+    loop_->io.run();
+    if (!outcome) throw Failure{"there is no answer"};
+    if (!outcome->fault.empty()) throw Failure{outcome->fault};
+    if (outcome->answer.status / 100 != 2) throw Failure{words_of(outcome->answer)};
+    return parse_answer(outcome->answer.body);
+}
+
+Json DeviceClient::run(http::Request request, JobView& view) { return Exchange{*loop_, streams_, view}.run(std::move(request)); }
+
+Json DeviceClient::run(const std::string& method, const std::string& target, std::string body) {
+    ProgressView view{streams_, false};
+    return run(request_of(method, target, std::move(body)), view);
+}
+
+Json DeviceClient::devices(bool scan) {
+    const Json answer = scan ? run("POST", "/devices/scan", "{}") : ask("GET", "/devices");
+    return at(answer, "devices");
+}
+
+const Json& DeviceClient::device() {
+    if (!loop_->device.is_null()) return loop_->device;
+    // A link of our own has heard nobody yet.
+    Json found = choose(devices(!options_.link.empty()));
+    if (found.empty() && options_.link.empty()) found = choose(devices(true));
+    if (found.size() == 1) return loop_->device = found.front();
+    if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + quoted_devices(found)};
+    throw Failure{options_.device.empty() ? "no device answers" : ano::in_quotes(options_.device) + " is no device that answers"};
+}
+
+Json DeviceClient::choose(const Json& found) const {
+    if (options_.device.empty()) return found;
+    Json named = with_name(found, options_.device);
+    if (!named.empty()) return named;
+    const auto address = ano::address_called(options_.device);
+    const auto* number = std::get_if<std::uint8_t>(&address);
+    if (number == nullptr) return named;
+    for (const Json& device : found)
+        if (text_at(device, "address") == ano::hex_byte(*number)) return Json::array({device});
+    return Json::array({Json{{"address", ano::hex_byte(*number)}}});    // it may answer although it was not heard
+}
+
+const Json& DeviceClient::known_device() {
+    if (device().contains("name")) return loop_->device;
+    for (const Json& one : devices(true))
+        if (text_at(one, "address") == text_at(loop_->device, "address")) loop_->device = one;
+    return loop_->device;
+}
+
+std::string DeviceClient::target(const std::string& rest) { return "/devices/" + text_at(device(), "address") + rest; }
+
+std::string DeviceClient::device_words() {
+    const std::string name = text_at(device(), "name"), address = text_at(device(), "address");
+    return name.empty() ? address : name + " (" + address + ")";
+}
+
+void DeviceClient::must_be_able_to_ask(const std::string& what) const {
+    if (!options_.yes && !streams_.in_is_terminal)
+        throw UsageError{what + " asks first, and there is no terminal to ask at: --yes does it without"};
+}
+
+bool DeviceClient::may(const std::string& question) {
+    if (options_.yes) return true;
+    must_be_able_to_ask("it");
+    streams_.out.flush();
+    streams_.err << question << " [y/N] " << std::flush;
+    std::string answer;
+    char c = 0;
+    while (::read(streams_.in, &c, 1) == 1 && c != '\n') answer += c;
+    return answer == "y" || answer == "Y" || answer == "yes";
+}
+
+}    // namespace anoctl

@@ -1,0 +1,78 @@
+#include "job_text.hpp"
+
+#include <ano_json/text.hpp>
+#include <anoctl/gateway_json.hpp>
+#include <anoctl/table.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace anoctl {
+namespace {
+
+constexpr std::size_t bar_width = 20;
+
+std::string bar(double share) {
+    const auto full = static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * double{bar_width} + 0.5);
+    return "[" + std::string(full, '#') + std::string(bar_width - full, '.') + "] ";
+}
+
+std::string counted(double number, const std::string& unit) {
+    return unit == "bytes" ? bytes_text(number) : ano::number_text(std::round(number));
+}
+
+// "63 of 150 parameters"
+std::string counts(double done, double total, const std::string& unit) {
+    std::string text = counted(done, unit) + " of " + counted(total, unit);
+    if (unit != "bytes" && !unit.empty()) text += " " + unit;
+    return text;
+}
+
+std::string pace(double done, double total, double seconds, const std::string& unit) {
+    if (done <= 0 || seconds <= 0.2) return {};
+    const double rate = done / seconds;
+    std::string text = ", " + (unit == "bytes" ? bytes_text(rate) : ano::number_text(std::round(rate * 10) / 10)) + "/s";
+    if (total > done) text += ", " + time_text((total - done) / rate) + " left";
+    return text;
+}
+
+}    // namespace
+
+std::string bytes_text(double bytes) {
+    char text[40];
+    if (bytes < 1024) std::snprintf(text, sizeof text, "%.0f bytes", bytes);
+    else if (bytes < 1024 * 1024) std::snprintf(text, sizeof text, "%.3g KiB", bytes / 1024);
+    else std::snprintf(text, sizeof text, "%.3g MiB", bytes / 1024 / 1024);
+    return text;
+}
+
+std::string progress_text(const ano::Json& job, double seconds, std::size_t width) {
+    const double done = number_at(job, "done"), total = number_at(job, "total");
+    const std::string unit = text_at(job, "unit");
+    std::string text = text_at(job, "message");
+    if (total > 0) {
+        const std::string head = bar(done / total) + counts(done, total, unit) + pace(done, total, seconds, unit);
+        text = text.empty() ? head : head + ": " + text;
+    }
+    while (cells_of(text) > width) text.pop_back();
+    return text;
+}
+
+std::string half_done(const ano::Json& job) {
+    const double done = number_at(job, "done"), total = number_at(job, "total");
+    const std::string deed = text_at(job, "kind"), unit = text_at(job, "unit");
+    if (deed == "firmware" && done > 0)
+        return counts(done, total, unit) + " were written, the device is left in its loader: flash it again";
+    if (deed == "apply" && done > 0)
+        return counts(done, total, unit) +
+               " were looked at: what was written stays until the device restarts, and no longer unless "
+               "it is saved";
+    if (deed == "put_waypoints" && done > 0) return counts(done, total, unit) + " were written";
+    if (deed == "command") return "the command may have been carried out";
+    return {};
+}
+
+}    // namespace anoctl

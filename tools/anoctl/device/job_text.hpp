@@ -1,0 +1,23 @@
+// What is told of a job while it runs and when it ends, as text.
+#pragma once
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstddef>
+#include <string>
+
+namespace anoctl {
+
+/// "[#####.....] 63 of 150 parameters, 12/s, 7 s left", in at most `width` cells; `seconds` since it began. Its message, where nothing is
+/// counted.
+std::string progress_text(const ano::Json& job, double seconds, std::size_t width);
+
+/// What is half done when it was cancelled, in a clause: "4096 of 16384 bytes were written, the device is left in its loader: flash it
+/// again". Empty: nothing is.
+std::string half_done(const ano::Json& job);
+
+/// "128 KiB", "900 bytes".
+std::string bytes_text(double bytes);
+
+}    // namespace anoctl

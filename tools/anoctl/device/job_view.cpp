@@ -1,0 +1,36 @@
+#include "job_view.hpp"
+
+#include "job_text.hpp"
+
+#include <anoctl/gateway_json.hpp>
+#include <anoctl/terminal.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <ostream>
+
+namespace anoctl {
+
+void LiveLines::show(const std::vector<std::string>& lines) {
+    if (lines.empty() && shown_ == 0) return;
+    err_ << '\r';
+    if (shown_ > 1) err_ << "\x1b[" << shown_ - 1 << 'A';
+    err_ << "\x1b[J";
+    for (std::size_t i = 0; i < lines.size(); ++i) err_ << (i > 0 ? "\r\n" : "") << lines[i];
+    shown_ = lines.size();
+    err_.flush();
+}
+
+void ProgressView::show(const ano::Json& job) {
+    if (streams_.err_is_terminal) {
+        const double seconds = std::chrono::duration<double>(ano::Clock::now() - began_).count();
+        return lines_.show({progress_text(job, seconds, Screen::size().width - 1)});
+    }
+    const std::string message = text_at(job, "message");
+    if (!tells_steps_ || message.empty() || message == told_) return;
+    told_ = message;
+    streams_.err << "anoctl: " << message << std::endl;
+}
+
+}    // namespace anoctl

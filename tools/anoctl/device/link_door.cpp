@@ -1,0 +1,248 @@
+#include "link_door.hpp"
+
+#include <ano/address.hpp>
+#include <anoctl/own_link.hpp>
+#include <devices/device_net.hpp>
+#include <devices/device_routes.hpp>
+#include <devices/device_service.hpp>
+#include <http/asio.hpp>
+#include <http/producer.hpp>
+#include <http/response.hpp>
+#include <http/routes.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+namespace asio = anogate::asio;
+namespace http = anogate::http;
+using ano::TimePoint;
+using anogate::error_code;
+
+constexpr auto time_to_open = std::chrono::seconds{5};    // of the link, until what is asked fails
+
+// The parser of that profile has so many bytes for a text.
+anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
+    constexpr std::size_t vendor_text = 29;
+    anogate::DeviceManners manners;
+    if (settings.profile == anogate::Profile::vendor) manners.text = {false, vendor_text};
+    manners.value_type_7 = settings.meaning_of_type_7();
+    manners.max_data = std::min<std::size_t>(manners.max_data, settings.effective_max_data_out());
+    return manners;
+}
+
+// What surrounds the host engine here: one link.
+class LinkNet final : public anogate::DeviceNet, public FrameTaker {
+public:
+    LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams)
+        : timer_{io}, manners_{manners_of(settings)}, link_{io, settings, *this, streams, ""}, service_{*this} {
+        anogate::add_device_routes(routes_, service_);
+        link_.start();
+    }
+    ~LinkNet() override {
+        service_.stop(now());
+        link_.stop();
+    }
+
+    const http::Routes& routes() const noexcept { return routes_; }
+    bool is_up() const noexcept { return link_.is_up(); }
+    const std::string& name() const noexcept { return link_.name(); }
+
+private:
+    struct Heard {
+        std::string peer;
+        std::optional<TimePoint> at{};
+        bool elsewhere = false;    // from two peers: which one is meant is not known
+    };
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        const TimePoint time = now();
+        Heard& heard = heard_[frame.source()];
+        heard.elsewhere = heard.elsewhere || (heard.at && heard.peer != passage.link);
+        heard.peer = passage.link;
+        heard.at = time;
+        if (listens_) service_.hear(frame, time);
+        return true;
+    }
+    bool flush() override { return true; }
+    void miss(std::uint64_t, const std::string&, std::string_view) override {}
+
+    TimePoint now() override { return ano::Clock::now(); }
+    std::string send(ano::FrameView frame) override {
+        link_.send(frame);
+        return {};
+    }
+    void listen(bool wants) override { listens_ = wants; }
+    void wake(TimePoint at) override {
+        if (wakes_at_ && *wakes_at_ <= at) return;
+        wakes_at_ = at;
+        timer_.expires_at(at);
+        timer_.async_wait([this](error_code ec) {
+            if (ec) return;
+            wakes_at_.reset();
+            service_.run(now());
+        });
+    }
+    std::vector<anogate::HeardAddress> heard(TimePoint) override {
+        std::vector<anogate::HeardAddress> all;
+        for (unsigned address = 1; address < 255; ++address) {
+            const Heard& one = heard_[address];
+            if (one.at && !ano::address::is_host(static_cast<std::uint8_t>(address)))
+                all.push_back(
+                    {static_cast<std::uint8_t>(address), link_.name(), one.peer == link_.name() ? "" : one.peer, one.at});
+        }
+        return all;
+    }
+    ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override {
+        const Heard& one = heard_[address];
+        return {one.at.has_value(), false, one.elsewhere};
+    }
+    anogate::DeviceManners manners(std::uint8_t) override { return manners_; }
+
+    asio::steady_timer timer_;
+    std::optional<TimePoint> wakes_at_;
+    std::array<Heard, 256> heard_;
+    bool listens_ = false;
+    const anogate::DeviceManners manners_;
+    OwnLink link_;
+    anogate::DeviceService service_;
+    http::Routes routes_;
+};
+
+/// An answer as it is made, until it is whole or nobody wants it any more.
+class Answering : public std::enable_shared_from_this<Answering> {
+public:
+    Answering(asio::io_context& io, DeviceDoor::Line line, DeviceDoor::Done done)
+        : io_{io}, line_{std::move(line)}, done_{std::move(done)} {}
+
+    void take(http::Response response) {
+        if (!done_) return;
+        if (response.later) {
+            needed_ = response.needed;
+            const auto later = std::move(response.later);
+            return later([self = weak_from_this()](http::Response said) {
+                if (const auto here = self.lock())
+                    asio::post(here->io_, [here, kept = std::make_shared<http::Response>(std::move(said))] {
+                        here->take(std::move(*kept));
+                    });
+            });
+        }
+        answer_.status = response.status;
+        answer_.headers = {{"Content-Type", response.type}};
+        answer_.body = std::move(response.body);
+        producer_ = std::move(response.producer);
+        if (!producer_) return finish();
+        producer_->start([self = weak_from_this()] {
+            if (const auto here = self.lock()) here->go_on_soon();
+        });
+        go_on_soon();
+    }
+    void drop() {
+        done_ = {};
+        line_ = {};
+        producer_.reset();
+        needed_.reset();
+    }
+
+private:
+    void go_on_soon() {
+        if (std::exchange(goes_on_, true)) return;
+        asio::post(io_, [self = shared_from_this()] {
+            self->goes_on_ = false;
+            self->go_on();
+        });
+    }
+    void go_on() {
+        while (producer_) {
+            std::string part;
+            const auto next = producer_->next(part);
+            hear(part);
+            if (next == http::Producer::Next::later) return;
+            if (next == http::Producer::Next::end) return finish();
+        }
+    }
+    void hear(const std::string& part) {
+        if (!line_) {
+            answer_.body += part;
+            return;
+        }
+        rest_ += part;
+        std::size_t begin = 0;
+        for (std::size_t end = 0; line_ && (end = rest_.find('\n', begin)) != std::string::npos; begin = end + 1)
+            line_(std::string_view{rest_}.substr(begin, end - begin));
+        rest_.erase(0, begin);
+    }
+    void finish() {
+        const auto done = std::move(done_);
+        drop();
+        if (done) done({{}, std::move(answer_)});
+    }
+
+    asio::io_context& io_;
+    DeviceDoor::Line line_;
+    DeviceDoor::Done done_;
+    http::Answer answer_;
+    std::unique_ptr<http::Producer> producer_;
+    std::shared_ptr<void> needed_;
+    std::string rest_;
+    bool goes_on_ = false;
+};
+
+class LinkDoor final : public DeviceDoor {
+public:
+    LinkDoor(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams)
+        : io_{io}, patience_{io}, net_{io, settings, streams} {}
+    ~LinkDoor() override { LinkDoor::hang_up(); }
+
+    void ask(http::Request request, Done done) override { begin(asks_, std::move(request), {}, std::move(done)); }
+    void stream(http::Request request, Line line, Done done) override {
+        begin(streams_, std::move(request), std::move(line), std::move(done));
+    }
+    void hang_up() override {
+        for (auto* one : {&asks_, &streams_})
+            if (const auto answering = std::exchange(*one, nullptr)) answering->drop();
+    }
+
+private:
+    void begin(std::shared_ptr<Answering>& place, http::Request request, Line line, Done done) {
+        if (place) place->drop();
+        place = std::make_shared<Answering>(io_, std::move(line), std::move(done));
+        if (opened_by_ == TimePoint{}) opened_by_ = ano::Clock::now() + time_to_open;
+        when_open(place, std::move(request));
+    }
+    // The link opens by itself; until it has, nobody could answer.
+    void when_open(const std::shared_ptr<Answering>& answering, http::Request request) {
+        if (net_.is_up() || ano::Clock::now() >= opened_by_) {
+            asio::post(io_, [this, answering, request = std::move(request)]() mutable {
+                if (!net_.is_up()) return answering->take(http::error(504, net_.name() + " is not there"));
+                request.came_at = ano::Clock::now();
+                answering->take(net_.routes().answer(std::move(request)));
+            });
+            return;
+        }
+        patience_.expires_after(std::chrono::milliseconds{10});
+        patience_.async_wait([this, answering, request = std::move(request)](error_code ec) mutable {
+            if (!ec) when_open(answering, std::move(request));
+        });
+    }
+
+    asio::io_context& io_;
+    asio::steady_timer patience_;
+    LinkNet net_;
+    TimePoint opened_by_{};
+    std::shared_ptr<Answering> asks_, streams_;
+};
+
+}    // namespace
+
+std::unique_ptr<DeviceDoor> link_door(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams) {
+    return std::make_unique<LinkDoor>(io, settings, streams);
+}
+
+}    // namespace anoctl

@@ -1,0 +1,16 @@
+// The routes of devices in this process, over a link of its own.
+#pragma once
+#include "door.hpp"
+
+#include <anoctl/anoctl.hpp>
+
+#include <gateway/settings.hpp>
+
+#include <memory>
+
+namespace anoctl {
+
+/// `io` and `streams` outlive it. What the link says goes to `err`.
+std::unique_ptr<DeviceDoor> link_door(anogate::asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams);
+
+}    // namespace anoctl

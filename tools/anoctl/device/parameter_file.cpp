@@ -1,0 +1,116 @@
+#include "parameter_file.hpp"
+
+#include <ano_json/syntax_fault.hpp>
+#include <ano_json/text.hpp>
+#include <anoctl/anoctl.hpp>
+#include <anoctl/gateway_json.hpp>
+#include <anoctl/table.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace anoctl {
+
+using ano::Json;
+
+namespace {
+
+void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
+
+}    // namespace
+
+std::string value_text(const Json& value) {
+    if (value.is_null()) return "-";
+    if (value.is_string()) return ano::in_quotes(value.get<std::string>(), '"');
+    if (value.is_number_float()) return ano::number_text(value.get<double>());
+    return value.dump();
+}
+
+std::string plain_at(const Json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found == object.end()) return {};
+    return found->is_string() ? without_controls(found->get<std::string>()) : value_text(*found);
+}
+
+Json parameter_file(const Json& answer) {
+    const Json& device = at(answer, "device");
+    Json file{{"device", text_at(device, "address")}};
+    for (const char* key : {"name", "dev_id", "hw", "sw"})
+        if (device.contains(key)) file[key] = device[key];
+    Json values = Json::object();
+    std::string missing, twice;
+    for (const Json& row : at(answer, "parameters")) {
+        const std::string name = text_at(row, "name");
+        if (!row.contains("value") || row.contains("missing")) add_name(missing, name.empty() ? text_at(row, "id") : name);
+        else if (values.contains(name)) add_name(twice, name);
+        else values[name] = row["value"];
+    }
+    if (!missing.empty()) throw Failure{"nothing is exported: these did not come: " + missing};
+    if (!twice.empty()) throw Failure{"nothing is exported: several parameters are called " + twice};
+    file["parameters"] = std::move(values);
+    return file;
+}
+
+Json parsed_parameter_file(const std::string& text, const std::string& path) {
+    Json file;
+    try {
+        file = Json::parse(text);
+    } catch (const Json::exception& e) {
+        throw UsageError{path + ": it is not JSON: " + ano::syntax_fault(text, e)};
+    }
+    if (file.is_object() && !file.contains("parameters")) file = Json{{"parameters", file}};
+    if (!file.is_object() || !file["parameters"].is_object())
+        throw UsageError{path + ": it is no file of parameters: {\"parameters\": {NAME: value}}"};
+    for (const auto& [name, value] : file["parameters"].items())
+        if (!value.is_number() && !value.is_string() && !value.is_boolean())
+            throw UsageError{path + ": the value of " + ano::in_quotes(name) + " is neither a number nor a text"};
+    return file;
+}
+
+std::string of_another_device(const Json& file, const Json& device) {
+    std::string words;
+    for (const char* key : {"name", "dev_id"}) {
+        const std::string here = text_at(device, key), there = text_at(file, key);
+        if (there.empty() || here.empty() || there == here) continue;
+        words += words.empty() ? "the file is of " : ", ";
+        words += std::string{key} == "name" ? there : "device type " + there;
+    }
+    return words.empty() ? words : words + ", this is " + text_at(device, "name") + ", device type " + text_at(device, "dev_id");
+}
+
+bool is_calibration(std::string_view name) noexcept { return name.starts_with("CAL_"); }
+
+Json wanted_values(const Json& file, bool with_calibration, std::size_t& left_out) {
+    Json wanted = Json::object();
+    left_out = 0;
+    for (const auto& [name, value] : file["parameters"].items()) {
+        if (with_calibration || !is_calibration(name)) wanted[name] = value;
+        else ++left_out;
+    }
+    return wanted;
+}
+
+std::vector<std::string> difference_lines(const Json& answer) {
+    std::vector<std::string> lines;
+    for (const Json& row : at(answer, "parameters")) {
+        const std::string state = text_at(row, "state");
+        if (state == "unchanged") continue;
+        std::string line = text_at(row, "name") + ": ";
+        if (row.contains("was")) line += value_text(row["was"]) + " -> ";
+        line += value_text(row.contains("stored") ? row["stored"] : row["written"]);
+        if (state == "clamped") line += ", clamped: " + value_text(row["written"]) + " was asked for";
+        else if (state != "differs" && state != "written") line += ", " + state;
+        if (const std::string what = text_at(row, "what"); !what.empty()) line += ": " + what;
+        lines.push_back(without_controls(line));
+    }
+    return lines;
+}
+
+std::size_t rows_with(const Json& answer, std::string_view state) {
+    const Json& rows = at(answer, "parameters");
+    return static_cast<std::size_t>(
+        std::count_if(rows.begin(), rows.end(), [&](const Json& row) { return text_at(row, "state") == state; }));
+}
+
+}    // namespace anoctl
