@@ -6,13 +6,29 @@
 #include "radio.hpp"
 
 namespace ano::world {
+namespace {
 
-std::unique_ptr<SimulatedDevice> make_device(std::string_view kind, const Settings& settings, TimePoint start) {
-    if (kind == "imu") return std::make_unique<Imu>(settings, start);
-    if (kind == "flow") return std::make_unique<FlowSensor>(settings, start);
-    if (kind == "radio") return std::make_unique<Radio>(settings, start);
-    if (kind == "car") return std::make_unique<Car>(settings, start);
-    return std::make_unique<FlightController>(settings, start);
+using Made = std::unique_ptr<SimulatedDevice>;
+
+template <class Device>
+Made make(const Settings& settings, TimePoint start) {
+    return std::make_unique<Device>(settings, start);
+}
+
+struct Row {
+    std::string_view name;
+    Made (*make)(const Settings&, TimePoint);
+};
+constexpr Row rows[]{
+    {"fc", make<FlightController>}, {"imu", make<Imu>}, {"flow", make<FlowSensor>}, {"radio", make<Radio>}, {"car", make<Car>},
+};
+
+}    // namespace
+
+std::unique_ptr<SimulatedDevice> make_device(std::string_view name, const Settings& settings, TimePoint start) {
+    for (const Row& row : rows)
+        if (row.name == name) return row.make(settings, start);
+    return rows[0].make(settings, start);
 }
 
 }    // namespace ano::world
