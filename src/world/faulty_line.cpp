@@ -43,7 +43,7 @@ void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
     const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
     const std::uint64_t bit = chance.bits();
     const std::array late{chance.share(), chance.share()};
-    if (is_lost) {
+    if (is_lost || passing_.size() >= most_passing) {
         ++counters_.lost;
         return;
     }

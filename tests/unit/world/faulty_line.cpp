@@ -140,6 +140,14 @@ TEST(FaultyLine, is_deaf_after_its_time_and_goes_on_talking) {
     EXPECT_GT(day.count(0x03), 40u);
 }
 
+TEST(FaultyLine, carries_no_more_than_it_has_room_for) {
+    Faults faults;
+    faults.delay = 10s;
+    BadDay day{faults};
+    for (std::size_t i = 0; i < FaultyLine::most_passing + 5; ++i) day.ask_who_it_is();
+    EXPECT_EQ(day.line.counters().lost, 5u);
+}
+
 TEST(FaultyLine, is_slow_and_twenty_may_wait) {
     Faults faults;
     faults.slow = 100ms;
