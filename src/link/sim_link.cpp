@@ -17,22 +17,33 @@ ano::TimePoint begin_of_step(ano::TimePoint now) {
     return ano::TimePoint{now.time_since_epoch() / ano::world::SimulatedDevice::step * ano::world::SimulatedDevice::step};
 }
 
+ano::world::Faults faults_of(const SimSettings& sim) {
+    const ano::Duration none{};
+    return {.loss = sim.loss.value_or(std::uint8_t{0}),
+            .duplicate = sim.duplicate.value_or(std::uint8_t{0}),
+            .corrupt = sim.corrupt.value_or(std::uint8_t{0}),
+            .delay = sim.delay.value_or(none),
+            .jitter = sim.jitter.value_or(none),
+            .deaf_after = sim.deaf_after,
+            .slow = sim.slow.value_or(none)};
+}
+
 }    // namespace
 
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
-      say_{[this](ano::FrameView frame, ano::TimePoint) { hear(frame.bytes()); }},
-      say_later_{[this](ano::FrameView frame, ano::TimePoint) {
-          answers_.insert(answers_.end(), frame.bytes().begin(), frame.bytes().end());
-      }},
+      say_{[this](ano::Bytes bytes, ano::TimePoint) { hear(bytes); }},
+      say_later_{[this](ano::Bytes bytes, ano::TimePoint) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }},
       tick_{context.alarms, [this] { tick(); }},
       answer_{context.alarms, [this] { answer(); }} {}
 
 void SimLink::start() {
     const SimSettings& sim = settings().as<SimSettings>();
     const ano::world::Settings world{.id = sim.dev_id, .hz = sim.hz, .seed = sim.seed};
-    device_ = ano::world::make_device(sim.device, world, begin_of_step(context_.host.now()));
+    const ano::TimePoint begin = begin_of_step(context_.host.now());
+    line_ = std::make_unique<ano::world::FaultyLine>(ano::world::make_device(sim.device, world, begin), faults_of(sim), sim.seed,
+                                                     begin);
     channel_ = context_.host.open_channel(*this, sim.device);
     context_.host.link_up(*this);
     tick();
@@ -44,9 +55,9 @@ void SimLink::stop() {
 }
 
 void SimLink::tick() {
-    device_->run(context_.host.now(), say_);
+    line_->run(context_.host.now(), say_);
     context_.host.flush();
-    tick_.set(device_->due());
+    tick_.set(line_->due());
 }
 
 // What it says takes the way of every byte: through the parser, counted there.
@@ -60,11 +71,11 @@ void SimLink::hear(std::span<const std::uint8_t> said) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
-        device_->take(ano::FrameView{next[0]}, context_.host.now(), say_later_);
+        line_->take(ano::FrameView{next[0]}, context_.host.now(), say_later_);
         channel.outbox.sent_frame();
     }
     if (!answers_.empty()) answer_.set(context_.host.now());
-    if (tick_.is_set()) tick_.set(device_->due());    // what it heard may be answered later
+    if (tick_.is_set()) tick_.set(line_->due());    // what it heard may be answered later
 }
 
 void SimLink::answer() {
@@ -74,15 +85,41 @@ void SimLink::answer() {
     context_.host.flush();
 }
 
+// How often each fault happened, where there are any to happen.
+LinkFacts SimLink::facts() const {
+    if (!line_ || faults_of(settings().as<SimSettings>()).is_none()) return {};
+    const auto& n = line_->counters();
+    const auto number = [](std::uint64_t count) { return static_cast<std::int64_t>(count); };
+    return {{"faults_lost", number(n.lost)},
+            {"faults_duplicated", number(n.doubled)},
+            {"faults_corrupted", number(n.damaged)},
+            {"faults_unheard", number(n.unheard)}};
+}
+
 namespace {
 
 using namespace key_rows;
+
+constexpr std::uint64_t most_late = 10 * second;
 
 constexpr Key<LinkSettings> sim_keys[] = {
     choice<own<SimSettings>, &SimSettings::device>("device", ano::world::kinds, "the device to simulate") | needed,
     integer<own<SimSettings>, &SimSettings::hz>("hz", 1, 100, "attitude frames a second; slower ones keep their proportion"),
     address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the address of the device (default: the usual one)"),
     integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX, "the same seed, the same noise, weather and faults"),
+    integer<own<SimSettings>, &SimSettings::loss>("loss", 1, 100, "% of all frames are lost, both ways (default: none)"),
+    duration<own<SimSettings>, &SimSettings::delay>("delay", 1, most_late,
+                                                    "each frame is under way so long, both ways (default: 0)"),
+    duration<own<SimSettings>, &SimSettings::jitter>("jitter", 1, most_late,
+                                                     "and up to so much longer, so that one may overtake another (default: 0)"),
+    integer<own<SimSettings>, &SimSettings::duplicate>("duplicate", 1, 100,
+                                                       "% of all frames come twice, both ways (default: none)"),
+    integer<own<SimSettings>, &SimSettings::corrupt>("corrupt", 1, 100,
+                                                     "% of all frames have a wrong bit, both ways (default: none)"),
+    duration<own<SimSettings>, &SimSettings::deaf_after>("deaf_after", 1, day,
+                                                         "the device hears nothing after so long (default: never)"),
+    duration<own<SimSettings>, &SimSettings::slow>("slow", 1, most_late,
+                                                   "the device takes so long over each frame; 20 may wait (default: 0)"),
 };
 
 }    // namespace

@@ -2,7 +2,7 @@
 #pragma once
 #include <link/alarm.hpp>
 #include <link/link_context.hpp>
-#include <world/simulated_device.hpp>
+#include <world/faulty_line.hpp>
 
 #include <memory>
 #include <span>
@@ -17,6 +17,7 @@ public:
     void stop_reading() override { stop(); }
     void stop() override;
     void flush(Channel& channel) override;
+    LinkFacts facts() const override;
 
 private:
     void tick();
@@ -25,10 +26,10 @@ private:
 
     LinkContext context_;
     Channel* channel_ = nullptr;
-    std::unique_ptr<ano::world::SimulatedDevice> device_;
-    ano::world::SimulatedDevice::Send say_;          // to the gateway
-    ano::world::SimulatedDevice::Send say_later_;    // in a turn of its own
-    std::vector<std::uint8_t> answers_;              // that wait for their turn
+    std::unique_ptr<ano::world::FaultyLine> line_;
+    ano::world::FaultyLine::Send say_;          // to the gateway
+    ano::world::FaultyLine::Send say_later_;    // in a turn of its own
+    std::vector<std::uint8_t> answers_;         // that wait for their turn
     Alarm tick_;
     Alarm answer_;
 };

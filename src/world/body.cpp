@@ -16,7 +16,7 @@ void Body::step(double dt, const Motors& wanted, Vector wind) noexcept {
     const Vector t = torque();
     const Vector spin{inertia.x * rates_.x, inertia.y * rates_.y, inertia.z * rates_.z};
     const Vector turning = t - cross(rates_, spin);
-    rates_ = rates_ + dt * Vector{turning.x / inertia.x, turning.y / inertia.y, turning.z / inertia.z};
+    rates_ = no_longer(rates_ + dt * Vector{turning.x / inertia.x, turning.y / inertia.y, turning.z / inertia.z}, max_rate);
     attitude_ = attitude_.turned(rates_, dt);
 
     const Vector before = position_;

@@ -18,6 +18,7 @@ public:
     static constexpr double hover = mass * gravity / max_thrust / 4;    // share of it that carries the vehicle
     static constexpr double yaw_torque = 0.02;                          // N·m for each N
     static constexpr double motor_lag = 0.04;                           // s
+    static constexpr double max_rate = 50;                              // rad/s: the air slows it down
     static constexpr double drag = 0.3;                                 // N for each m/s
 
     void step(double dt, const Motors& wanted, Vector wind) noexcept;

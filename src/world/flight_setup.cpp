@@ -42,8 +42,8 @@ void FlightController::add_own_parameters() {
     add("SIM_HOME_LNG", home_lng_, "degrees: where the world begins", -180.0, 180.0);
     add("SIM_HOME_LAT", home_lat_, "degrees", -80.0, 80.0);
     add("SIM_PICTURES", pictures_, "1: sends a moving picture", std::uint8_t{0}, std::uint8_t{1});
-    add("SIM_P_POSITION", settings_.gains.position, "1/s", 0.2f, 2.0f);
-    add("SIM_P_VELOCITY", settings_.gains.velocity, "1/s", 0.5f, 4.0f);
+    add("SIM_P_POSITION", settings_.gains.position, "1/s", 0.2f, 1.2f);
+    add("SIM_P_VELOCITY", settings_.gains.velocity, "1/s", 1.5f, 4.0f);
     add("SIM_P_ATTITUDE", settings_.gains.attitude, "1/s", 3.0f, 10.0f);
     add("SIM_P_RATE", settings_.gains.rate, "1/s", 10.0f, 25.0f);
     parameters.add("SIM_BORN", other_.born, {.info = "seconds since 1970", .min = {}, .max = {}});

@@ -9,7 +9,7 @@ namespace ano::world {
 
 inline constexpr std::string_view kinds = "fc|imu|flow|radio|car";
 
-/// `kind` is one of them; another one is an fc.
-std::unique_ptr<SimulatedDevice> make_device(std::string_view kind, const Settings& settings, TimePoint start);
+/// `name` is one of them; for another one it is an fc.
+std::unique_ptr<SimulatedDevice> make_device(std::string_view name, const Settings& settings, TimePoint start);
 
 }    // namespace ano::world

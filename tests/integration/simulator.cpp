@@ -118,4 +118,28 @@ TEST(Simulator, has_the_address_that_it_is_given) {
     EXPECT_EQ(host.one(0x03)[1], 33);
 }
 
+TEST(Simulator, all_kinds_speak_at_their_addresses) {
+    RunningGateway daemon{
+        settings_of_texts({"sim:fc", "sim:imu", "sim:flow", "sim:radio", "sim:car", "udp-listen:127.0.0.1:0,name=ground"})};
+    Listener host{daemon};
+    for (const int address : {0xDC, 0xDD, 0xDE, 0xE6, 40}) {
+        host.send(static_cast<std::uint8_t>(address), 0xE0, {0, 0, 0});
+        EXPECT_TRUE(host.hears(0xE3, [&](const Bytes& f) { return f[1] == address; })) << address;
+    }
+}
+
+TEST(Simulator, a_bad_day_on_demand_is_counted) {
+    RunningGateway daemon{settings_of_texts({"sim:fc,hz=100,loss=50,corrupt=30,duplicate=50,jitter=5ms,seed=5",
+                                             "sim:imu,deaf_after=1ms", "udp-listen:127.0.0.1:0,name=ground"})};
+    Listener host{daemon};
+    EXPECT_TRUE(daemon.until([&] {
+        return daemon.link("fc").value("faults_lost", 0) > 20 && daemon.link("fc").value("faults_duplicated", 0) > 20 &&
+               daemon.link("fc").value("faults_corrupted", 0) > 10;
+    }));
+    EXPECT_GT(daemon.count("fc", "bad_check"), 0u) << "the parser saw the damage";
+    host.send(0xDD, 0xE0, {0, 0, 0});
+    EXPECT_TRUE(daemon.until([&] { return daemon.link("imu").value("faults_unheard", 0) > 0; })) << "it is deaf";
+    EXPECT_FALSE(daemon.link("ground").contains("faults_lost"));
+}
+
 }    // namespace

@@ -215,6 +215,18 @@ TEST(FlightController, follows_realtime_control) {
     EXPECT_LT(fc.flight().body().velocity().y, 0.5) << "sticks off centre: 0x41 does not count";
 }
 
+TEST(FlightController, flies_with_every_gain_that_it_takes) {
+    for (int combination = 0; combination < 16; ++combination) {
+        FlyingFc fc;
+        int bit = 0;
+        for (const char* gain : {"SIM_P_POSITION", "SIM_P_VELOCITY", "SIM_P_ATTITUDE", "SIM_P_RATE"})
+            ASSERT_TRUE(fc.write(gain, (combination >> bit++ & 1) != 0 ? 1e9f : 0.0f)) << "clamped to its limits";
+        ASSERT_TRUE(fc.command(1, std::uint16_t{500}));
+        fc.run_for(30s);
+        EXPECT_TRUE((fc.place() - Vector{0, 0, 5}).length() < 2) << combination << ": " << fc.place().x << ' ' << fc.place().z;
+    }
+}
+
 TEST(FlightController, battery_sinks_and_brings_it_down) {
     FlyingFc fc;
     ASSERT_TRUE(fc.write("SIM_FLIGHT_TIME", std::uint32_t{60}));

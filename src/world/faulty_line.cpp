@@ -1,0 +1,88 @@
+#include "faulty_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace ano::world {
+
+FaultyLine::FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start)
+    : device_{std::move(device)}, faults_{faults}, there_{~seed}, back_{seed + 1}, start_{start} {}
+
+void FaultyLine::take(FrameView frame, TimePoint now, const Send& send) {
+    run(now, send);
+    put(frame.bytes(), Way::to_device, now, there_);
+    run(now, send);
+}
+
+// In the order of time, however late it is called.
+void FaultyLine::run(TimePoint now, const Send& send) {
+    device_->notice_pause(now);
+    for (;;) {
+        const TimePoint first = passing_.empty() ? TimePoint::max() : passing_.begin()->first;
+        const TimePoint said = device_->due();
+        if (said <= std::min(now, first)) {
+            device_->run(said, say_);
+        } else if (first <= now) {
+            const auto next = passing_.extract(passing_.begin());
+            arrive(next.mapped(), next.key(), send);
+        } else {
+            return;
+        }
+    }
+}
+
+TimePoint FaultyLine::due() const noexcept {
+    const TimePoint said = device_->due();
+    return passing_.empty() ? said : std::min(said, passing_.begin()->first);
+}
+
+// For each frame the same number of choices, so that what becomes of one does not change the next one's.
+void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
+    const auto happens = [&](unsigned percent) { return chance.share() * 100 < percent; };
+    const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
+    const std::uint64_t bit = chance.bits();
+    const std::array late{chance.share(), chance.share()};
+    if (is_lost || passing_.size() >= most_passing) {
+        ++counters_.lost;
+        return;
+    }
+    counters_.doubled += is_double;
+    counters_.damaged += is_damaged;
+    Passing passing{way, {frame.begin(), frame.end()}};
+    if (is_damaged) passing.bytes[bit / 8 % frame.size()] ^= static_cast<std::uint8_t>(1u << bit % 8);
+    for (std::size_t copy = 0; copy < (is_double ? 2u : 1u); ++copy) {
+        const Duration jitter{static_cast<Duration::rep>(late[copy] * static_cast<double>(faults_.jitter.count()))};
+        passing_.emplace(at + faults_.delay + jitter, passing);
+    }
+}
+
+void FaultyLine::arrive(const Passing& passing, TimePoint at, const Send& send) {
+    switch (passing.way) {
+    case Way::to_host: return send(passing.bytes, at);
+    case Way::to_slow_device: --waiting_; return hear(passing.bytes, at);
+    case Way::to_device:
+        if (faults_.slow > Duration::zero()) return wait_for_slow_device(passing, at);
+        return hear(passing.bytes, at);
+    }
+}
+
+void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
+    if (waiting_ == most_waiting) {
+        ++counters_.unheard;
+        return;
+    }
+    ++waiting_;
+    busy_until_ = std::max(busy_until_, at) + faults_.slow;
+    passing_.emplace(busy_until_, Passing{Way::to_slow_device, passing.bytes});
+}
+
+// A damaged frame is none.
+void FaultyLine::hear(Bytes bytes, TimePoint at) {
+    const bool is_deaf = faults_.deaf_after && at - start_ >= *faults_.deaf_after;
+    counters_.unheard += is_deaf;
+    const auto frame = frame_at(bytes);
+    if (!is_deaf && frame && frame->bytes().size() == bytes.size()) device_->take(*frame, at, say_);
+}
+
+}    // namespace ano::world

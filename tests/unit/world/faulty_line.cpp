@@ -1,0 +1,166 @@
+// What goes wrong on demand between a simulated device and who talks to it.
+#include <world/faulty_line.hpp>
+#include <world/kinds.hpp>
+
+#include <support/bytes.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace ano::world;
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::frame;
+
+constexpr ano::TimePoint start{1000s};
+
+struct Arrived {
+    ano::TimePoint at;
+    Bytes bytes;
+};
+
+struct BadDay {
+    explicit BadDay(const Faults& faults, std::string_view kind = "imu", std::uint64_t seed = 1)
+        : line{make_device(kind, {0, 50, seed}, start), faults, seed, start} {}
+
+    void run_for(ano::Duration time) {
+        for (const auto end = now + time; now < end;) {
+            now = std::min(end, line.due());
+            line.run(now, hear);
+        }
+    }
+    void ask_who_it_is() {
+        const Bytes question = frame(0xFE, line.device().device().info().id, 0xE0, {0, 0, 0});
+        line.take(ano::FrameView{question}, now, hear);
+    }
+    std::size_t count(std::uint8_t id) const {
+        return static_cast<std::size_t>(
+            std::count_if(arrived.begin(), arrived.end(), [&](const Arrived& a) { return a.bytes[3] == id; }));
+    }
+
+    ano::TimePoint now = start;
+    std::vector<Arrived> arrived;
+    const FaultyLine::Send hear = [this](ano::Bytes bytes, ano::TimePoint at) {
+        arrived.push_back({at, {bytes.begin(), bytes.end()}});
+    };
+    FaultyLine line;
+};
+
+TEST(FaultyLine, without_faults_is_as_the_device_itself) {
+    BadDay day{{}};
+    day.run_for(2s);
+    std::vector<Arrived> expected;
+    make_device("imu", {0, 50, 1}, start)->run(start + 2s, [&](ano::FrameView f, ano::TimePoint at) {
+        expected.push_back({at, {f.bytes().begin(), f.bytes().end()}});
+    });
+    ASSERT_EQ(day.arrived.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(day.arrived[i].bytes, expected[i].bytes);
+        EXPECT_EQ(day.arrived[i].at, expected[i].at);
+    }
+    day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 1u) << "at once";
+}
+
+TEST(FaultyLine, loses_so_many_both_ways) {
+    Faults faults;
+    faults.loss = 20;
+    BadDay day{faults};
+    for (int i = 0; i < 1000; ++i) day.ask_who_it_is();
+    EXPECT_NEAR(static_cast<double>(day.count(0xE3)), 640, 60);
+    EXPECT_NEAR(static_cast<double>(day.line.counters().lost), 360, 60);
+}
+
+TEST(FaultyLine, doubles_so_many) {
+    Faults faults;
+    faults.duplicate = 50;
+    BadDay day{faults};
+    for (int i = 0; i < 1000; ++i) day.ask_who_it_is();
+    EXPECT_NEAR(static_cast<double>(day.count(0xE3)), 2250, 100);
+}
+
+TEST(FaultyLine, damages_one_bit_of_so_many) {
+    Faults faults;
+    faults.corrupt = 100;
+    BadDay day{faults};
+    day.run_for(1s);
+    ASSERT_GT(day.arrived.size(), 100u);
+    for (const Arrived& a : day.arrived) {
+        const auto whole = ano::frame_at(a.bytes);
+        EXPECT_FALSE(whole && whole->bytes().size() == a.bytes.size());
+    }
+    const auto said = day.arrived.size();
+    day.ask_who_it_is();
+    EXPECT_EQ(day.arrived.size(), said) << "a damaged question is none";
+    EXPECT_EQ(day.line.counters().damaged, said + 1);
+}
+
+TEST(FaultyLine, delays_both_ways_and_jitter_lets_one_overtake_another) {
+    Faults faults;
+    faults.delay = 100ms;
+    BadDay day{faults};
+    day.ask_who_it_is();
+    day.run_for(199ms);
+    EXPECT_EQ(day.count(0xE3), 0u);
+    day.run_for(1ms);
+    EXPECT_EQ(day.count(0xE3), 1u);
+    faults.jitter = 200ms;
+    BadDay restless{faults};
+    restless.run_for(5s);
+    std::vector<ano::TimePoint> times;
+    for (const Arrived& a : restless.arrived) times.push_back(a.at);
+    EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+    EXPECT_GE(times.front(), start + 100ms);
+    BadDay calm{{}};
+    calm.run_for(5s);
+    std::size_t elsewhere = 0;
+    for (std::size_t i = 0; i < restless.arrived.size(); ++i) elsewhere += restless.arrived[i].bytes != calm.arrived[i].bytes;
+    EXPECT_GT(elsewhere, restless.arrived.size() / 2);
+}
+
+TEST(FaultyLine, is_deaf_after_its_time_and_goes_on_talking) {
+    Faults faults;
+    faults.deaf_after = 2s;
+    BadDay day{faults};
+    day.run_for(1s);
+    day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 1u);
+    day.run_for(1s);
+    day.ask_who_it_is();
+    EXPECT_EQ(day.count(0xE3), 1u);
+    EXPECT_EQ(day.line.counters().unheard, 1u);
+    day.arrived.clear();
+    day.run_for(1s);
+    EXPECT_GT(day.count(0x03), 40u);
+}
+
+TEST(FaultyLine, carries_no_more_than_it_has_room_for) {
+    Faults faults;
+    faults.delay = 10s;
+    BadDay day{faults};
+    for (std::size_t i = 0; i < FaultyLine::most_passing + 5; ++i) day.ask_who_it_is();
+    EXPECT_EQ(day.line.counters().lost, 5u);
+}
+
+TEST(FaultyLine, is_slow_and_twenty_may_wait) {
+    Faults faults;
+    faults.slow = 100ms;
+    BadDay day{faults};
+    for (int i = 0; i < 30; ++i) day.ask_who_it_is();
+    EXPECT_EQ(day.line.counters().unheard, 10u);
+    day.run_for(1s);
+    EXPECT_EQ(day.count(0xE3), 10u);
+    day.run_for(10s);
+    EXPECT_EQ(day.count(0xE3), 20u);
+    day.ask_who_it_is();
+    day.run_for(100ms);
+    EXPECT_EQ(day.count(0xE3), 21u) << "it is idle again";
+}
+
+}    // namespace
