@@ -9,9 +9,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -67,6 +70,40 @@ TEST_F(LaterAnswers, are_sent_when_they_are_known_and_others_meanwhile) {
     EXPECT_TRUE(heard(slow, "at once")) << "what was asked behind it";
     ::close(slow);
     ::close(quick);
+}
+
+TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {
+    SessionLimits impatient;
+    impatient.patience = std::chrono::milliseconds{100};
+    Server other{loop.io, {.session = impatient}};
+    auto needed = std::make_shared<int>();
+    const std::weak_ptr<int> still = needed;
+    other.routes().add("POST", "/job", [&](const Request&) {
+        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+        response.patient = true;
+        response.needed = std::exchange(needed, nullptr);
+        return response;
+    });
+    ASSERT_EQ(other.start(dir / "other").error, "");
+    const std::string request = "POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n";
+    const int fd = support::connect_unix(dir / "other");
+    ASSERT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
+    const auto until = std::chrono::steady_clock::now() + 3 * impatient.patience;
+    loop.until([&] { return std::chrono::steady_clock::now() >= until; });
+    EXPECT_FALSE(still.expired());
+    waiting[0](error(409, "at last"));
+    EXPECT_TRUE(heard(fd, "at last"));
+    EXPECT_TRUE(still.expired());
+    needed = std::make_shared<int>();
+    const std::weak_ptr<int> again = needed;
+    ASSERT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 2; }));
+    EXPECT_FALSE(again.expired());
+    ::close(fd);
+    EXPECT_TRUE(loop.until([&] { return again.expired(); })) << "who left needs nothing any more";
+    waiting[1](error(409, "nobody"));
+    other.stop();
 }
 
 TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {

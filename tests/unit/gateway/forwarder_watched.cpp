@@ -100,7 +100,7 @@ TEST_F(Watched, what_passes_is_what_all_others_see_and_what_was_kept_back_does_n
     receive(aliased, telemetry);
     EXPECT_TRUE(tally.passed.empty());
     receive(aliased, frame(fc, host, 0xE1, {1, 0, 7}));
-    EXPECT_EQ(tally.passed, std::vector{frame(31, host, 0xE1, {1, 0, 7})}) << "though nobody takes it";
+    EXPECT_EQ(tally.passed, Frames{frame(31, host, 0xE1, {1, 0, 7})}) << "though nobody takes it";
 }
 
 TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {
