@@ -45,8 +45,9 @@ public:
     public:
         /// A good frame came in, as it was sent.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
-        /// Nothing keeps it back: it goes to whom it concerns, as these are to see it.
-        virtual void passes(const Channel& /*from*/, ano::FrameView /*frame*/) {}
+        /// Nothing keeps it back: it goes to whom it concerns, as these are to see it. True: it is an answer to the gateway itself, so
+        /// it has a taker even when nobody else wants it.
+        virtual bool passes(const Channel& /*from*/, ano::FrameView /*frame*/) { return false; }
         /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. left() or
         /// gave_up() tell what becomes of it there. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
@@ -195,7 +196,7 @@ private:
     bool admit_unopened(Channel& from, ano::FrameView frame);
     void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said, std::uint32_t copies);
     void keep_from_tunnel(Route& route);
-    void note_taker(Channel& from, ano::FrameView frame, const Route& route);
+    void note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours);
     void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     SendCause rewrite(LinkEntry& link, ano::FrameView& frame);
     void drop(Channel& from, ano::FrameView frame, ReceiveCause cause);

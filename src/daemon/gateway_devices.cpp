@@ -92,8 +92,8 @@ std::string GatewayDevices::send(ano::FrameView frame) {
     return was_taken_ ? std::string{} : std::exchange(refusal_, {});
 }
 
-void GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
-    if (from.id != ourselves) service_.hear(frame, gateway_.time());
+bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
+    return from.id != ourselves && service_.hear(frame, gateway_.time());
 }
 
 void GatewayDevices::offered(const Channel&, ano::FrameView, ChannelId from) {

@@ -38,7 +38,7 @@ public:
 
 private:
     void received(const Channel&, ano::FrameView, TimePoint) override {}
-    void passes(const Channel& from, ano::FrameView frame) override;
+    bool passes(const Channel& from, ano::FrameView frame) override;
     void offered(const Channel& to, ano::FrameView frame, ChannelId from) override;
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;

@@ -67,23 +67,31 @@ void DeviceService::use(TimePoint now) {
     net_.wake(now + idle_after);
 }
 
-void DeviceService::hear(ano::FrameView frame, TimePoint now) {
+bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
     guard_.hear(frame, now);
     try {
         auto& known = known_[frame.source()];
         if (!known) known = std::make_unique<Known>();
         count(*known, now);
-        if (const auto said = ano::as<"device_info">(frame))
+        using ano::host::Taken;
+        bool is_news = false, is_answer = false;
+        if (const auto said = ano::as<"device_info">(frame)) {
+            is_answer = frame.destination() == own_;    // of a scan, who asks everybody
             known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                            said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
-        bool is_news = false;
-        for (const auto& one : known_)
-            if (one && one->device && one->device->take(frame, now) == ano::host::Taken::ended) is_news = true;
+        }
+        for (const auto& one : known_) {
+            if (!one || !one->device) continue;
+            const Taken taken = one->device->take(frame, now);
+            is_news = is_news || taken == Taken::ended;
+            is_answer = is_answer || taken == Taken::ended || taken == Taken::doubled || taken == Taken::late;
+        }
         for (const auto& job : jobs_)
             if (job->work) job->work->hear(frame, now);
         if (is_news) net_.wake(now);
+        return is_answer;
     } catch (const std::bad_alloc&) {    // it was not heard
-        return;
+        return false;
     }
 }
 

@@ -59,8 +59,8 @@ public:
     DeviceService(const DeviceService&) = delete;
     DeviceService& operator=(const DeviceService&) = delete;
 
-    /// A frame that passes and that is not of this host. Sends nothing.
-    void hear(ano::FrameView frame, ano::TimePoint now);
+    /// A frame that passes and that is not of this host. Sends nothing. True: it answers this host, be it late or once more.
+    bool hear(ano::FrameView frame, ano::TimePoint now);
     void run(ano::TimePoint now);
     /// The end is near: nothing is sent any more, and every job is cancelled.
     void stop(ano::TimePoint now);

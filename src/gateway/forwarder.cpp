@@ -126,15 +126,16 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
 
 [[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said,
                                                       std::uint32_t copies) {
+    bool is_ours = false;
     if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) observer->passes(from, frame);
+        for (Observer* observer : observers_) is_ours = observer->passes(from, frame) || is_ours;
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_link_ && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
     for (; copies > 0; --copies)
         for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
-    note_taker(from, frame, route);
+    note_taker(from, frame, route, is_ours);
     if (route.new_conflict) note_claimants();
     if (router_.has_question(now_)) ask_holders();
 }
@@ -148,9 +149,10 @@ void Forwarder::keep_from_tunnel(Route& route) {
     tunnel_->refuse_nested();
 }
 
-[[gnu::always_inline]] inline void Forwarder::note_taker(Channel& from, ano::FrameView frame, const Route& route) {
+[[gnu::always_inline]] inline void Forwarder::note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours) {
     const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
+        if (is_ours) return;
         drop(from, frame, &ReceiveCounters::no_route);
         if (to_host) entry(from.link).traffic.untaken.note(now_);
     } else if (to_host && !route.channels.empty()) {

@@ -12,8 +12,9 @@ namespace {
 class Tally final : public Forwarder::Observer {
 public:
     void received(const Channel&, ano::FrameView, TimePoint) override { ++in; }
-    void passes(const Channel&, ano::FrameView frame) override {
+    bool passes(const Channel&, ano::FrameView frame) override {
         passed.emplace_back(frame.bytes().begin(), frame.bytes().end());
+        return takes;
     }
     void offered(const Channel&, ano::FrameView, ChannelId) override { ++offers; }
     void dropped(const Channel&, ano::FrameView, ReceiveCause cause) override { ++dropped_in[name_of(receive_counters, cause)]; }
@@ -28,6 +29,7 @@ public:
     std::map<std::string, std::uint64_t> dropped_in, not_sent;
     Bytes last_left;
     std::vector<Bytes> passed;
+    bool takes = false;    // what passes is for the gateway itself
 };
 
 class Watched : public Forwarding {
@@ -101,6 +103,16 @@ TEST_F(Watched, what_passes_is_what_all_others_see_and_what_was_kept_back_does_n
     EXPECT_TRUE(tally.passed.empty());
     receive(aliased, frame(fc, host, 0xE1, {1, 0, 7}));
     EXPECT_EQ(tally.passed, Frames{frame(31, host, 0xE1, {1, 0, 7})}) << "though nobody takes it";
+}
+
+TEST_F(Watched, an_answer_to_the_gateway_itself_has_a_taker) {
+    Channel& device = add();
+    const Bytes answer = frame(fc, host, 0xE1, {1, 0, 7});
+    receive(device, answer);
+    EXPECT_EQ(device.received().no_route, 1u);
+    tally.takes = true;
+    receive(device, answer);
+    EXPECT_EQ(device.received().no_route, 1u);
 }
 
 TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {
