@@ -281,7 +281,7 @@ TEST(FlightController, speaks_at_its_rates_and_makes_up_for_no_pause) {
     EXPECT_EQ(fc.count(0x03), 1000u);
     for (const int id : {0x02, 0x04, 0x05, 0x07}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 500u) << id;
     for (const int id : {0x06, 0x0A, 0x0B, 0x20}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 100u) << id;
-    for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF1}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
+    for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF9}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
     fc.said.clear();
     fc.now += 10s;
     fc.device.run(fc.now, fc.hear);
