@@ -108,7 +108,7 @@ void Flight::hear(const Steering& steering) noexcept {
 void Flight::step(double dt, Noise& chance) {
     sticks_age_ += dt;
     steering_age_ += dt;
-    weather_.step(dt, double{settings_.wind}, settings_.wind_from, chance);
+    weather_.step(dt, double{settings_.wind}, settings_.wind_from, double{settings_.sway} / 100, chance);
     if (hand_.holds()) return body_.hold(hand_.next(dt), dt);
     const Motors wanted = is_locked_ || battery_.charge() <= 0 ? Motors{} : motors(dt);
     body_.step(dt, wanted, weather_.wind());

@@ -22,6 +22,7 @@ struct FlightSettings {
     std::uint16_t speed = 300;     // cm/s
     std::uint32_t flight_time = 900;
     float wind = 1;                   // m/s
+    float sway = 20;                  // gusts, % of the wind
     std::uint16_t wind_from = 270;    // °
     Gains gains;
 };

@@ -137,11 +137,11 @@ void FlightController::surroundings() {
     say(down);
 }
 
-// {"id": "0xF1", "fields": [{"name": "charge", "type": "u8", "unit": "%"}, {"name": "gust", "type": "f32", "unit": "m/s"}]}
+// {"id": "0xF9", "fields": [{"name": "charge", "type": "u8", "unit": "%"}, {"name": "wind", "type": "f32", "unit": "m/s"}]}
 void FlightController::flexible() {
     std::array<std::uint8_t, 5> data{static_cast<std::uint8_t>(std::lround(100 * flight_.battery().charge()))};
     store(data.data() + 1, static_cast<float>(flight_.wind().length()));
-    say_flexible(first_flexible, data);
+    say_flexible(id_of<"flexible9">, data);
 }
 
 // 1000 to 2000 each; 0: no link.

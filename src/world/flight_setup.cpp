@@ -32,12 +32,13 @@ void FlightController::add_own_parameters() {
     add("SIM_MODE", settings_.mode, "0 attitude, 1 and height, 2 and position, 3 programmed", std::uint8_t{0}, std::uint8_t{3});
     add("SIM_TURN", settings_.turn, "how fast it turns in a hover, degrees a second to the left", std::int8_t{-90},
         std::int8_t{90});
-    add("SIM_HEIGHT", settings_.height, "where it hovers after take-off, cm", std::uint16_t{20}, std::uint16_t{10'000});
+    add("SIM_HEIGHT", settings_.height, "where it hovers, cm: TAKE_OFF 0 goes there", std::uint16_t{20}, std::uint16_t{10'000});
     add("SIM_SPEED", settings_.speed, "how fast it flies to a place, cm/s", std::uint16_t{20}, std::uint16_t{1000});
     add("SIM_BAR_OFFSET", barometer_offset_, "what the barometer is off by, cm", std::int16_t{-1000}, std::int16_t{1000});
     add("SIM_FLIGHT_TIME", settings_.flight_time, "until the battery is empty, s in a hover", 60u, 86'400u);
     add("SIM_RANGE_OFFSET", range_offset_, "what the range finder is off by, cm", -1000, 1000);
     add("SIM_WIND", settings_.wind, "m/s", 0.0f, 8.0f);
+    add("SIM_SWAY", settings_.sway, "gusts, % of the wind", 0.0f, 100.0f);
     add("SIM_WIND_FROM", settings_.wind_from, "degrees from north, clockwise", std::uint16_t{0}, std::uint16_t{359});
     add("SIM_HOME_LNG", home_lng_, "degrees: where the world begins", -180.0, 180.0);
     add("SIM_HOME_LAT", home_lat_, "degrees", -80.0, 80.0);
@@ -83,9 +84,9 @@ void FlightController::add_commands() {
     auto& commands = device().commands();
     add_flights();
     commands.add({0x10, 0, 5}, "ADD", "tells the sum of its values",
-                 [this](std::uint8_t a, std::int64_t b, std::uint16_t c, std::int16_t d, std::uint32_t e, std::int32_t f, float g,
+                 [this](std::uint8_t a, std::int8_t b, std::uint16_t c, std::int16_t d, std::uint32_t e, std::int32_t f, float g,
                         double h) {
-                     const double sum = a + static_cast<double>(b) + c + d + static_cast<double>(e) + f + double{g} + h;
+                     const double sum = a + b + c + d + static_cast<double>(e) + f + double{g} + h;
                      device().log(static_cast<float>(sum), "is the sum");
                  });
     commands.add({0x10, 0, 6}, "UNLOCK", "", [this] { return flight_.unlock(); });
@@ -105,8 +106,8 @@ void FlightController::add_flights() {
                  [this](std::int8_t turn) { return device().parameters().write("SIM_TURN", Value{std::int64_t{turn}}); });
     commands.add(command_of(Flight::Task::hover), "HOVER", "here", [this] { return flight_.hover(); });
     commands.add(command_of(Flight::Task::go_to), "GO_TO", "cm from take-off: north, west, up",
-                 [this](std::int32_t x, std::int32_t y, std::uint16_t z) {
-                     return flight_.go_to({x / 100.0, y / 100.0, z / 100.0});
+                 [this](std::int64_t x, std::int64_t y, std::uint16_t z) {
+                     return flight_.go_to({static_cast<double>(x) / 100, static_cast<double>(y) / 100, z / 100.0});
                  });
     commands.add(command_of(Flight::Task::yaw), "YAW", "degrees to the left of north",
                  [this](std::int16_t yaw) { return flight_.yaw(yaw * degree); });

@@ -32,7 +32,7 @@ void Radio::advance() {
     strength_ = power_ - 40.0 - 20 * std::log10(distance_) + fading_;
 }
 
-// {"id": "0xF1", "fields": [{"name": "strength", "type": "i8", "unit": "dBm"}, {"name": "noise", "type": "i8", "unit": "dBm"},
+// {"id": "0xFA", "fields": [{"name": "strength", "type": "i8", "unit": "dBm"}, {"name": "noise", "type": "i8", "unit": "dBm"},
 //  {"name": "lost", "type": "u8", "unit": "%"}]}
 void Radio::figures() {
     const auto as_i8 = [](double value) {
@@ -42,7 +42,7 @@ void Radio::figures() {
     const double lost = 100 / (1 + std::exp(above - 8));
     const std::array<std::uint8_t, 3> data{as_i8(strength_), as_i8(noise_floor + chance().normal()),
                                            static_cast<std::uint8_t>(std::lround(lost))};
-    say_flexible(first_flexible, data);
+    say_flexible(id_of<"flexible10">, data);
     const bool is_poor = strength_ < poor;
     if (is_poor && !was_poor_) device().log(static_cast<float>(strength_), "dBm: the link is poor");
     was_poor_ = is_poor;

@@ -7,10 +7,10 @@ namespace ano::world {
 
 class Weather {
 public:
-    /// `speed`, m/s, from there: degrees from north, clockwise.
-    void step(double dt, double speed, double from, Noise& chance) noexcept {
+    /// `speed`, m/s, from there: degrees from north, clockwise. `gusty`: of it, in gusts.
+    void step(double dt, double speed, double from, double gusty, Noise& chance) noexcept {
         constexpr double lasts = 2;    // s, a gust
-        const double size = 0.2 * speed * std::sqrt(2 * dt / lasts);
+        const double size = gusty * speed * std::sqrt(2 * dt / lasts);
         gust_ = (1 - dt / lasts) * gust_ + size * Vector{chance.normal(), chance.normal(), 0};
         wind_ = gust_ - speed * Vector{std::cos(from * degree), -std::sin(from * degree), 0};
     }

@@ -21,5 +21,6 @@ void measure_line(Run& run);
 void measure_idle(Run& run);
 void measure_calls(Run& run);
 void measure_watchers(Run& run);
+void measure_simulated(Run& run);
 
 }    // namespace bench

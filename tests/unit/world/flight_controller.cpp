@@ -80,7 +80,7 @@ TEST(FlightController, has_12_commands_with_values_of_all_types) {
         for (const int type : ano::as<"command_info">(ano::FrameView{described.front()})->get<"val_type">()) types.insert(type);
     }
     EXPECT_EQ(types, (std::set<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 10}));
-    EXPECT_TRUE(fc.command(5, std::uint8_t{1}, std::int64_t{-1}, std::uint16_t{2}, std::int16_t{3}, 4u, 5, 2.0f, 1.0));
+    EXPECT_TRUE(fc.command(5, std::uint8_t{1}, std::int8_t{-1}, std::uint16_t{2}, std::int16_t{3}, 4u, 5, 2.0f, 1.0));
     EXPECT_EQ(ano::as<"log_value">(ano::FrameView{fc.said.front()})->get<"val">(), 17);
 }
 
@@ -91,7 +91,7 @@ TEST(FlightController, stays_on_the_ground_until_it_is_told) {
     EXPECT_EQ(fc.next<"mode">()->get<"sflag">(), 0);
     EXPECT_EQ(fc.next<"altitude">()->get<"alt_fu">(), 0);
     for (const int number : {4, 8, 9, 10, 12})
-        EXPECT_FALSE(fc.command(static_cast<std::uint8_t>(number), std::uint64_t{0}, std::uint64_t{0}));
+        EXPECT_FALSE(fc.command(static_cast<std::uint8_t>(number), std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{0}));
     EXPECT_TRUE(fc.command(6)) << "unlocked";
     EXPECT_EQ(fc.next<"mode">()->get<"sflag">(), 1);
     EXPECT_EQ(fc.place(), Vector{});
@@ -126,7 +126,7 @@ TEST(FlightController, takes_off_hovers_and_lands) {
 TEST(FlightController, goes_to_a_place_turns_and_returns_home) {
     FlyingFc fc;
     fc.fly_to(2);
-    ASSERT_TRUE(fc.command(8, std::int32_t{1000}, std::int32_t{-500}, std::uint16_t{400}));
+    ASSERT_TRUE(fc.command(8, std::int64_t{1000}, std::int64_t{-500}, std::uint16_t{400}));
     EXPECT_EQ(fc.next<"mode">()->get<"cmd1">(), 8);
     ASSERT_TRUE(fc.run_until([&] { return fc.flight().task() == Flight::Task::hover; }));
     fc.run_for(3s);
@@ -136,7 +136,7 @@ TEST(FlightController, goes_to_a_place_turns_and_returns_home) {
     ASSERT_TRUE(fc.command(9, std::int16_t{-90}));
     fc.run_for(5s);
     EXPECT_NEAR(fc.next<"euler">()->get<"yaw">(), -90, 3);
-    EXPECT_FALSE(fc.command(8, std::int32_t{1'000'000}, std::int32_t{0}, std::uint16_t{400})) << "too far";
+    EXPECT_FALSE(fc.command(8, std::int64_t{1'000'000}, std::int64_t{0}, std::uint16_t{400})) << "too far";
     ASSERT_TRUE(fc.command(10));
     ASSERT_TRUE(fc.run_until([&] { return fc.flight().safety() == Flight::Safety::locked; }));
     EXPECT_TRUE(fc.is_at({0, 0, 0}));
@@ -281,7 +281,7 @@ TEST(FlightController, speaks_at_its_rates_and_makes_up_for_no_pause) {
     EXPECT_EQ(fc.count(0x03), 1000u);
     for (const int id : {0x02, 0x04, 0x05, 0x07}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 500u) << id;
     for (const int id : {0x06, 0x0A, 0x0B, 0x20}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 100u) << id;
-    for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF1}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
+    for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF9}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
     fc.said.clear();
     fc.now += 10s;
     fc.device.run(fc.now, fc.hear);

@@ -102,7 +102,7 @@ TEST(SimulatedRadio, tells_how_good_its_link_is) {
         radio.said.clear();
         radio.run_for(1s);
         for (const Bytes& f : radio.said)
-            if (f[3] == 0xF1) return f;
+            if (f[3] == 0xFA) return f;
         return Bytes(16);
     };
     const Bytes near = figures();
