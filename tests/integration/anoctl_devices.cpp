@@ -1,5 +1,6 @@
 // `anoctl devices`, `param`, `command` and `waypoint`: by the gateway that runs, and by a link of their own.
 #include <support/bytes.hpp>
+#include <support/fake_loader.hpp>
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -11,8 +12,10 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -156,6 +159,7 @@ TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {
     EXPECT_EQ(anoctl({"param", "reset"}).exit, 2);
     ASSERT_EQ(anoctl({"param", "set", "SIM_SWAY", "7"}).exit, 0);
     EXPECT_EQ(anoctl({"param", "save"}).exit, 0);
+    ASSERT_EQ(anoctl({"command", "call", "TAKE_OFF", "300", "--yes"}).exit, 0);
     const Ran flies = anoctl({"param", "reset", "--yes"});
     EXPECT_EQ(flies.exit, 1);
     EXPECT_TRUE(contains(flies.output, "this is for the ground")) << flies.output;
@@ -214,6 +218,85 @@ TEST_F(AnoctlDevices, waypoints_go_to_a_file_and_back) {
     EXPECT_EQ(anoctl({"waypoint", "put", dir.write("no.json", "{")}).exit, 2);
 }
 
+class AnoctlFlash : public AnoctlDevices {
+protected:
+    AnoctlFlash() {
+        fake.address = 0xDD;
+        fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
+    }
+    /// The second device answers what came.
+    void answer() {
+        const auto frames = split(peer.heard()).frames;
+        peer.forget();
+        for (const Bytes& one : frames)
+            if (one[2] == 0xDD || one[2] == 0xFF)
+                for (const Bytes& said : fake.take(ano::FrameView{one})) peer.send(gateway.port("peer"), said);
+    }
+    int until_ended(
+        Process& process, const std::function<void()>& meanwhile = [] {}) {
+        EXPECT_TRUE(wait_until([&] {
+            answer();
+            meanwhile();
+            return !process.is_running();
+        }));
+        return process.wait();
+    }
+    std::vector<std::string> flash(const std::string& file) const {
+        return {"flash", file, "--device", "0xDD", "--yes", "--control", socket};
+    }
+
+    FakeDevice fake;
+    FakeLoader loader;
+};
+
+TEST_F(AnoctlFlash, firmware_is_written_and_checked) {
+    hear_of_another();
+    const std::string image(1000, 'x');
+    const std::string file = dir.write("new.bin", image);
+    const Ran refused = anoctl({"flash", file, "--device", "0xDD"});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
+    EXPECT_EQ(anoctl({"flash", dir.write("empty.bin", ""), "--device", "0xDD", "--yes"}).exit, 2);
+    Process process{ANOCTL, flash(file)};
+    EXPECT_EQ(until_ended(process), 0) << process.output();
+    EXPECT_TRUE(contains(process.output(), ": written and checked, 6 frames, 0 repeated, in ")) << process.output();
+    EXPECT_EQ(loader.flash, Bytes(image.begin(), image.end()));
+    EXPECT_TRUE(contains(process.output(), "anoctl: ")) << "the steps: " << process.output();
+}
+
+TEST_F(AnoctlFlash, what_is_no_firmware_is_said_and_nothing_is_sent) {
+    hear_of_another();
+    Process process{ANOCTL, flash(dir.write("short.bia", "bia"))};
+    EXPECT_EQ(until_ended(process), 1) << process.output();
+    EXPECT_EQ(loader.infos, 0u);
+}
+
+TEST_F(AnoctlFlash, an_interrupt_in_the_middle_says_what_is_half_done) {
+    hear_of_another();
+    Process process{ANOCTL, flash(dir.write("new.bin", std::string(60'000, 'x')))};
+    bool is_told = false;
+    EXPECT_EQ(until_ended(process,
+                          [&] {
+                              if (loader.frames > 5 && !std::exchange(is_told, true)) process.signal(SIGINT);
+                          }),
+              130)
+        << process.output();
+    EXPECT_TRUE(contains(process.output(), "the device is left in its loader: flash it again")) << process.output();
+}
+
+TEST_F(AnoctlDevices, a_calibration_that_is_interrupted_leaves_the_old_values) {
+    EXPECT_EQ(anoctl({"calibrate", "gyroscope"}).exit, 2);
+    EXPECT_EQ(anoctl({"calibrate", "compass"}).exit, 2) << "nobody can be asked";
+    ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);
+    ASSERT_EQ(anoctl({"param", "set", "CAL_AOFF_X", "1.5"}).exit, 0);
+    Process process{ANOCTL, {"calibrate", "accelerometer", "--yes", "--control", socket}};
+    EXPECT_TRUE(process.until_says("of 6 faces")) << process.output();
+    process.signal(SIGINT);
+    EXPECT_EQ(process.wait(), 130) << process.output();
+    EXPECT_TRUE(contains(process.output(), "anoctl: cancelled")) << process.output();
+    EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=1.5\n");
+}
+
 TEST_F(AnoctlDevices, names_complete) {
     const Ran names = anoctl({"__complete", "names"});
     EXPECT_TRUE(contains(names.output, "\t0xDC\n")) << names.output;
@@ -252,6 +335,7 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     const auto tmux = [&](const std::string& words) {
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
     };
+    ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);    // what is to be calibrated says that it lies
     const std::string file = dir / "other.json";
     dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     ASSERT_EQ(tmux("-f /dev/null new-session -d -x 120 -y 24 -s t 'sh'"), 0);
@@ -271,6 +355,14 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     type("n");
     EXPECT_TRUE(shows("ended as 1"));
     EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
+    type("clear; " ANOCTL " calibrate accelerometer --control " + socket + "; echo ended as $?");
+    EXPECT_TRUE(shows("on each of its six faces. [y/N]"));
+    type("y");
+    EXPECT_TRUE(shows("(Enter goes on, Ctrl-C cancels)"));
+    type("");
+    EXPECT_TRUE(shows("[ ] -x"));
+    tmux("send-keys -t t C-c");
+    EXPECT_TRUE(shows("ended as 130"));
     type("clear");
     hear_of_another();
     type(ANOCTL " param list --device 0xDD --control " + socket + "; echo ended as $?");

@@ -22,7 +22,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 19> all{{
+    static constexpr std::array<Subcommand, 21> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -38,6 +38,8 @@ std::span<const Subcommand> subcommands() noexcept {
         {"param", "Reads and writes the parameters of a device, and keeps them in files", add_param},
         {"command", "Shows what a device can be told to do, and tells it", add_command},
         {"waypoint", "Reads the waypoints of a device into a file, and writes them back", add_waypoint},
+        {"flash", "Gives a device new firmware", add_flash},
+        {"calibrate", "Calibrates the accelerometer or the compass of a device", add_calibrate},
         {"log", "Shows what devices write, in their colours", add_log},
         {"image", "Writes the pictures that devices send as PNG files", add_image},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},

@@ -47,18 +47,18 @@ Json asked(const GatewayOptions& gateway, const std::string& target, ano::Durati
 }
 
 /// What a shell shows beside a word stands behind a tab.
-void write_devices(const Json& routes, std::ostream& out) {
+void offer_devices(const Json& routes, std::ostream& out) {
     for (const Json& route : routes)
         out << text_at(route, "address") << '\t' << text_at(route, "who") << ", " << names_at(route, "links") << '\n';
 }
 
-void write_links(const Json& links, std::ostream& out) {
+void offer_links(const Json& links, std::ostream& out) {
     for (const Json& link : links)
         out << text_at(link, "name") << '\t' << text_at(link, "kind") << ", " << text_at(link, "state") << '\n';
 }
 
 /// By name where it has one.
-void write_names(const Json& devices, std::ostream& out) {
+void offer_names(const Json& devices, std::ostream& out) {
     for (const Json& device : devices) {
         const std::string name = text_at(device, "name"), address = text_at(device, "address");
         out << (name.empty() ? address : name) << '\t' << address << '\n';
@@ -74,7 +74,7 @@ std::string device_of(const GatewayOptions& gateway, Words words) {
 }
 
 /// Its descriptions are asked for, where the gateway has not read them yet; names with blanks are left out, a shell would take two.
-void write_of_device(const GatewayOptions& gateway, Words words, const std::string& what, std::ostream& out) {
+void offer_of_device(const GatewayOptions& gateway, Words words, const std::string& what, std::ostream& out) {
     const std::string device = device_of(gateway, words);
     if (device.empty()) return;
     const std::string target = "/devices/" + percent_encoded(device) + "/" + what + "?values=0&while_connected";
@@ -91,11 +91,11 @@ int complete(Words words, Streams& streams) noexcept {
         const std::string_view what = words.empty() ? std::string_view{} : words[0];
         GatewayOptions gateway;
         if (!words.empty()) gateway.control = value_of(words.subspan(1), "--control");
-        if (what == "devices") write_devices(asked(gateway, "/routes"), streams.out);
-        else if (what == "links") write_links(asked(gateway, "/links"), streams.out);
-        else if (what == "names") write_names(at(asked(gateway, "/devices"), "devices"), streams.out);
+        if (what == "devices") offer_devices(asked(gateway, "/routes"), streams.out);
+        else if (what == "links") offer_links(asked(gateway, "/links"), streams.out);
+        else if (what == "names") offer_names(at(asked(gateway, "/devices"), "devices"), streams.out);
         else if (what == "parameters" || what == "commands")
-            write_of_device(gateway, words.subspan(1), std::string{what}, streams.out);
+            offer_of_device(gateway, words.subspan(1), std::string{what}, streams.out);
         else if (what == "fields")
             for (const std::string& word : field_words(words.subspan(1))) streams.out << word << '\n';
         streams.out.flush();

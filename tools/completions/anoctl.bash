@@ -37,9 +37,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint log image top web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint log image top web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -88,6 +88,13 @@ _anoctl() {
         'waypoint --device') _anoctl_devices; return ;;
         'waypoint --link') _anoctl_links; return ;;
         'waypoint --control') _anoctl_files; return ;;
+        'flash --crc') _anoctl_words 'ibm-3740 xmodem kermit modbus arc'; return ;;
+        'flash --device') _anoctl_devices; return ;;
+        'flash --link') _anoctl_links; return ;;
+        'flash --control') _anoctl_files; return ;;
+        'calibrate --device') _anoctl_devices; return ;;
+        'calibrate --link') _anoctl_links; return ;;
+        'calibrate --control') _anoctl_files; return ;;
         'log --device') _anoctl_addresses; return ;;
         'log --link') _anoctl_links; return ;;
         'log --control') _anoctl_files; return ;;
@@ -116,6 +123,8 @@ _anoctl() {
         'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
         'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
         'waypoint') options='--format --device --link --control --json -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;
+        'flash') options='--force --crc --device --link --control --json --yes -h --help'; operands='_anoctl_files' ;;
+        'calibrate') options='--device --link --control --json --yes -h --help'; operands='_anoctl_words '\''accelerometer compass'\''' ;;
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;

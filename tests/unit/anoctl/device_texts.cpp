@@ -1,5 +1,6 @@
 // What the commands for devices make of answers, and of what somebody typed.
 #include <anoctl/anoctl.hpp>
+#include <anoctl/device/calibration_text.hpp>
 #include <anoctl/device/command_values.hpp>
 #include <anoctl/device/job_text.hpp>
 #include <anoctl/device/parameter_file.hpp>
@@ -32,6 +33,8 @@ TEST(JobText, has_rate_and_time_left) {
     EXPECT_EQ(progress_text(job, 0.1, 200), "[########............] 60 of 150 parameters: reading")
         << "nothing is known of the rate yet";
     EXPECT_EQ(progress_text(job, 5, 10), "[########.");
+    const Json told{{"unit", "bytes"}, {"message", "sending, 12.3 KB/s, 3 s left"}};
+    EXPECT_EQ(progress_text(told, 5, 200), "sending") << "the rate stands elsewhere";
     const Json file{{"done", 128 * 1024}, {"total", 256 * 1024}, {"unit", "bytes"}};
     EXPECT_EQ(progress_text(file, 4, 200), "[##########..........] 128 KiB of 256 KiB, 32 KiB/s, 4.0 s left");
     const Json whole{{"done", 4}, {"total", 4}, {"unit", "steps"}};
@@ -152,6 +155,42 @@ TEST(WaypointForm, is_known_by_the_name_or_the_content) {
     EXPECT_EQ(form_of_content(Json{{"type", "FeatureCollection"}}), "geojson");
     EXPECT_EQ(form_of_content(Json{{"fileType", "Plan"}}), "qgc");
     EXPECT_EQ(form_of_content(Json{{"waypoints", Json::array()}}), "json");
+}
+
+TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
+    const Json job{{"step", {{"face", "+y"}, {"still", 0.4}, {"faces", {{"+y", 0.5}}}, {"done", {"+x", "-z"}}}}};
+    EXPECT_EQ(calibration_lines(job), (std::vector<std::string>{
+                                          "     __________     [x] +x",
+                                          "    /  +y up   /|   [ ] -x",
+                                          "   /__________/ |   [>] +y, 50 %, still 40 %",
+                                          "   |          | |   [ ] -y",
+                                          "   |          | /   [ ] +z",
+                                          "   |__________|/    [x] -z",
+                                      }));
+    EXPECT_EQ(calibration_step(job), "2 of 6 faces: +x, -z");
+    const Json unknown{{"step", {{"face", nullptr}, {"still", 0}, {"done", Json::array()}}}};
+    EXPECT_NE(calibration_lines(unknown)[1].find("/    ?     /|"), std::string::npos);
+    EXPECT_TRUE(calibration_lines(Json{{"message", "reading"}}).empty());
+    EXPECT_EQ(calibration_step(Json{{"message", "reading"}}), "");
+}
+
+TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
+    Json cells = Json::array();
+    for (int i = 0; i < 72; ++i) cells.push_back(i == 0 || i == 71 ? 1 : 0);
+    const Json job{{"step", {{"coverage", cells}, {"filled", 0.278}}}};
+    const auto lines = calibration_lines(job);
+    ASSERT_EQ(lines.size(), 7u);
+    EXPECT_EQ(lines[0], "   +z    . . . . . . . . . . . #");
+    EXPECT_EQ(lines[1], "         . . . . . . . . . . . .");
+    EXPECT_EQ(lines[5], "   -z    # . . . . . . . . . . .");
+    EXPECT_EQ(lines[6].find("   28 % of all directions"), 0u) << lines[6];
+    EXPECT_EQ(calibration_step(job), "20 % of all directions");
+}
+
+TEST(CalibrationText, has_the_residuals_and_what_was_found) {
+    EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
+              (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5"}));
+    EXPECT_EQ(calibration_result(Json{{"before", 0.12}, {"after", 0.012}}, "compass")[0], "residual 12 % before, 1.2 % now");
 }
 
 }    // namespace

@@ -137,6 +137,7 @@ private:
         signals_.async_wait([this](error_code ec, int) {
             if (ec) return;
             if (std::exchange(interrupted_, true) || !has_job_) return loop_.io.stop();
+            view_.end();
             streams_.err << "\nanoctl: cancelling; Ctrl-C again does not wait for it" << std::endl;
             loop_.door->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
             await_signal();
@@ -147,9 +148,8 @@ private:
         const std::string state = text_at(job_, "state"), error = text_at(job_, "error");
         if (state == "done" && job_.contains("result")) return std::move(job_["result"]);
         if (interrupted_ || !outcome_) {
-            const std::string rest = half_done(job_);
-            throw Interrupted{"cancelled" + (rest.empty() ? "" : ": " + rest) +
-                              (error.empty() || error == "cancelled" ? "" : ": " + error)};
+            const std::string rest = half_done(job_), end = error.starts_with("cancelled") ? error : "cancelled";
+            throw Interrupted{end + (rest.empty() ? "" : ": " + rest)};
         }
         if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
         if (!error.empty()) throw Failure{error};

@@ -49,10 +49,15 @@ std::string bytes_text(double bytes) {
     return text;
 }
 
+std::string step_text(const ano::Json& job) {
+    const std::string message = text_at(job, "message");
+    return text_at(job, "unit") == "bytes" ? message.substr(0, message.find(", ")) : message;
+}
+
 std::string progress_text(const ano::Json& job, double seconds, std::size_t width) {
     const double done = number_at(job, "done"), total = number_at(job, "total");
     const std::string unit = text_at(job, "unit");
-    std::string text = text_at(job, "message");
+    std::string text = step_text(job);
     if (total > 0) {
         const std::string head = bar(done / total) + counts(done, total, unit) + pace(done, total, seconds, unit);
         text = text.empty() ? head : head + ": " + text;

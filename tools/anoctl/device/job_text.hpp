@@ -13,6 +13,9 @@ namespace anoctl {
 /// counted.
 std::string progress_text(const ano::Json& job, double seconds, std::size_t width);
 
+/// Its message, without the rate that the message of an upgrade has.
+std::string step_text(const ano::Json& job);
+
 /// What is half done when it was cancelled, in a clause: "4096 of 16384 bytes were written, the device is left in its loader: flash it
 /// again". Empty: nothing is.
 std::string half_done(const ano::Json& job);

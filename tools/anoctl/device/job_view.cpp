@@ -2,7 +2,6 @@
 
 #include "job_text.hpp"
 
-#include <anoctl/gateway_json.hpp>
 #include <anoctl/terminal.hpp>
 
 #include <nlohmann/json.hpp>
@@ -27,7 +26,7 @@ void ProgressView::show(const ano::Json& job) {
         const double seconds = std::chrono::duration<double>(ano::Clock::now() - began_).count();
         return lines_.show({progress_text(job, seconds, Screen::size().width - 1)});
     }
-    const std::string message = text_at(job, "message");
+    const std::string message = step_text(job);
     if (!tells_steps_ || message.empty() || message == told_) return;
     told_ = message;
     streams_.err << "anoctl: " << message << std::endl;

@@ -1,5 +1,7 @@
 #include "link_door.hpp"
 
+#include "kept_values.hpp"
+
 #include <ano/address.hpp>
 #include <anoctl/own_link.hpp>
 #include <devices/device_net.hpp>
@@ -102,6 +104,9 @@ private:
     ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override {
         const Heard& one = heard_[address];
         return {one.at.has_value(), false, one.elsewhere};
+    }
+    void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override {
+        done(keep_in_state_folder(name, text));
     }
     anogate::DeviceManners manners(std::uint8_t) override { return manners_; }
 

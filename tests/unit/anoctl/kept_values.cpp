@@ -1,0 +1,33 @@
+#include <anoctl/device/kept_values.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <support/files.hpp>
+#include <support/temp_dir.hpp>
+
+namespace {
+
+using anoctl::keep_in_state_folder;
+
+TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
+    const support::TempDir dir;
+    ::setenv("XDG_STATE_HOME", dir.path().c_str(), 1);
+    const std::string file = dir / "anogate/calibration-0xDC-compass.json";
+    EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", "{}"), "");
+    EXPECT_EQ(support::text_of(file), "{}");
+    EXPECT_NE(keep_in_state_folder("calibration-0xDC-compass.json", "[]").find("anoctl param import " + file), std::string::npos);
+    EXPECT_EQ(support::text_of(file), "{}") << "the values from before the crash";
+    EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", ""), "");
+    EXPECT_FALSE(std::filesystem::exists(file));
+    ::setenv("XDG_STATE_HOME", (dir / "nothing").c_str(), 1);
+    EXPECT_EQ(keep_in_state_folder("never-kept", ""), "") << "what is not there need not go";
+    ::setenv("XDG_STATE_HOME", (dir.write("file", "")).c_str(), 1);
+    EXPECT_NE(keep_in_state_folder("a", "{}").find("it can't be made"), std::string::npos);
+    ::unsetenv("XDG_STATE_HOME");
+}
+
+}    // namespace

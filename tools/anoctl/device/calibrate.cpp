@@ -1,0 +1,92 @@
+// anoctl calibrate: finds the calibration of a sensor while somebody turns the device.
+#include "calibration_text.hpp"
+#include "device_client.hpp"
+#include "job_view.hpp"
+
+#include <ano_json/text.hpp>
+#include <anoctl/anoctl.hpp>
+#include <anoctl/gateway_json.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+class CalibrationView final : public JobView {
+public:
+    CalibrationView(Streams& streams, bool yes) : streams_{streams}, yes_{yes}, lines_{streams.err} {}
+
+    void show(const Json& job) override {
+        const std::string message = text_at(job, "message");
+        const bool waits = text_at(job, "state") == "waiting";
+        if (streams_.err_is_terminal) {
+            std::vector<std::string> lines = calibration_lines(job);
+            lines.push_back(message + (waits ? " (Enter goes on, Ctrl-C cancels)" : ""));
+            return lines_.show(lines);
+        }
+        for (const auto& [text, told] : {std::pair{message, &message_}, {calibration_step(job), &step_}})
+            if (!text.empty() && text != std::exchange(*told, text)) streams_.err << "anoctl: " << text << std::endl;
+    }
+    void end() override { lines_.clear(); }
+    bool goes_on_by_itself() const override { return yes_ || !streams_.in_is_terminal; }
+
+private:
+    Streams& streams_;
+    const bool yes_;
+    LiveLines lines_;
+    std::string message_, step_;    // told last
+};
+
+struct Calibrate {
+    DeviceOptions options;
+    std::string what;
+
+    int run(Streams& streams) const {
+        DeviceClient client{options, streams};
+        client.must_be_able_to_ask("calibrate");
+        const char* todo = what == "compass" ? "turn it slowly in all directions, far from iron"
+                                             : "lay it still on each of its six faces";
+        if (!client.may("Calibrate the " + what + " of " + client.device_words() + "? You will " + todo + ".")) {
+            streams.err << "anoctl: nothing was changed\n";
+            return failed;
+        }
+        anogate::http::Request request;
+        request.method = "POST";
+        request.target = client.target("/calibration");
+        request.body = Json{{"what", what}}.dump();
+        CalibrationView view{streams, options.yes};
+        const Json result = client.run(std::move(request), view);
+        if (options.json) streams.out << result.dump() << '\n';
+        else
+            for (const std::string& line : calibration_result(result, what)) streams.out << line << '\n';
+        return fine;
+    }
+};
+
+}    // namespace
+
+Run add_calibrate(Options& options) {
+    const auto self = std::make_shared<Calibrate>();
+    const auto read_what = [self](const std::string& word) -> std::string {
+        if (word != "accelerometer" && word != "compass") return ano::in_quotes(word) + " is neither accelerometer nor compass";
+        self->what = word;
+        return {};
+    };
+    options.push_back(
+        {"what", Option::Read{read_what}, "accelerometer|compass",
+         "Shows what is still to be done; the old calibration comes back when it is cancelled or the new one is no better",
+         true});
+    DeviceOptions::add(options, self->options);
+    DeviceOptions::add_yes(options, self->options);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

@@ -1,0 +1,74 @@
+// anoctl flash FILE: new firmware for a device.
+#include "device_client.hpp"
+#include "file_text.hpp"
+#include "job_text.hpp"
+
+#include <anoctl/anoctl.hpp>
+#include <anoctl/gateway_json.hpp>
+#include <anoctl/table.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <utility>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+struct Flash {
+    DeviceOptions options;
+    std::string file, crc;
+    bool force = false;
+
+    int run(Streams& streams) const {
+        anogate::http::Request request;
+        request.body = text_of_file(file);
+        if (request.body.empty()) throw UsageError{file + ": it is empty"};
+        DeviceClient client{options, streams};
+        client.must_be_able_to_ask("flash");
+        const std::string size = bytes_text(static_cast<double>(request.body.size()));
+        if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size + "?")) {
+            streams.err << "anoctl: nothing was changed\n";
+            return failed;
+        }
+        request.method = "POST";
+        request.target = client.target("/firmware");
+        if (force) request.target += "?force";
+        if (!crc.empty()) request.target += (force ? "&crc=" : "?crc=") + percent_encoded(crc);
+        request.headers.push_back({"Content-Type", "application/octet-stream"});
+        ProgressView view{streams, true};
+        const Json came = client.run(std::move(request), view);
+        if (options.json) streams.out << came.dump() << '\n';
+        else
+            streams.out << client.device_words() << ": written and checked, " << text_at(came, "frames") << " frames, "
+                        << text_at(came, "repeats") << " repeated, in " << time_text(number_at(came, "seconds")) << '\n';
+        return fine;
+    }
+
+private:
+    static std::string device_with_versions(DeviceClient& client) {
+        const Json& device = client.known_device();
+        std::string words = client.device_words();
+        if (device.contains("hw")) words += ", hardware " + text_at(device, "hw") + ", software " + text_at(device, "sw") + ",";
+        return words;
+    }
+};
+
+}    // namespace
+
+Run add_flash(Options& options) {
+    const auto self = std::make_shared<Flash>();
+    options.push_back({"file", &self->file, "FILE", ".bia, which is checked against the hardware, or .bin", true});
+    options.push_back({"--force", &self->force, "", "Although it is for other hardware, or the device says that it flies"});
+    options.push_back(
+        {"--crc", &self->crc, "ibm-3740|xmodem|kermit|modbus|arc", "The CRC-16 of the device's loader (default: ibm-3740)"});
+    DeviceOptions::add(options, self->options);
+    DeviceOptions::add_yes(options, self->options);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl
