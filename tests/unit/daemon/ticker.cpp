@@ -25,9 +25,9 @@ TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
     asio::io_context io;
     int calls = 0;
     Ticker ticker{io, [&] { ++calls; }};
-    ticker.start(1ms);
+    ticker.start(50ms);
     asio::post(io, [&] {
-        std::this_thread::sleep_for(2ms);
+        std::this_thread::sleep_for(60ms);
         asio::post(io, [&] { ticker.stop(); });
     });
     io.run_for(1s);
