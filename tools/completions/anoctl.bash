@@ -26,6 +26,14 @@ _anoctl_links() {
 _anoctl_known() { "${COMP_WORDS[0]}" __complete "$1" "${COMP_WORDS[@]:1}" 2>/dev/null | cut -f1; }
 _anoctl_addresses() { _anoctl_words "power_unit ros_2_bridge vendor_mcu flight_controller imu optical_flow openmv_camera data_radio protocol_simulator host broadcast $(_anoctl_known devices)"; }
 _anoctl_link_names() { _anoctl_words "$(_anoctl_known links)"; }
+# A message, then its fields. '=' is a word of bash.
+_anoctl_fields() {
+    local known
+    known=$("${COMP_WORDS[0]}" __complete fields "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null) || { _anoctl_messages; return; }
+    if [[ $cur == = ]]; then cur=; fi
+    if [[ $known == *= ]]; then compopt -o nospace 2>/dev/null; fi
+    _anoctl_words "$known"
+}
 _anoctl_devices() { _anoctl_words "$(_anoctl_known names)"; }
 _anoctl_commands() { _anoctl_words "$(_anoctl_known commands)"; }
 _anoctl_parameters() {
@@ -109,7 +117,7 @@ _anoctl() {
     esac
     case $command in
         'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
-        'encode') options='--from --to --data --raw --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'encode') options='--from --to --data --raw --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;
@@ -118,7 +126,7 @@ _anoctl() {
         'routes') options='--forget --control --json -h --help'; operands=':' ;;
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
-        'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_messages' ;;
+        'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
         'devices') options='--scan --link --control --json -h --help'; operands=':' ;;
         'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
         'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;

@@ -4,6 +4,11 @@ function __anoctl_known
     set -l words (commandline -opc)
     command $words[1] __complete $argv[1] $words[2..-1] 2>/dev/null
 end
+function __anoctl_fields
+    set -l words (commandline -opc)
+    set -l now (commandline -ct)
+    command $words[1] __complete fields $words[2..-1] "$now" 2>/dev/null
+end
 complete -c anoctl -n __fish_use_subcommand -a decode -d 'Shows the frames in bytes'
 complete -c anoctl -n __fish_use_subcommand -a encode -d 'Makes a frame'
 complete -c anoctl -n __fish_use_subcommand -a messages -d 'Shows the messages of the protocol'
@@ -41,6 +46,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from encode' -l value-type-7 -x -a
 complete -c anoctl -n '__fish_seen_subcommand_from encode' -l config -r -F -d 'A gateway\'s configuration, for its layouts of flexible messages'
 complete -c anoctl -n '__fish_seen_subcommand_from encode' -s h -l help -d 'Says what there is, and exits'
 complete -c anoctl -n '__fish_seen_subcommand_from encode' -a 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind'
+complete -c anoctl -n '__fish_seen_subcommand_from encode' -a '(__anoctl_fields)'
 complete -c anoctl -n '__fish_seen_subcommand_from messages' -l markdown -d 'The protocol reference'
 complete -c anoctl -n '__fish_seen_subcommand_from messages' -l json -d 'One JSON object a layout, one a line'
 complete -c anoctl -n '__fish_seen_subcommand_from messages' -l lua -d 'A Wireshark dissector'
@@ -94,6 +100,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from send' -l value-type-7 -x -a '
 complete -c anoctl -n '__fish_seen_subcommand_from send' -l config -r -F -d 'A gateway\'s configuration, for its layouts of flexible messages'
 complete -c anoctl -n '__fish_seen_subcommand_from send' -s h -l help -d 'Says what there is, and exits'
 complete -c anoctl -n '__fish_seen_subcommand_from send' -a 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind'
+complete -c anoctl -n '__fish_seen_subcommand_from send' -a '(__anoctl_fields)'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l scan -d 'Asks everybody who he is'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l link -x -a 'serial: udp-listen: udp: can: pty: sim:' -d 'Without a gateway'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l control -r -F -d 'The control socket of the gateway, where it is not the usual one'

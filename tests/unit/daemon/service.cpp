@@ -17,7 +17,10 @@ std::string faults(std::string_view json, const std::string& config_file = {}) {
     return text;
 }
 
-constexpr char elsewhere[] = " (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n";
+std::string or_elsewhere(std::string_view fault) {
+    std::string text{fault};
+    return text.append(" (for another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n");
+}
 
 TEST(Service, writes_to_its_own_folders) {
     EXPECT_EQ(
@@ -31,13 +34,12 @@ TEST(Service, writes_nowhere_else) {
     EXPECT_EQ(faults(R"({"links": ["sim:fc", "pty:/tmp/app"]})"),
               std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service may not write there, "
                           "and nobody else would see its /tmp; /run/anogate/app works\n"});
-    EXPECT_EQ(faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
-              std::string{"a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"} +
-                  elsewhere);
+    EXPECT_EQ(
+        faults(R"({"links": [{"kind": "pty", "path": "/home/pi/fc"}]})"),
+        or_elsewhere("a.json: /links/0/path: 'path' '/home/pi/fc': the service may not write there; /run/anogate/fc works"));
     EXPECT_EQ(faults(R"({"log": {"file": "/var/log/anogate.log"}})"),
-              std::string{"a.json: /log/file: 'file' '/var/log/anogate.log': the service may not write there; "
-                          "/var/log/anogate/anogate.log works"} +
-                  elsewhere);
+              or_elsewhere("a.json: /log/file: 'file' '/var/log/anogate.log': the service may not write there; "
+                           "/var/log/anogate/anogate.log works"));
     EXPECT_EQ(faults(R"({"control": {"socket": "/tmp/c"}})"),
               "a.json: /control/socket: 'socket' '/tmp/c': the service may not write there, and nobody else would see its /tmp; "
               "/run/anogate/c works\n");
@@ -46,9 +48,8 @@ TEST(Service, writes_nowhere_else) {
 TEST(Service, makes_tokens_in_its_own_folder_alone) {
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/var/lib/anogate/token"}})"), "");
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
-              std::string{"a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service may not write there; "
-                          "/var/lib/anogate/nonexistent works"} +
-                  elsewhere);
+              or_elsewhere("a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service may not write there; "
+                           "/var/lib/anogate/nonexistent works"));
     EXPECT_EQ(faults(R"({"control": {"token_file": "/proc/nonexistent"}})"), "") << "there is no door";
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/etc/passwd"}})"), "") << "it is only read";
 }
