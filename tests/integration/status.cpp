@@ -38,9 +38,8 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
     fc.write(vendor::i_am_an_mcu);
-    ASSERT_TRUE(daemon.until([&] {
-        return !daemon.route("0xFE").is_null() && !daemon.route("0xDB").is_null() && !daemon.route("0xDC").is_null();
-    }));
+    ASSERT_TRUE(daemon.until(
+        [&] { return !daemon.route("0xFE").is_null() && !daemon.route("0xDB").is_null() && !daemon.route("0xDC").is_null(); }));
 
     const json status = daemon.status();
     std::set<std::string> keys;
