@@ -60,7 +60,9 @@ std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type
     auto text = json.get<std::string>();
     if (!type || *type == ano::Type::text) return AnyValue{std::move(text)};
     const auto number = ano::parse_number(text);
-    if (!number) return AnyValue{std::move(text)};    // so that what is wrong is said by who knows the type
+    const auto* const real = number ? std::get_if<double>(&*number) : nullptr;
+    if (!number || (real != nullptr && !std::isfinite(*real)))
+        return AnyValue{std::move(text)};    // so that what is wrong is said by who knows the type
     return std::visit([](auto plain) { return AnyValue{plain}; }, *number);
 }
 

@@ -49,6 +49,7 @@ public:
     virtual DeviceManners manners(std::uint8_t /*address*/) { return {}; }
     /// A request that came at `came_at` waited through a standstill: it is not to be carried out late.
     virtual bool may_have_waited(ano::TimePoint /*came_at*/) { return false; }
+    // NOLINTBEGIN(performance-unnecessary-value-param): who does it later moves them
     /// Keeps `text` under `name` where it survives a crash, then calls `done` with what is wrong, or nothing; an empty text: it is
     /// no longer needed. `done` may be called at once.
     virtual void keep(std::string /*name*/, std::string /*text*/, std::function<void(std::string fault)> done) { done({}); }
@@ -58,6 +59,7 @@ public:
         work();
         done({});
     }
+    // NOLINTEND(performance-unnecessary-value-param)
 };
 
 }    // namespace anogate

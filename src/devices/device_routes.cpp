@@ -65,6 +65,7 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
     DeviceNet& net = service.net();
     if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
         return http::try_again("the gateway stood still meanwhile: what waited is not carried out late, ask again");
+    if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
     if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
@@ -188,7 +189,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
                 })});
     routes.add({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
                 with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
-                    if (!service.go_on(*job, service.net().now())) return http::error(409, "the job does not wait for anybody");
+                    if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
                     return json_response(job_json(*job));
                 })});
 }

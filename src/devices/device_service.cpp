@@ -141,6 +141,11 @@ std::size_t DeviceService::running() const {
     return static_cast<std::size_t>(std::count_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over(); }));
 }
 
+std::size_t DeviceService::upgrades() const {
+    return static_cast<std::size_t>(std::count_if(
+        jobs_.begin(), jobs_.end(), [](const auto& job) { return !job->is_over() && job->order.kind == JobKind::firmware; }));
+}
+
 // Those that ended are forgotten, the oldest first.
 bool DeviceService::make_room(TimePoint now) {
     const auto is_old = [&](const auto& job) { return job->is_over() && now - job->ended_at >= kept_for; };
@@ -159,6 +164,8 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     if (order.address)
         if (auto has_it = holder(*order.address); has_it && (order.deed != Deed::read || has_it_alone(has_it->order.kind)))
             return NotBegun{409, words_of(*has_it) + " has " + ano::hex_byte(*order.address), "busy", has_it};
+    if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
+        return not_begun(503, "other devices are upgraded just now: ask again when one has ended");
     if (running() >= max_running || !make_room(now)) return not_begun(503, "too many jobs run: ask again when one has ended");
     auto job = std::make_shared<Job>();
     job->id = next_id_++;
@@ -185,10 +192,13 @@ void DeviceService::left(Job& job) {
     if (job.needed_by > 0 && --job.needed_by == 0) cancel(job, net_.now());
 }
 
-bool DeviceService::go_on(Job& job, TimePoint now) {
-    if (job.is_over() || !job.work || !job.work->go_on(now)) return false;
+std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
+    const NotBegun does_not_wait = not_begun(409, "the job does not wait for anybody");
+    if (job.is_over() || !job.work || !job.work->is_waiting()) return does_not_wait;
+    if (auto refused = refusal(job.order, now)) return refused;    // it may have taken off since the job began
+    if (!job.work->go_on(now)) return does_not_wait;
     net_.wake(now);
-    return true;
+    return std::nullopt;
 }
 
 std::shared_ptr<Job> DeviceService::job(unsigned id) const {
@@ -237,18 +247,23 @@ void DeviceService::send_all(TimePoint now) {
         while (const auto frame = known_[a]->device->next_frame(now)) {
             const std::uint8_t id = frame->id();
             const bool acts = is_act(*frame);
-            if (const std::string never = net_.send(*frame); !never.empty())
-                fail(static_cast<std::uint8_t>(a), id, acts, never, now);
+            const auto address = static_cast<std::uint8_t>(a);
+            if (const std::string never = net_.send(*frame); !never.empty()) fail(address, id, acts, never, now);
+            else if (const auto job = acts ? holder(address) : nullptr) job->has_acted = true;
         }
     }
 }
 
-// What one frame meets, all of its kind meet; what changes the device is of the one job that may.
+// What one frame meets, all of its kind meet; what changes the device is of the one job that may. The work puts back what it can, and says
+// what it could not: it ends in its own time.
 void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all) {
         if (job->is_over() || job->order.address != address) continue;
-        if (acts ? job->is_writing() : asks_by(job->order.kind, id)) finish(*job, {403, {}, why, "refused", {}, false}, now);
+        if (!job->work || !(acts ? job->is_writing() : asks_by(job->order.kind, id)) || !job->refused.empty()) continue;
+        job->refused = why;
+        job->work->cancel(now);
+        if (job->work->end()) finish(*job, *job->work->end(), now);
     }
 }
 
@@ -256,6 +271,10 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     if (job.work) {
         job.progress = job.work->progress();
         job.step = job.work->step();
+    }
+    if (!job.refused.empty() && end.status >= 300) {
+        end = {403,       std::move(end.result), job.refused + (job.has_acted ? "; " + end.error : std::string{}),
+               "refused", end.evidence,          false};
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
     job.message = end.error;
@@ -315,6 +334,7 @@ void DeviceService::await(TimePoint now) {
     if (!listens_since_) return;
     if (now - used_at_ < idle_after) return net_.wake(used_at_ + idle_after);
     listens_since_.reset();
+    guard_ = {};    // who flew then may have landed unheard: before what is for the ground, it listens anew
     net_.listen(false);
 }
 

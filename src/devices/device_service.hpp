@@ -48,6 +48,8 @@ class DeviceService {
 public:
     static constexpr std::size_t max_jobs = 64;    // that run and that ended
     static constexpr std::size_t max_running = 32;
+    static constexpr std::size_t max_upgrades = 2;    // that run: each has its file in memory
+    static constexpr long max_waiting = 16;           // clients who wait for jobs: half of the door's places are for all else
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Progress is told so often at most.
@@ -70,8 +72,12 @@ public:
     bool cancel(Job& job, ano::TimePoint now);
     /// The same for who asked for it and leaves, where it ends then.
     void left(Job& job);
-    /// POST /jobs/J/next. False: it does not wait.
-    bool go_on(Job& job, ano::TimePoint now);
+    /// POST /jobs/J/next. Why it does not go on: it does not wait, or may not be done now. Nothing: it goes on.
+    std::optional<NotBegun> go_on(Job& job, ano::TimePoint now);
+
+    /// One client waits for a job as long as this is kept.
+    std::shared_ptr<void> waiting_client() const { return waiting_clients_; }
+    bool has_room_for_a_client() const noexcept { return waiting_clients_.use_count() <= max_waiting; }
 
     std::shared_ptr<Job> job(unsigned id) const;
     /// The one that began last is last.
@@ -104,6 +110,7 @@ private:
     std::shared_ptr<Job> holder(std::uint8_t address) const;
     bool make_room(ano::TimePoint now);
     std::size_t running() const;
+    std::size_t upgrades() const;
     void advance(const std::shared_ptr<Job>& job, ano::TimePoint now);
     void send_all(ano::TimePoint now);
     void fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, ano::TimePoint now);
@@ -123,6 +130,7 @@ private:
     unsigned next_id_ = 1;
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
+    std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // one more owner for each
     bool runs_ = false;
     bool stopped_ = false;
 };

@@ -50,7 +50,9 @@ struct Job {
     std::unique_ptr<Work> work;    // null when it has ended, and until it begins
     std::optional<WorkEnd> end;
     std::string message;
-    std::string step;    // JSON
+    bool has_acted = false;    // something that changes the device left
+    std::string refused;       // why its frames may not leave: it ends
+    std::string step;          // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // not before: until then it is listened whether it may
     ano::TimePoint ended_at{};

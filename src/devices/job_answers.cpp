@@ -30,21 +30,28 @@ http::Response end_answer(const Job& job) {
     return json_answer(job.end->status, json);
 }
 
-/// Who asked for a job and wants it to end when he goes.
+/// Who waits for a job; he may want it to end when he goes.
 class Need {
 public:
-    Need(DeviceService& service, std::shared_ptr<Job> job) : service_{service}, job_{std::move(job)} { ++job_->needed_by; }
-    ~Need() { service_.left(*job_); }
+    Need(DeviceService& service, std::shared_ptr<Job> job, bool is_needed)
+        : service_{service}, job_{std::move(job)}, is_needed_{is_needed}, place_{service.waiting_client()} {
+        if (is_needed_) ++job_->needed_by;
+    }
+    ~Need() {
+        if (is_needed_) service_.left(*job_);
+    }
     Need(const Need&) = delete;
     Need& operator=(const Need&) = delete;
 
 private:
     DeviceService& service_;
     std::shared_ptr<Job> job_;
+    bool is_needed_;
+    std::shared_ptr<void> place_;
 };
 
 std::shared_ptr<Need> need_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
-    return request.query_value("while_connected") ? std::make_shared<Need>(service, job) : nullptr;
+    return std::make_shared<Need>(service, job, request.query_value("while_connected").has_value());
 }
 
 // A line for each change; what changed while its client took nothing is one.
@@ -106,8 +113,9 @@ http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job
 
 http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request,
                           unsigned status) {
-    if (accepts_lines(request)) return lines_of(job, need_of(service, job, request));
-    return json_answer(status, job_json(*job));
+    if (!accepts_lines(request)) return json_answer(status, job_json(*job));
+    if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
+    return lines_of(job, need_of(service, job, request));
 }
 
 http::Response job_at_its_end(const std::shared_ptr<Job>& job) {

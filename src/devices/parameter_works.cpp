@@ -68,14 +68,22 @@ private:
     void tell(WorkEnd end) {
         Json rows = Json::array();
         std::uint16_t id = 0;
-        for (const ano::host::ParameterInfo& info : parameters().descriptions()) {
-            ano::host::ParameterInfo row = info;
+        // Behind the last that came there is nothing to say of each: a device may claim thousands.
+        const auto& all = parameters().descriptions();
+        const auto came = [&](std::size_t i) {
+            return all[i].type || !all[i].name.empty() || !parameters().bytes(static_cast<std::uint16_t>(i)).empty();
+        };
+        std::size_t end_of_rows = all.size();
+        while (end_of_rows > 0 && !came(end_of_rows - 1)) --end_of_rows;
+        for (std::size_t i = 0; i < end_of_rows; ++i) {
+            ano::host::ParameterInfo row = all[i];
             row.id = id;
             rows.push_back(parameter_json(row, parameters().value(id), values_));
             ++id;
         }
         const auto& device = place().device;
         Json result{{"device", identity_json(device.address(), device.info())}, {"parameters", std::move(rows)}};
+        if (end_of_rows < all.size()) result["missing_from"] = end_of_rows;
         if (!end.error.empty()) result["incomplete"] = end.error;
         finish(with_result(std::move(end), result));
     }

@@ -79,7 +79,8 @@ void ParameterWrite::write(TimePoint now) {
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
         if (value.size() > had && !limits_.longer)
-            return refuse("is longer than the " + std::to_string(had) + " bytes that the device has", now);
+            return refuse(
+                "is longer than the " + std::to_string(had) + " bytes that the device has: a longer one must be allowed", now);
         value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
     }
     was_sent_ = true;

@@ -77,7 +77,14 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         fault_ = {400, "the only Transfer-Encoding is chunked, in HTTP/1.1"};
         return used;
     }
-    if (body_limit_) limits_.body = body_limit_(head());
+    if (body_limit_) {
+        const auto most = body_limit_(head());
+        if (!most) {
+            fault_ = {503, "other large bodies are on their way: ask again later"};
+            return used;
+        }
+        limits_.body = *most;
+    }
     parser_->most = limits_.body;
     if (parser_->content_length().value_or(0) > limits_.body) fault_ = fault_of(beast::error::body_limit, limits_);
     parser_->eager(true);
@@ -95,7 +102,7 @@ std::size_t RequestReader::put(std::string_view bytes) {
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
     if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();
-    else if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
+    if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
     else if (!parser_->is_done() && bytes.size() - used > limits_.header) fault_ = fault_of_chunk(limits_);
     return used;
 }

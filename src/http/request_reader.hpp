@@ -18,8 +18,8 @@ struct RequestLimits {
 /// One request. Flow: put() what came, again with what it left and more, until is_done() or fault().
 class RequestReader {
 public:
-    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body.
-    using BodyLimit = std::function<std::uint64_t(const Request& head)>;
+    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body. Nothing: 503, not now.
+    using BodyLimit = std::function<std::optional<std::uint64_t>(const Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});
     RequestReader(RequestReader&&) noexcept;

@@ -10,6 +10,11 @@
 namespace anogate::http {
 namespace {
 
+constexpr long max_large_bodies = 2;
+
+}    // namespace
+namespace {
+
 Response no_place() { return try_again("all places are taken by those who ask just now"); }
 
 }    // namespace
@@ -57,13 +62,16 @@ void Server::admit(std::unique_ptr<Stream> stream) {
     session->start();
 }
 
-// More than usual is taken from those alone who may ask that.
-std::uint64_t Server::body_limit(const Request& head) {
+// More than usual is taken from those alone who may ask that, and of few at a time: it is memory.
+std::optional<std::uint64_t> Server::body_limit(const Request& head, std::shared_ptr<void>& large) {
     const std::uint64_t usual = limits_.session.request.body;
     const Routes::Row* const row = routes_.row_for(head);
     if (!row || row->body <= usual) return usual;
     const auto access = admission_.judge(head, ano::Clock::now());
-    return access && *access >= row->access ? row->body : usual;
+    if (!access || *access < row->access) return usual;
+    if (large_bodies_.use_count() > max_large_bodies) return std::nullopt;
+    large = large_bodies_;
+    return row->body;
 }
 
 bool Server::make_place(std::uint32_t user) {

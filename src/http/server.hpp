@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,13 +71,14 @@ private:
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
     Response answer(Request request) override;
-    std::uint64_t body_limit(const Request& head) override;
+    std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     bool has_memory() override { return !has_memory_ || has_memory_(); }
 
     asio::io_context& io_;
     ServerLimits limits_;
     HasMemory has_memory_;
+    std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // one more owner for each
     Routes routes_;
     Admission admission_;
     LocalSocket local_;

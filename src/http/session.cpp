@@ -23,6 +23,7 @@ void Session::close() {
     if (stream_) stream_->close();
     stream_.reset();
     needed_.reset();
+    large_body_.reset();
 }
 
 void Session::leave(const Response& words) {
@@ -39,10 +40,11 @@ Visitor Session::visitor(ano::TimePoint now) const {
 
 // Some of the next request may be here.
 void Session::await_request() {
+    large_body_.reset();
     reader_.emplace(limits_.request, [this](Request head) {
         head.user = user_;
         head.door = stream_->door();
-        return owner_.body_limit(head);
+        return owner_.body_limit(head, large_body_);
     });
     expect_progress();
     if (input_.empty()) return read();
@@ -87,7 +89,7 @@ void Session::came(error_code ec, std::size_t size) {
 void Session::input_ended() {
     input_ended_ = true;
     if (asking_ == Asking::half) return refuse(error(400, "the request ended before it was whole"));
-    if (asking_ != Asking::whole || part_awaited_ || needed_) close();
+    if (asking_ != Asking::whole || part_awaited_ || answer_awaited_) close();
 }
 
 void Session::hear() {
@@ -138,7 +140,12 @@ void Session::answer(Request request) {
         response = std::move(fault);
     }
     if (!response.later) return send(std::move(response), head_only);
-    if (response.patient) await_answer(std::move(response.needed));
+    if (response.patient) {
+        await_answer(std::move(response.needed));    // reading holds us, until the client is gone
+        return response.later([weak = weak_from_this(), head_only](Response known) {
+            if (const auto self = weak.lock(); self && self->stream_) self->send(std::move(known), head_only);
+        });
+    }
     response.later([self = shared_from_this(), head_only](Response known) {    // meanwhile nobody else holds us
         if (self->stream_) self->send(std::move(known), head_only);
     });

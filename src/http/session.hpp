@@ -31,8 +31,9 @@ public:
     /// Calls take_turn() in its time.
     virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
     virtual Response answer(Request request) = 0;
-    /// What the body of a request may have, of which the rest is known.
-    virtual std::uint64_t body_limit(const Request& head) = 0;
+    /// What the body of a request may have, of which the rest is known. When that is more than usual, `large` is to be kept as long as the
+    /// body is; nothing: too many are kept already.
+    virtual std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) = 0;
     /// The connection ends with these words.
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// There is enough of it for one request and its answer.
@@ -95,6 +96,7 @@ private:
     bool part_awaited_ = false;      // the producer has none for now
     bool answer_awaited_ = false;    // a patient one
     std::shared_ptr<void> needed_;
+    std::shared_ptr<void> large_body_;    // of the request that comes, or is answered
     bool woken_ = false;
     std::weak_ptr<OpenWebSocket> web_socket_;
 };

@@ -104,13 +104,14 @@ public:
     std::shared_ptr<std::optional<Answer>> asked(const std::string& method, const std::string& target,
                                                  const std::string& body = {}) {
         auto answer = std::make_shared<std::optional<Answer>>();
-        const auto told = [answer](const anogate::http::Response& response) {
+        const auto told = [this, answer](const anogate::http::Response& response) {
+            needed_.erase(answer.get());
             *answer = Answer{response.status, nlohmann::ordered_json::parse(response.body, nullptr, false)};
         };
         anogate::http::Response response = routes.answer(request(method, target, body));
         if (!response.later) told(response);
         else response.later(told);
-        needed_.push_back(std::move(response.needed));
+        if (!answer->has_value()) needed_[answer.get()] = std::move(response.needed);
         return answer;
     }
     /// One who takes lines.
@@ -161,7 +162,7 @@ private:
     Random random_{7};
     std::optional<TimePoint> wake_;
     std::multimap<TimePoint, Event> events_;
-    std::vector<std::shared_ptr<void>> needed_;
+    std::map<const void*, std::shared_ptr<void>> needed_;    // by the answer that is waited for
 };
 
 }    // namespace support

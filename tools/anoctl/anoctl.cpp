@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <exception>
 #include <optional>
 #include <ostream>
@@ -55,6 +56,15 @@ std::string commands() {
     std::string all;
     for (const Subcommand& s : subcommands()) all += (all.empty() ? "; the commands are " : ", ") + std::string{s.name};
     return all;
+}
+
+std::string what_is_missing(const CLI::RequiredError& e) {
+    std::string name = e.what();    // "file is required"
+    const auto end = name.find(" is required");
+    if (end == name.npos || name.find(' ') < end) return "a command is missing" + commands();
+    name.resize(end);
+    for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return name + " is missing";
 }
 
 void reject_unknown_command(int argc, const char* const* argv) {
@@ -202,7 +212,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : "NAME is missing", usage);
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : what_is_missing(e), usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {

@@ -1,4 +1,5 @@
 // Who has which device, how jobs are told of, and that every one ends.
+#include <devices/device_service.hpp>
 #include <support/simulated_net.hpp>
 
 #include <gtest/gtest.h>
@@ -143,6 +144,43 @@ TEST_F(Jobs, that_read_go_on_when_what_another_does_may_not_pass) {
     EXPECT_EQ((*reads)->status, 200u);
     net.refuses = {{0xE0, "no"}};
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 403u);
+}
+
+TEST_F(Jobs, say_what_is_changed_when_the_rules_keep_off_the_rest) {
+    const auto writes = net.asked("POST", "/devices/0xDC/apply", R"({"parameters": {"PAR_0": 7, "PAR_1": 7}, "rollback": true})");
+    const auto has_written = [&] {
+        return std::any_of(net.sent.begin(), net.sent.end(), [](const Bytes& one) { return one[3] == 0xE1; });
+    };
+    ASSERT_TRUE(net.until(has_written));
+    net.refuses[0xE1] = "no";
+    ASSERT_TRUE(net.until([&] { return writes->has_value(); }, 1min));
+    EXPECT_EQ((*writes)->status, 403u);
+    EXPECT_TRUE((*writes)->json.at("error").get<std::string>().starts_with("no")) << (*writes)->json;
+    EXPECT_EQ((*writes)->json.at("result").at("parameters").size(), 2u) << (*writes)->json;
+}
+
+TEST_F(Jobs, leave_places_for_those_who_do_not_wait_for_them) {
+    std::vector<decltype(net.lines("GET", ""))> waiting;
+    for (long i = 0; i < anogate::DeviceService::max_waiting; ++i)
+        waiting.push_back(net.lines("GET", "/devices/0xDC/parameters"));
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
+    EXPECT_EQ(net.ask("GET", "/jobs").status, 200u);
+    waiting.pop_back();
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
+}
+
+TEST_F(Jobs, for_the_ground_listen_anew_when_long_nobody_asked) {
+    net.ask("GET", "/devices/0xDC/parameters");
+    net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));    // it flies
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})").status, 409u);
+    net.pass(2min);    // and lands
+    ASSERT_FALSE(net.listens);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})").status, 200u);
+}
+
+TEST_F(Jobs, write_no_number_that_is_none) {
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": "nan"})").status, 422u);
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": "-inf"})").status, 422u);
 }
 
 TEST_F(Jobs, are_not_begun_for_who_is_not_there) {

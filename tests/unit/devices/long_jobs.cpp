@@ -156,6 +156,19 @@ TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
     EXPECT_TRUE(net.kept.empty());
 }
 
+TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
+    const auto [status, error] = net.ask("POST", "/jobs/1/next");
+    EXPECT_EQ(status, 409u);
+    EXPECT_EQ(error.at("error"), "0xDC is unlocked or flies: this is for the ground");
+    EXPECT_EQ(state(), "waiting");
+    EXPECT_EQ(fake.parameters[0].value, before);
+    net.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
+    EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+}
+
 TEST_F(Calibrates, only_what_there_is_to_calibrate) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "barometer"})").status, 400u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", "{}").status, 400u);

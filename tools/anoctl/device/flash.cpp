@@ -28,10 +28,15 @@ struct Flash {
         anogate::http::Request request;
         request.body = text_of_file(file);
         if (request.body.empty()) throw UsageError{file + ": it is empty"};
+        const bool has_header = request.body.starts_with("bia");
+        if (!has_header && file.ends_with(".bia"))
+            throw UsageError{file +
+                             ": it does not begin as a .bia does; what is no .bia but firmware all the same is called .bin"};
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("flash");
         const std::string size = bytes_text(static_cast<double>(request.body.size()));
-        if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size + "?")) {
+        if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size +
+                        (has_header ? "" : ", which says nothing of the hardware that it is for") + "?")) {
             streams.err << "anoctl: nothing was changed\n";
             return failed;
         }

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t bar_width = 20;
 
 std::string bar(double share) {
-    const auto full = static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * double{bar_width} + 0.5);
+    const auto full = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * double{bar_width}));
     return "[" + std::string(full, '#') + std::string(bar_width - full, '.') + "] ";
 }
 

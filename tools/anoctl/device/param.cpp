@@ -210,6 +210,7 @@ private:
         if (!options.json) show(d, streams.out);
         if (d.changes > 0) {
             const std::string other = of_another_device(given, client.known_device());
+            if (!other.empty() && options.yes) streams.err << "anoctl: " << other << '\n';
             if (!other.empty() && !client.may(other + ". Go on all the same?")) return declined(streams);
             if (!client.may("Write " + plural(d.changes, "parameter") + " into " + client.device_words() + "?"))
                 return declined(streams);
