@@ -64,7 +64,7 @@ public:
         for (const Bytes& f : frames) {
             if (f[1] != from_ || f[3] != 0xF1) continue;
             const int number = f[6] | f[7] << 8 | f[8] << 16 | f[9] << 24;
-            EXPECT_GE(number, next_) << "twice, or out of order";
+            EXPECT_GE(number, next_) << "twice, or out of order, from " << int{from_};
             missing_ += number - next_;
             next_ = number + 1;
         }
