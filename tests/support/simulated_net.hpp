@@ -5,6 +5,7 @@
 #include <http/routes.hpp>
 #include <support/fake_device.hpp>
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
