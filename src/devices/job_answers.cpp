@@ -31,33 +31,34 @@ http::Response end_answer(const Job& job) {
 }
 
 /// Who waits for a job; he may want it to end when he goes.
-class Need {
+class WaitingClient {
 public:
-    Need(DeviceService& service, std::shared_ptr<Job> job, bool is_needed)
-        : service_{service}, job_{std::move(job)}, is_needed_{is_needed}, place_{service.waiting_client()} {
-        if (is_needed_) ++job_->needed_by;
+    WaitingClient(DeviceService& service, std::shared_ptr<Job> job, bool ends_with_him)
+        : service_{service}, job_{std::move(job)}, ends_with_him_{ends_with_him}, place_{service.waiting_client()} {
+        if (ends_with_him_) ++job_->needed_by;
     }
-    ~Need() {
-        if (is_needed_) service_.left(*job_);
+    ~WaitingClient() {
+        if (ends_with_him_) service_.left(*job_);
     }
-    Need(const Need&) = delete;
-    Need& operator=(const Need&) = delete;
+    WaitingClient(const WaitingClient&) = delete;
+    WaitingClient& operator=(const WaitingClient&) = delete;
 
 private:
     DeviceService& service_;
     std::shared_ptr<Job> job_;
-    bool is_needed_;
+    bool ends_with_him_;
     std::shared_ptr<void> place_;
 };
 
-std::shared_ptr<Need> need_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
-    return std::make_shared<Need>(service, job, request.query_value("while_connected").has_value());
+std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std::shared_ptr<Job>& job,
+                                              const http::Request& request) {
+    return std::make_shared<WaitingClient>(service, job, request.query_value("while_connected").has_value());
 }
 
 // A line for each change; what changed while its client took nothing is one.
 class JobLines final : public http::Producer {
 public:
-    JobLines(std::shared_ptr<Job> job, std::shared_ptr<Need> need) : job_{std::move(job)}, need_{std::move(need)} {
+    JobLines(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) : job_{std::move(job)}, client_{std::move(client)} {
         job_->on_change.push_back(&wake_);
     }
     ~JobLines() override {
@@ -76,15 +77,15 @@ public:
 
 private:
     std::shared_ptr<Job> job_;
-    std::shared_ptr<Need> need_;
+    std::shared_ptr<WaitingClient> client_;
     std::optional<std::uint64_t> told_;
     std::function<void()> wake_ = [] {};
 };
 
-http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<Need> need) {
+http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) {
     http::Response response;
     response.type = lines;
-    response.producer = std::make_unique<JobLines>(std::move(job), std::move(need));
+    response.producer = std::make_unique<JobLines>(std::move(job), std::move(client));
     return response;
 }
 
@@ -92,30 +93,30 @@ bool accepts_lines(const http::Request& request) { return request.header("Accept
 
 using Tell = http::Response (*)(const Job& job);
 
-http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Need> need, Tell tell) {
+http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<WaitingClient> client, Tell tell) {
     if (job->is_over()) return tell(*job);
     http::Response response = http::later([job, tell](const std::function<void(http::Response)>& say) {
         if (job->is_over()) return say(tell(*job));
         job->on_end.push_back([say, tell](const Job& ended) { say(tell(ended)); });
     });
     response.patient = true;
-    response.needed = std::move(need);
+    response.needed = std::move(client);
     return response;
 }
 
 }    // namespace
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
-    auto need = need_of(service, job, request);
-    if (accepts_lines(request)) return lines_of(job, std::move(need));
-    return at_its_end(job, std::move(need), end_answer);
+    auto client = waiting_client(service, job, request);
+    if (accepts_lines(request)) return lines_of(job, std::move(client));
+    return at_its_end(job, std::move(client), end_answer);
 }
 
 http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request,
                           unsigned status) {
     if (!accepts_lines(request)) return json_answer(status, job_json(*job));
     if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
-    return lines_of(job, need_of(service, job, request));
+    return lines_of(job, waiting_client(service, job, request));
 }
 
 http::Response job_at_its_end(const std::shared_ptr<Job>& job) {

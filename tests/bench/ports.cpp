@@ -7,7 +7,6 @@
 namespace bench {
 
 using namespace std::chrono_literals;
-using std::chrono::steady_clock;
 
 // 1 Mbaud: 100,000 bytes/s of ten bits.
 void measure_ports(Run& run) {
@@ -21,14 +20,7 @@ void measure_ports(Run& run) {
     const Sink sink{forwarder.taken_at()};
     ptys.start();
     std::this_thread::sleep_for(500ms);
-    std::vector<double> percent;
-    for (int second = 0; second < 8; ++second) {
-        const double cpu = cpu_seconds(gateway.pid());
-        const auto begin = steady_clock::now();
-        std::this_thread::sleep_for(1s);
-        const std::chrono::duration<double> wall = steady_clock::now() - begin;
-        percent.push_back(100 * (cpu_seconds(gateway.pid()) - cpu) / wall.count());
-    }
+    const std::vector<double> percent = percent_of_a_core(gateway.pid());
     ptys.stop();
     const std::uint64_t sent = ptys.frames() * frame_size;
     for (int i = 0; i < 100 && sink.bytes() < sent; ++i) std::this_thread::sleep_for(10ms);

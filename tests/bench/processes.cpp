@@ -5,8 +5,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <string>
+#include <thread>
 
 namespace bench {
 namespace {
@@ -34,6 +36,19 @@ double cpu_seconds(pid_t process) {
     timespec t{};
     if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &t) != 0) return 0;
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::vector<double> percent_of_a_core(pid_t process) {
+    using std::chrono::steady_clock;
+    std::vector<double> percent;
+    for (int second = 0; second < 8; ++second) {
+        const double cpu = cpu_seconds(process);
+        const auto begin = steady_clock::now();
+        std::this_thread::sleep_for(std::chrono::seconds{1});
+        const std::chrono::duration<double> wall = steady_clock::now() - begin;
+        percent.push_back(100 * (cpu_seconds(process) - cpu) / wall.count());
+    }
+    return percent;
 }
 
 std::uint64_t wake_ups(pid_t process) { return status_field(process, "voluntary_ctxt_switches:"); }

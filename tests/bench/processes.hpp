@@ -3,10 +3,13 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <vector>
 
 namespace bench {
 
 double cpu_seconds(pid_t process);
+/// What it takes of one processor in each of the next 8 seconds.
+std::vector<double> percent_of_a_core(pid_t process);
 std::uint64_t wake_ups(pid_t process);    // voluntary context switches so far
 std::uint64_t resident_bytes(pid_t process);
 std::uint64_t max_resident_bytes(pid_t process);    // at any time so far

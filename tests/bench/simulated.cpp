@@ -7,7 +7,6 @@
 namespace bench {
 
 using namespace std::chrono_literals;
-using std::chrono::steady_clock;
 
 // All of them flight controllers, which compute most; all that they say goes to one UDP peer.
 void measure_simulated(Run& run) {
@@ -22,14 +21,7 @@ void measure_simulated(Run& run) {
     const GatewayProcess gateway{run.anogated, links};
     const Sink sink{forwarder.taken_at()};
     std::this_thread::sleep_for(500ms);
-    std::vector<double> percent;
-    for (int second = 0; second < 8; ++second) {
-        const double cpu = cpu_seconds(gateway.pid());
-        const auto begin = steady_clock::now();
-        std::this_thread::sleep_for(1s);
-        const std::chrono::duration<double> wall = steady_clock::now() - begin;
-        percent.push_back(100 * (cpu_seconds(gateway.pid()) - cpu) / wall.count());
-    }
+    const std::vector<double> percent = percent_of_a_core(gateway.pid());
     run.table.measure("20 simulated flight controllers at 100 Hz to one UDP peer: % of a core", percent, at_most(15));
 }
 

@@ -1,5 +1,5 @@
 // What a gateway answers on its control socket, row by row of its own table.
-#include <http/client.hpp>
+#include <support/asked.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
@@ -20,8 +20,6 @@ namespace {
 
 using namespace support;
 using anogate::http::Answer;
-using anogate::http::Outcome;
-using anogate::http::Request;
 using nlohmann::json;
 
 class ControlInterface : public testing::Test {
@@ -33,14 +31,7 @@ protected:
     }
     Answer ask(const std::string& method, const std::string& target, const std::string& body = {},
                const std::string& accept = {}) const {
-        Request request;
-        request.method = method;
-        request.target = target;
-        request.body = body;
-        if (!accept.empty()) request.headers.push_back({"Accept", accept});
-        const Outcome outcome = anogate::http::ask(socket, request);
-        EXPECT_EQ(outcome.fault, "") << method << " " << target;
-        return outcome.answer;
+        return asked(socket, method, target, body, accept);
     }
     json get(const std::string& target) const {
         const Answer answer = ask("GET", target);

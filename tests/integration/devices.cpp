@@ -1,5 +1,6 @@
 // Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
 #include <http/client.hpp>
+#include <support/asked.hpp>
 #include <support/fake_loader.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
@@ -40,14 +41,7 @@ protected:
     }
     Answer answer(const std::string& method, const std::string& target, const std::string& body = {},
                   const std::string& accept = {}) const {
-        Request request;
-        request.method = method;
-        request.target = target;
-        request.body = body;
-        if (!accept.empty()) request.headers.push_back({"Accept", accept});
-        const Outcome outcome = anogate::http::ask(socket, request, {.patience = patience});
-        EXPECT_EQ(outcome.fault, "") << method << ' ' << target;
-        return outcome.answer;
+        return asked(socket, method, target, body, accept);
     }
     Told ask(const std::string& method, const std::string& target, const std::string& body = {}) const {
         const Answer got = answer(method, target, body);

@@ -1,0 +1,26 @@
+// The control interface of a gateway, asked by the client that anoctl has.
+#pragma once
+#include "wait.hpp"
+
+#include <http/client.hpp>
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace support {
+
+/// The test fails where nobody answers.
+inline anogate::http::Answer asked(const std::string& socket, const std::string& method, const std::string& target,
+                                   const std::string& body = {}, const std::string& accept = {}) {
+    anogate::http::Request request;
+    request.method = method;
+    request.target = target;
+    request.body = body;
+    if (!accept.empty()) request.headers.push_back({"Accept", accept});
+    const anogate::http::Outcome outcome = anogate::http::ask(socket, request, {.patience = patience});
+    EXPECT_EQ(outcome.fault, "") << method << ' ' << target;
+    return outcome.answer;
+}
+
+}    // namespace support
