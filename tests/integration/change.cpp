@@ -52,6 +52,7 @@ protected:
 // 10,000 numbered frames each way between a serial port and a listening peer, while everything else changes 50 times.
 TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
     constexpr int frames = 10'000, changes = 50;
+    stay_on_one_processor();
     PtyDevice device{dir / "fc"};
     PtyDevice other{dir / "other"};
     auto port = serial("fc", device.path());

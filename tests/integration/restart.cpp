@@ -82,6 +82,7 @@ protected:
 
 TEST_F(Restart, five_times_loses_none_of_ten_thousand_frames_each_way) {
     constexpr int frames = 10'000, restarts = 5;
+    stay_on_one_processor();
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc,pace=off,queue=1000000,age.rest=1m",
                "udp-listen:127.0.0.1:0,name=ground,queue=1000000,age.rest=1m"});

@@ -6,12 +6,23 @@
 
 #include <vector>
 
+#include <sched.h>
+
 namespace support {
 
 inline Bytes numbered(std::uint8_t from, std::uint8_t to, int number) {
     Bytes data(8, 0x55);
     for (int i = 0; i < 4; ++i) data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> 8 * i);
     return frame(from, to, 0xF1, data);
+}
+
+/// Keeps this process, and those it starts, on the processor it runs on. A datagram for the loopback may wait on the processor that
+/// sent it while one sent behind it, from another, has already come: a busy machine puts some out of order.
+inline void stay_on_one_processor() {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+    ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
 }
 
 /// Of each numbered frame of a stream, whether it came, once and in its order.

@@ -91,6 +91,7 @@ private:
 // An emulated machine may not take in half a second what its driver was given: that is lost, and nothing else.
 TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
     constexpr int frames = 10'000, restarts = 5, behind_the_last = 500;
+    stay_on_one_processor();
     Terminal device{device_path};
     UdpPeer peer;
     const anogate::Endpoint to = endpoint(std::string{"127.0.0.1:"} + port);
