@@ -123,7 +123,7 @@ nlohmann::json Daemon::status() const {
 }
 nlohmann::json Daemon::link(const std::string& name) const {
     const auto now = status();
-    if (now.is_object())
+    if (now.contains("links"))    // else the door is full, or nobody is there
         for (const auto& link : now.at("links"))
             if (link.at("name") == name) return link;
     return {{"state", "no answer"}};

@@ -340,7 +340,7 @@ TEST_F(Reload, storms_disturb_no_frame) {
         60s))
         << came << " of " << sent;
     for (const int fd : asking) ::close(fd);
-    EXPECT_EQ(daemon->count("fc", "frames_in"), 3000u);
+    EXPECT_TRUE(daemon->until([&](const json&) { return daemon->count("fc", "frames_in") == 3000; })) << "once there is a place";
     daemon->signal(SIGHUP);
     daemon->signal(SIGTERM);
     EXPECT_EQ(daemon->wait(), 0) << daemon->output();
