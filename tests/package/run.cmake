@@ -102,3 +102,10 @@ answers([[\253\376\377\340\003\000\000\000\000\213\073\253\376\041\341\006\000\0
   ab21fe000300e068afc42b
   ab21fe000300c08f6d89d7)
 answers([[\253\376\041\340\003\000\002\000\000\257\057]] ab21fee1060000000000a4c1167d)
+
+# A host and a device, each of a stranger, on a wire between them.
+run(sh -ec "cd ${BUILD}/package && mkfifo to_device to_host
+    build/barometer values <to_device >to_host & build/parameters 0x21 OFFSET=-2.5 RATE=20 >to_device <to_host")
+if(NOT output STREQUAL "OFFSET = -2.5, cm, added to the height\nRATE = 20, heights a second\n")
+  message(FATAL_ERROR "the host printed: ${output}")
+endif()
