@@ -22,7 +22,7 @@ forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_
 forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
 forbid "world/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
 forbid "gateway/|world/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
-if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(producer|request|response|routes)\.hpp>'; then bad=1; fi
+if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(large_body|producer|request|response|routes|web_socket)\.hpp>'; then bad=1; fi
 forbid "devices/" include src/ano src/device src/world src/host src/gateway src/ano_json src/config src/link src/http
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side; and the table of routes, for the devices at a link of its own.

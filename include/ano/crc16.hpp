@@ -30,18 +30,36 @@ constexpr std::optional<Crc16> find_crc16(std::string_view name) noexcept {
     return std::nullopt;
 }
 
-constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc16& crc = usual_crc16) noexcept {
-    const auto reversed = [](unsigned value, unsigned bits) {
+/// Of bytes that come in parts.
+class Crc16Sum {
+public:
+    constexpr explicit Crc16Sum(const Crc16& crc = usual_crc16) noexcept : crc_{crc}, value_{crc.initial} {}
+
+    constexpr void add(std::span<const std::uint8_t> bytes) noexcept {
+        for (const std::uint8_t byte : bytes) {
+            value_ ^= (crc_.reflected ? reversed(byte, 8) : byte) << 8;
+            for (int bit = 0; bit < 8; ++bit) value_ = (value_ & 0x8000u) != 0 ? value_ << 1 ^ crc_.polynomial : value_ << 1;
+        }
+    }
+    constexpr std::uint16_t value() const noexcept {
+        return static_cast<std::uint16_t>(crc_.reflected ? reversed(value_, 16) : value_);
+    }
+
+private:
+    static constexpr unsigned reversed(unsigned value, unsigned bits) noexcept {
         unsigned result = 0;
         for (unsigned i = 0; i < bits; ++i) result |= (value >> i & 1u) << (bits - 1 - i);
         return result;
-    };
-    unsigned value = crc.initial;    // the same in both orders; its low 16 bits count
-    for (const std::uint8_t byte : bytes) {
-        value ^= (crc.reflected ? reversed(byte, 8) : byte) << 8;
-        for (int bit = 0; bit < 8; ++bit) value = (value & 0x8000u) != 0 ? value << 1 ^ crc.polynomial : value << 1;
     }
-    return static_cast<std::uint16_t>(crc.reflected ? reversed(value, 16) : value);
+
+    Crc16 crc_;
+    unsigned value_;    // `initial` is the same in both orders; its low 16 bits count
+};
+
+constexpr std::uint16_t crc16_of(std::span<const std::uint8_t> bytes, const Crc16& crc = usual_crc16) noexcept {
+    Crc16Sum sum{crc};
+    sum.add(bytes);
+    return sum.value();
 }
 
 }    // namespace ano

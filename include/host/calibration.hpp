@@ -9,6 +9,7 @@
 #include <host/parameter_apply.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,6 +62,10 @@ public:
     void start(TimePoint now);
     /// The owner has kept old_values() where they survive a crash.
     void kept(TimePoint now);
+    /// While it is in Step::keep: what is to be written back is not what it read, which a calibration that never ended has left.
+    void set_old_values(CalibrationValues values);
+    /// Asked right before the new values are written: why they may not be, in words; empty: they may.
+    void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
     /// Every frame that comes from the device's side, as well as Device::take().
     void hear(FrameView frame, TimePoint now);
     /// When look() has to be called: the time to turn it is over.
@@ -109,6 +114,7 @@ private:
     CompassSphere sphere_;
     std::optional<TimePoint> turn_until_;
     std::optional<std::pair<double, double>> residuals_;
+    std::function<std::string()> refusal_;
     End why_;    // it ends so, when the old values are back
 };
 

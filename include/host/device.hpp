@@ -69,6 +69,8 @@ class Device {
 public:
     /// Silent for so long, it may have become another one: what it said of itself is forgotten.
     static constexpr Duration away_after = std::chrono::seconds{30};
+    /// An answer may come so long behind the time in which it was awaited. An equal request that may be sent only once waits for that.
+    static constexpr Duration late_for = RoundTrip::ceiling;
 
     /// `address` is a device's, or a port id; `own` is the host's.
     explicit Device(std::uint8_t address, std::uint8_t own = address::host) : address_{address}, own_{own} {}
@@ -106,16 +108,18 @@ private:
     struct Past {
         Expectation expects;
         bool answered;
+        TimePoint late_until;    // of one that may be sent only once
     };
 
     void hear(FrameView frame, TimePoint now);
-    Taken past(FrameView frame) const noexcept;
+    Taken past(FrameView frame) noexcept;
     void remember(const Exchange& exchange, bool answered) noexcept;
     void expire(TimePoint now);
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now);
     bool may_be_asked(FrameView request) const noexcept;
-    bool may_start(const Exchange& exchange) const noexcept;
-    const Exchange* next_to_send() const noexcept;
+    std::optional<TimePoint> may_start_at(const Exchange& exchange) const noexcept;
+    const Exchange* lost() const noexcept;
+    const Exchange* next_to_send(TimePoint now) const noexcept;
     FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept;
     Evidence evidence_of(const Exchange& exchange) const noexcept { return {exchange.sent(), round_trip_.smoothed()}; }
 

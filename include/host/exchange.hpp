@@ -69,6 +69,8 @@ public:
         return sent_ < patience_.sends;
     }
     TimePoint due() const noexcept { return due_; }
+    /// What may be sent only once is not asked again as long as an answer to the first may come: it would be taken for one to the second.
+    bool is_once() const noexcept { return patience_.sends == 1; }
     TimePoint first_sent() const noexcept { return first_sent_; }
     unsigned sent() const noexcept { return sent_; }
     /// One that has a time of its own says nothing about the round trip.

@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace ano::host {
 
@@ -29,13 +31,18 @@ struct FirmwareOptions {
 /// that the device is left in its loader.
 class Firmware final : public Task {
 public:
-    static constexpr unsigned max_failures = 5;    // "frame failed" in a row, of one frame
+    static constexpr std::size_t max_frames = 0x10000;    // frame_num is a u16
+    static constexpr unsigned max_failures = 5;           // "frame failed" in a row, of one frame
 
     Firmware(Device& device, FirmwareImage image, FirmwareOptions options = {});
 
     void start(TimePoint now);
     /// In bytes that are written.
     Progress progress() const noexcept override;
+    /// One that was begun is not given up soon: the device is left in its loader then.
+    Duration longest() const noexcept override {
+        return std::chrono::minutes{5} + std::chrono::seconds{2} * static_cast<int>(frames());
+    }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
 
@@ -53,6 +60,7 @@ public:
 private:
     enum Step : std::uint32_t { identify, describe, erase, send_frame, check };
 
+    std::string_view half_done() const noexcept override { return erasing_ ? "; it is left in its loader, begin again" : ""; }
     void ask_info(TimePoint now);
     void identified(const Ended& ended, TimePoint now);
     void frame_ended(const Ended& ended, TimePoint now);
@@ -65,6 +73,7 @@ private:
     FirmwareOptions options_;
     Step step_ = identify;
     std::uint32_t frame_ = 0;
+    std::vector<std::uint8_t> piece_;    // of the image, in that frame
     unsigned failures_ = 0;
     std::size_t repeats_ = 0;
     bool erasing_ = false;

@@ -5,18 +5,44 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ano::host {
+
+/// Bytes that are read in pieces, wherever they are: a file may be larger than what is to be held in memory.
+class FirmwareBytes {
+public:
+    /// Fills `into` with what is from `at` on; false: it can't be read. What it reads from lives as long as the function.
+    using Read = std::function<bool(std::size_t at, std::span<std::uint8_t> into)>;
+
+    FirmwareBytes() = default;
+    FirmwareBytes(std::vector<std::uint8_t> bytes);    // NOLINT(google-explicit-constructor): they are the bytes
+    FirmwareBytes(std::size_t size, Read read) : size_{size}, read_{std::move(read)} {}
+
+    std::size_t size() const noexcept { return size_; }
+    bool empty() const noexcept { return size_ == 0; }
+    /// False: it can't be read, or ends before.
+    bool read(std::size_t at, std::span<std::uint8_t> into) const {
+        return at <= size_ && into.size() <= size_ - at && (into.empty() || read_(at, into));
+    }
+    /// What is behind the first `n`, of which there are as many.
+    FirmwareBytes behind(std::size_t n) const;
+
+private:
+    std::size_t size_ = 0;
+    Read read_;
+};
 
 struct FirmwareImage {
     static constexpr std::size_t header_bytes = 100;
     static constexpr std::size_t max_bytes = std::size_t{64} << 20;
 
-    std::vector<std::uint8_t> bytes;    // without the header
+    FirmwareBytes bytes;    // without the header
     std::uint16_t version = 0;
     std::uint16_t crc = 0;    // of the header as it stands; of a .bin computed
     std::uint8_t hw_type = 0;
@@ -35,7 +61,7 @@ struct FirmwareFile {
     std::optional<FirmwareImage> image;
     std::string wrong;
 };
-/// `kind` is for a .bin; a .bia brings its CRC.
-FirmwareFile read_firmware(std::span<const std::uint8_t> file, const Crc16& crc = usual_crc16);
+/// `crc` is for a .bin, which is read once to its end for that; a .bia brings its own.
+FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc = usual_crc16);
 
 }    // namespace ano::host

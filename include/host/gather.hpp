@@ -19,6 +19,7 @@ public:
 
     using Task::Task;
     Progress progress() const noexcept override { return {done_, total_}; }
+    Duration longest() const noexcept override { return Task::longest() + std::chrono::seconds{4} * static_cast<int>(total_); }
     void ended(const Ended& ended, TimePoint now) final;
 
 protected:

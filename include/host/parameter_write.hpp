@@ -24,6 +24,8 @@ struct TextLimits {
 /// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer. A device
 /// that was away meanwhile says first how many parameters it has, and that this one is the same.
 ///
+/// A write that is not acknowledged is read back all the same.
+///
 /// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid, with nothing sent to be written: the
 /// value does not fit the type, or the parameter is not there.
 class ParameterWrite final : public Task {
@@ -56,7 +58,9 @@ private:
         go_on(now);
     }
     void write(TimePoint now);
+    void written(const Ended& ended, TimePoint now);
     void took(const Ended& ended, TimePoint now);
+    void not_given_back(const Ended& ended, TimePoint now);
     void compare(TimePoint now);
     bool same(const Wire& a, const Wire& b) const;
     std::optional<AnyValue> decoded(const Wire& bytes) const;
@@ -67,7 +71,8 @@ private:
     TextLimits limits_;
     Step step_ = read_before;
     bool was_sent_ = false;
-    std::uint32_t presence_ = 0;    // of the device that `info` is of
+    std::optional<Evidence> silence_;    // the write was not acknowledged
+    std::uint32_t presence_ = 0;         // of the device that `info` is of
     Wire wire_;
     std::optional<Wire> before_, stored_;
 };

@@ -3,6 +3,7 @@
 #include <host/device.hpp>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -51,6 +52,8 @@ public:
     /// Nothing until it has ended.
     const std::optional<End>& end() const noexcept { return end_; }
     virtual Progress progress() const noexcept { return {}; }
+    /// From its first request on. Who answers always just in time is given up then; a last request may still be waited for.
+    virtual Duration longest() const noexcept { return std::chrono::minutes{2}; }
     /// Ends it; the end says what is half done. A task that has to put something back first ends when it has.
     virtual void cancel(TimePoint now);
     /// Called when it ends, last of all. The task may not be destroyed in it.
@@ -61,6 +64,10 @@ protected:
     const Device& device() const noexcept { return device_; }
     /// Sends `request`, or ends as invalid.
     void ask(const Request& request, TimePoint now);
+    /// Behind why it was given up: what that leaves undone.
+    virtual std::string_view half_done() const noexcept { return {}; }
+    /// Before a request: true, and it has ended, when it takes longer than it may.
+    bool gives_up(TimePoint now);
     /// Ends, once; what is on its way is forgotten.
     void finish(End end, TimePoint now);
     void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now);
@@ -69,6 +76,7 @@ protected:
 
 private:
     Device& device_;
+    std::optional<TimePoint> begun_at_;
     std::optional<End> end_;
     std::function<void(TimePoint)> told_;
 };

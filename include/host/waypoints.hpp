@@ -62,6 +62,9 @@ public:
 
     void start(TimePoint now);
     Progress progress() const noexcept override { return {at_, waypoints_.size()}; }
+    Duration longest() const noexcept override {
+        return Task::longest() + std::chrono::seconds{8} * static_cast<int>(waypoints_.size());
+    }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
 

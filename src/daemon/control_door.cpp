@@ -1,3 +1,4 @@
+#include <daemon/body_file.hpp>
 #include <daemon/control_door.hpp>
 #include <daemon/login_route.hpp>
 #include <daemon/rooms.hpp>
@@ -11,6 +12,7 @@
 
 #include <climits>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include <unistd.h>
@@ -40,7 +42,9 @@ bool network_needs_token(const std::string& address, uid_t user) { return is_ser
 ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
     : settings_{std::move(settings)}, server_{io, {}, [] { return memory_is_left(request_memory); }}, again_{io, [this] {
                                                                                                                  try_again();
-                                                                                                             }} {}
+                                                                                                             }} {
+    server_.keep_large_bodies([&io] { return std::make_unique<FileKeeper>(io); });
+}
 
 void ControlDoor::add_login_route() {
     routes().add({"POST", "/login", http::Access::open, "takes a token as {\"token\": ...}, and gives a browser a cookie for it",
@@ -52,6 +56,11 @@ bool ControlDoor::open() {
     if (settings_.http) open_network();
     if (awaits_local_ || awaits_network_) again_.start(retry);
     return true;
+}
+
+void ControlDoor::finish(Duration patience) {
+    again_.stop();
+    server_.finish(patience);
 }
 
 void ControlDoor::close() {

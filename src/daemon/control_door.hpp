@@ -24,6 +24,9 @@ public:
     /// Reads tokens and certificate. False: there can be no socket at the path that was asked for, which was told; of TCP it is
     /// told, and that door stays shut.
     bool open();
+    /// Nobody is heard any more; what is being answered is answered to its end, or for `patience`.
+    void finish(Duration patience);
+    /// At once.
     void close();
 
     /// How it is with that of TCP just now.

@@ -1,5 +1,6 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
+#include <config/read_file.hpp>
 #include <daemon/control_link.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gateway_devices.hpp>
@@ -7,8 +8,12 @@
 #include <daemon/route_rows.hpp>
 #include <daemon/state_folder.hpp>
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 namespace anogate {
@@ -16,6 +21,8 @@ namespace {
 
 // The profile's parser has so many bytes for a text.
 constexpr std::size_t vendor_text = 29;
+
+constexpr std::size_t max_note = 64 * 1024;
 
 // Who is asked again meets the same, unlike one whose link is down for a moment.
 bool is_for_good(ReceiveCause cause) { return cause == &ReceiveCounters::denied_in || cause == &ReceiveCounters::inhibited; }
@@ -27,7 +34,29 @@ GatewayDevices::GatewayDevices(Gateway& gateway)
     : gateway_{gateway},
       alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
       errand_{gateway.io()},
-      service_{*this, gateway.settings().control.host} {}
+      service_{*this, gateway.settings().control.host} {
+    remember_notes();
+}
+
+// Before the loop runs.
+void GatewayDevices::remember_notes() {
+    const std::string folder = state_folder();
+    std::error_code ec;
+    if (folder.empty()) return;
+    for (const auto& entry : std::filesystem::directory_iterator{folder, ec}) {
+        const std::string name = entry.path().filename().string();
+        if (!is_note(name)) continue;
+        std::string text = read_file(entry.path().string(), max_note, ec);
+        if (!ec) {
+            spdlog::info("{}/{}: {}", folder, name,
+                         name.starts_with("firmware")
+                             ? "the device was left in its loader, it needs its firmware"
+                             : "a calibration never ended; the old values are written back as soon as the "
+                               "device is heard on the ground");
+            service_.remember(name, std::move(text));
+        } else spdlog::warn("{}: {}", entry.path().string(), ec.message());
+    }
+}
 
 void GatewayDevices::stop() {
     service_.stop(gateway_.now());
@@ -153,6 +182,17 @@ ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::Ti
     }
     where.on_several_channels = channels > 1;
     return where;
+}
+
+bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
+    const Router& router = gateway_.forwarder().router();
+    const auto is_behind = [&](std::uint8_t address, std::uint8_t port) {
+        const LinkSet of_port = router.port(port);
+        if (of_port.empty()) return false;
+        const LinkSet leads = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);
+        return !(leads & of_port).empty();
+    };
+    return is_behind(one, other) || is_behind(other, one);
 }
 
 // Of the strictest of the links that lead there.

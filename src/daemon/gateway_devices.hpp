@@ -31,6 +31,7 @@ public:
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
     ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
+    bool is_same_device(std::uint8_t one, std::uint8_t other) override;
     DeviceManners manners(std::uint8_t address) override;
     bool may_have_waited(ano::TimePoint came_at) override;
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
@@ -48,6 +49,7 @@ private:
         std::function<void(std::string)> done;
     };
     void next_chore();
+    void remember_notes();
 
     Gateway& gateway_;
     Alarm alarm_;

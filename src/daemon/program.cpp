@@ -121,16 +121,18 @@ private:
 
     // A second signal while it flushes makes an end at once.
     void stop(const char* why) {
-        if (why_.empty()) why_ = why;
+        const bool again = !why_.empty();
+        if (!again) why_ = why;
         notify_systemd("STOPPING=1");
         watchdog_.stop();
         hints_.stop();
         reload_.stop();
-        control_.close();
+        if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
             signals_.cancel();
         });
+        if (!again) control_.finish(flush_patience);    // the jobs have ended: who follows one is told how
     }
 
     asio::io_context io_{1};

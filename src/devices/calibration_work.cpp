@@ -5,8 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 namespace anogate {
 namespace {
@@ -53,6 +56,69 @@ Json sphere_json(const ano::host::CompassSphere& sphere) {
             {"samples", sphere.samples()}};
 }
 
+float number(const ano::host::AnyValue& value) {
+    return std::visit(
+        []<class T>(const T& one) {
+            if constexpr (std::is_same_v<T, std::string>) return 0.0f;
+            else return static_cast<float>(one);
+        },
+        value);
+}
+
+// What a note has; nothing where it is damaged.
+std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
+    const Json note = Json::parse(text, nullptr, false);
+    if (!note.is_object() || !note.value("parameters", Json{}).is_object()) return std::nullopt;
+    ano::host::CalibrationValues values;
+    for (const std::string& name : ano::host::calibration_names(sensor)) {
+        const Json value = note["parameters"].value(name, Json{});
+        if (!value.is_number()) return std::nullopt;
+        values.emplace_back(name, double{value.get<float>()});
+    }
+    return values;
+}
+
+// Whether the device at the address is the one that the note is of.
+bool is_of(const std::string& text, const std::optional<ano::host::DeviceInfo>& info) {
+    const Json note = Json::parse(text, nullptr, false);
+    const Json of = note.is_object() ? note.value("device", Json{}) : Json{};
+    const auto was = identity_in(of);
+    return info && was && was->name == info->name && was->dev_id == info->dev_id;
+}
+
+class WriteBack final : public TaskWork {
+public:
+    WriteBack(const WorkPlace& place, std::string name) : TaskWork{place}, name_{std::move(name)} {}
+    void start(TimePoint now) override {
+        auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
+        next(std::move(task)).read(ano::host::Parameters::Values::none, now);
+    }
+    std::string message() const override { return "writing back what was before a calibration that never ended"; }
+    std::string half_done() const override { return "the old values are kept, and written back at the next start"; }
+
+private:
+    void done(const Task& task, TimePoint now) override {
+        if (writes_) {
+            place().notes.forget(name_);
+            WorkEnd end = end_of(*task.end());
+            end.result = R"({"written_back": true})";
+            return finish(std::move(end));
+        }
+        const std::string* text = place().notes.find(name_);
+        const auto sensor = sensor_of_note(name_);
+        if (text == nullptr || !sensor) return finish(work_fault(409, "nothing is kept any more"));
+        const auto values = values_in_note(*text, *sensor);
+        if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
+        if (!is_of(*text, place().device.info()))
+            return finish(work_fault(409, name_ + " is of another device: calibrate this one, or remove it"));
+        writes_ = true;
+        next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
+    }
+
+    std::string name_;
+    bool writes_ = false;
+};
+
 class Calibrate final : public TaskWork {
 public:
     Calibrate(const WorkPlace& place, Sensor sensor) : TaskWork{place}, sensor_{sensor} {}
@@ -60,7 +126,12 @@ public:
     void start(TimePoint now) override {
         auto task = std::make_unique<Calibration>(place().device, sensor_, &place().cache);
         calibration_ = task.get();
+        calibration_->ask_before_writing(place().refusal);
         next(std::move(task)).start(now);
+    }
+    std::string half_done() const override {
+        return "the old values are kept as " + keep_name(place().device.address(), sensor_) +
+               " and are written back at the next start";
     }
     void hear(ano::FrameView frame, TimePoint now) override {
         if (calibration_ == nullptr || calibration_->end()) return;
@@ -120,20 +191,30 @@ private:
         forget();
         finish(work_fault(504, "nobody said go on within 10 minutes; nothing was changed"));
     }
+    // Those of a calibration that never ended are the old values, not what it left in the device.
+    bool uses_kept() {
+        const std::string name = keep_name(place().device.address(), sensor_);
+        const std::string* text = place().notes.find(name);
+        const auto values = text != nullptr && is_of(*text, place().device.info()) ? values_in_note(*text, sensor_)
+                                                                                   : std::nullopt;
+        if (!values) return false;
+        calibration_->set_old_values(*values);
+        kept_->is_done = true;
+        return true;
+    }
     void keep() {
+        if (uses_kept()) return;
         const auto& device = place().device;
         const Json json{{"device", identity_json(device.address(), device.info())},
                         {"parameters", values_json(calibration_->old_values())}};
-        place().net.keep(keep_name(device.address(), sensor_), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
-                         [kept = kept_, &net = place().net](std::string fault) {
-                             kept->fault = std::move(fault);
-                             kept->is_done = true;
-                             net.wake(net.now());
-                         });
+        place().notes.keep(keep_name(device.address(), sensor_), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+                           [kept = kept_, &net = place().net](std::string fault) {
+                               kept->fault = std::move(fault);
+                               kept->is_done = true;
+                               net.wake(net.now());
+                           });
     }
-    void forget() {
-        place().net.keep(keep_name(place().device.address(), sensor_), {}, [](const std::string&) {});
-    }
+    void forget() { place().notes.forget(keep_name(place().device.address(), sensor_)); }
     void done(const Task& task, TimePoint) override {
         forget();
         WorkEnd end = end_of(*task.end());
@@ -159,8 +240,39 @@ private:
 
 std::unique_ptr<Work> calibrate(const WorkPlace& place, Sensor sensor) { return std::make_unique<Calibrate>(place, sensor); }
 
+std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::string& name) {
+    return std::make_unique<WriteBack>(place, name);
+}
+
+void forget_written(const WorkPlace& place, const Json& values) {
+    for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass}) {
+        const std::string name = keep_name(place.device.address(), sensor);
+        const std::string* text = place.notes.find(name);
+        const auto kept = text != nullptr ? values_in_note(*text, sensor) : std::nullopt;
+        const auto is_written = [&](const auto& one) {
+            const auto value = values.contains(one.first) ? value_in(values[one.first], ano::Type::f32) : std::nullopt;
+            return value && number(*value) == number(one.second);
+        };
+        if (kept && std::all_of(kept->begin(), kept->end(), is_written)) place.notes.forget(name);
+    }
+}
+
 std::string keep_name(std::uint8_t address, Sensor sensor) {
     return "calibration-" + ano::hex_byte(address) + "-" + std::string{name_of(sensor)} + ".json";
+}
+
+std::optional<Sensor> sensor_of_note(std::string_view name) {
+    if (!name.starts_with("calibration-")) return std::nullopt;
+    for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass})
+        if (name.ends_with("-" + std::string{name_of(sensor)} + ".json")) return sensor;
+    return std::nullopt;
+}
+
+std::optional<std::uint8_t> address_of_note(std::string_view name) {
+    const std::string_view digits = name.substr(std::min(name.find("0x"), name.size() - 2) + 2).substr(0, 2);
+    std::uint8_t address = 0;
+    const auto [end, ec] = std::from_chars(digits.data(), digits.data() + digits.size(), address, 16);
+    return digits.size() == 2 && ec == std::errc{} && end == digits.data() + 2 ? std::optional{address} : std::nullopt;
 }
 
 }    // namespace anogate

@@ -32,6 +32,20 @@ Json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceIn
     return json;
 }
 
+std::optional<ano::host::DeviceInfo> identity_in(const Json& json) {
+    if (!json.is_object() || !json.contains("name") || !json["name"].is_string()) return std::nullopt;
+    const auto number = [&](const char* key) {
+        const Json value = json.value(key, Json{});
+        return value.is_number_unsigned() ? value.get<std::uint16_t>() : std::uint16_t{0};
+    };
+    return ano::host::DeviceInfo{static_cast<std::uint8_t>(number("dev_id")),
+                                 number("hw"),
+                                 number("sw"),
+                                 number("bl"),
+                                 number("pt"),
+                                 json["name"].get<std::string>()};
+}
+
 Json device_json(const DeviceReport& report, ano::TimePoint now) {
     Json json = identity_json(report.heard.address, report.info);
     if (!report.heard.link.empty()) json["link"] = report.heard.link;
@@ -40,6 +54,10 @@ Json device_json(const DeviceReport& report, ano::TimePoint now) {
     if (report.rate) json["rate"] = tenths(*report.rate);
     if (report.parameters) json["parameters"] = *report.parameters;
     if (report.job) json["job"] = *report.job;
+    for (const std::string& note : report.notes) {
+        if (note == loader_note(report.heard.address)) json["in_loader"] = true;
+        else json["kept"].push_back(note);
+    }
     return json;
 }
 

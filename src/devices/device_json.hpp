@@ -16,6 +16,8 @@ namespace anogate {
 
 /// What a device says of itself: {"address": "0xDC", "name": …}; what is not known is not there.
 nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info);
+/// The other way; nothing where it says no name.
+std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
 /// A number that is not finite is null.

@@ -46,6 +46,8 @@ public:
     /// Devices and ports; hosts are not among them.
     virtual std::vector<HeardAddress> heard(ano::TimePoint now) = 0;
     virtual ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) = 0;
+    /// Two addresses stand for one device, or may: one of them is the port by which the other is heard.
+    virtual bool is_same_device(std::uint8_t /*one*/, std::uint8_t /*other*/) { return false; }
     virtual DeviceManners manners(std::uint8_t /*address*/) { return {}; }
     /// A request that came at `came_at` waited through a standstill: it is not to be carried out late.
     virtual bool may_have_waited(ano::TimePoint /*came_at*/) { return false; }

@@ -10,6 +10,8 @@
 #include <devices/parameter_works.hpp>
 #include <devices/scan_work.hpp>
 #include <devices/waypoint_works.hpp>
+#include <host/firmware_image.hpp>
+#include <http/large_body.hpp>
 #include <http/routes.hpp>
 
 #include <nlohmann/json.hpp>
@@ -17,7 +19,9 @@
 #include <algorithm>
 #include <charconv>
 #include <initializer_list>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace anogate {
 namespace {
@@ -35,7 +39,7 @@ Response json_response(const Json& json) {
     return response;
 }
 
-constexpr std::uint64_t max_firmware = std::uint64_t{16} << 20;    // bytes: it is held in memory
+constexpr std::uint64_t max_firmware = ano::host::FirmwareImage::max_bytes;
 
 Json devices_list(DeviceService& service) {
     const ano::TimePoint now = service.net().now();
@@ -50,6 +54,7 @@ struct Wish {
     Deed deed;
     MakeWork work;
     bool at_once = false;    // answered by the job, not by what came of it
+    std::string shared_as{};
 };
 
 std::string client_of(const Request& request) {
@@ -72,6 +77,7 @@ Response begin(DeviceService& service, const Request& request, Wish wish) {
     JobOrder order{
         wish.kind,          wish.deed,           std::get<std::uint8_t>(address), request.query_value("force").has_value(),
         client_of(request), std::move(wish.work)};
+    order.shared_as = std::move(wish.shared_as);
     const auto begun = service.begin(std::move(order), now);
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
@@ -175,10 +181,11 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add(
         {"GET", "/jobs", Access::view, "what is asked of devices now, and what came of it lately", [&service](const Request&) {
              Json jobs = Json::array();
-             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job, false));
+             for (const auto& job : service.jobs()) jobs.push_back(job_json(*job));
              return json_response({{"jobs", std::move(jobs)}});
          }});
-    routes.add({"GET", "/jobs/{job}", Access::view, "one job; with Accept: application/x-ndjson a line for each change",
+    routes.add({"GET", "/jobs/{job}", Access::view,
+                "one job; with Accept: application/x-ndjson a line, as a WebSocket a message for each change",
                 with_job(service, [&service](const Request& request, const std::shared_ptr<Job>& job) {
                     return job_answer(service, job, request, 200);
                 })});
@@ -190,7 +197,7 @@ void add_job_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"POST", "/jobs/{job}/next", Access::control, "the job that waits goes on",
                 with_job(service, [&service](const Request&, const std::shared_ptr<Job>& job) {
                     if (const auto refused = service.go_on(*job, service.net().now())) return answer_of(*refused);
-                    return json_response(job_json(*job));
+                    return json_response(job_json(*job));    // it runs: there is no result
                 })});
 }
 
@@ -198,9 +205,10 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices/{device}/parameters", Access::view,
                 "the parameters of a device and their values (values=0: without)", [&service](const Request& request) {
                     const bool values = request.query_value("values").value_or("1") != "0";
-                    return begin(service, request, {JobKind::parameters, Deed::read, [values](const WorkPlace& place) {
-                                                        return read_parameters(place, values);
-                                                    }});
+                    return begin(service, request,
+                                 {JobKind::parameters, Deed::read,
+                                  [values](const WorkPlace& place) { return read_parameters(place, values); }, false,
+                                  values ? "all with values" : "all without values"});
                 }});
     routes.add({"GET", "/devices/{device}/parameters/{parameter}", Access::view, "one parameter, by its name or number",
                 [&service](const Request& request) {
@@ -299,12 +307,20 @@ void add_waypoint_routes(http::Routes& routes, DeviceService& service) {
                 [&service](const Request& request) { return put_waypoints(service, request); }});
 }
 
+// Of its body, which is in memory only where it is small.
+ano::host::FirmwareBytes bytes_of(const Request& request) {
+    if (request.stored)
+        return {request.stored->size(),
+                [stored = request.stored](std::size_t at, std::span<std::uint8_t> into) { return stored->read(at, into); }};
+    return std::vector<std::uint8_t>{request.body.begin(), request.body.end()};
+}
+
 Response flash(DeviceService& service, const Request& request) {
     const std::string_view name = request.query_value("crc").value_or(ano::usual_crc16.name);
     const auto crc = ano::find_crc16(name);
     if (!crc) return http::error(400, "no CRC is called " + ano::in_quotes(name));
     const bool force = request.query_value("force").has_value();
-    const auto work = [&service, file = std::make_shared<const std::string>(request.body), crc, force](const WorkPlace& place) {
+    const auto work = [&service, file = bytes_of(request), crc, force](const WorkPlace& place) {
         return upgrade(place, {file, *crc, force, service.info(place.device.address())});
     };
     return begin(service, request, {JobKind::firmware, Deed::ground, work, true});

@@ -2,6 +2,7 @@
 #include <ano/typed.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
+#include <devices/calibration_work.hpp>
 #include <devices/device_service.hpp>
 #include <http/response.hpp>
 
@@ -18,6 +19,7 @@ using ano::host::Deed;
 using ano::host::Refusal;
 
 constexpr Duration rate_over = std::chrono::seconds{2};
+constexpr Duration until_heard = std::chrono::seconds{2};    // is looked again whether a device is there
 
 NotBegun not_begun(unsigned status, std::string error) {
     return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
@@ -113,14 +115,33 @@ ano::host::Device& DeviceService::device(std::uint8_t address) {
 }
 
 WorkPlace DeviceService::place(const Job& job) {
-    if (job.order.address) return {device(*job.order.address), cache_, net_};
+    if (job.order.address) {
+        const auto refused = [this,
+                              order = JobOrder{job.order.kind, job.order.deed, job.order.address, job.order.force, {}, {}}] {
+            const auto why = refusal(order, net_.now());
+            return why ? why->error : std::string{};
+        };
+        return {device(*job.order.address), cache_, net_, notes_, refused};
+    }
     if (!everybody_) everybody_ = std::make_unique<ano::host::Device>(ano::address::broadcast, own_);
-    return {*everybody_, cache_, net_};
+    return {*everybody_, cache_, net_, notes_};
 }
 
 std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
     const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
-        return !job->is_over() && job->is_writing() && job->order.address == address;
+        return !job->is_over() && job->is_writing() && job->order.address &&
+               (*job->order.address == address || net_.is_same_device(*job->order.address, address));
+    });
+    return found != jobs_.end() ? *found : nullptr;
+}
+
+// What began before the device was changed may have read the old values.
+std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
+    if (order.shared_as.empty() || !order.address) return nullptr;
+    const unsigned from = known_[*order.address] ? known_[*order.address]->acted_before : 0;
+    const auto found = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) {
+        return !job->is_over() && job->order.address == order.address && job->order.shared_as == order.shared_as &&
+               job->id >= from && job->refused.empty() && !job->is_cancelled;
     });
     return found != jobs_.end() ? *found : nullptr;
 }
@@ -164,6 +185,7 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     if (order.address)
         if (auto has_it = holder(*order.address); has_it && (order.deed != Deed::read || has_it_alone(has_it->order.kind)))
             return NotBegun{409, words_of(*has_it) + " has " + ano::hex_byte(*order.address), "busy", has_it};
+    if (auto same = shared(order)) return same;
     if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
         return not_begun(503, "other devices are upgraded just now: ask again when one has ended");
     if (running() >= max_running || !make_room(now)) return not_begun(503, "too many jobs run: ask again when one has ended");
@@ -182,6 +204,7 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
 
 bool DeviceService::cancel(Job& job, TimePoint now) {
     if (job.is_over()) return false;
+    job.is_cancelled = true;
     if (job.work) job.work->cancel(now);
     else finish(job, {409, {}, "cancelled before it began", "refused", {}, true}, now);
     net_.wake(now);
@@ -189,7 +212,7 @@ bool DeviceService::cancel(Job& job, TimePoint now) {
 }
 
 void DeviceService::left(Job& job) {
-    if (job.needed_by > 0 && --job.needed_by == 0) cancel(job, net_.now());
+    if (job.needed_by > 0 && --job.needed_by == 0 && !job.goes_on) cancel(job, net_.now());
 }
 
 std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
@@ -210,14 +233,28 @@ void DeviceService::stop(TimePoint now) {
     stopped_ = true;
     const auto all = jobs_;
     for (const auto& job : all)
-        if (!job->is_over())
-            finish(*job, {503, {}, "the gateway ends: what was under way is left as it is", "refused", {}, true}, now);
+        if (!job->is_over()) cut_off(*job, now);
     if (std::exchange(listens_since_, std::nullopt)) net_.listen(false);
+}
+
+void DeviceService::cut_off(Job& job, TimePoint now) {
+    std::string words = "nothing was begun";
+    std::string result;
+    ano::host::Evidence evidence{};
+    if (job.work) {
+        if (!job.work->end()) job.work->cancel(now);
+        if (!job.work->end()) job.work->run(now);
+        if (const auto& end = job.work->end(); end && end->status < 300) return finish(job, *end, now);
+        words = job.work->end() ? job.work->end()->error : job.work->half_done();
+        if (job.work->end()) result = job.work->end()->result, evidence = job.work->end()->evidence;
+    }
+    finish(job, {503, std::move(result), "the gateway ends: " + words, "refused", evidence, true}, now);
 }
 
 // A job that ends may be answered at once, and its client may ask for the next: so all is looked at until nothing changes.
 void DeviceService::run(TimePoint now) {
     if (stopped_ || std::exchange(runs_, true)) return;
+    if (write_back_at_ && now >= *write_back_at_) write_back(now);
     const auto all = jobs_;
     for (const auto& job : all)
         if (!job->is_over()) advance(job, now);
@@ -249,8 +286,39 @@ void DeviceService::send_all(TimePoint now) {
             const bool acts = is_act(*frame);
             const auto address = static_cast<std::uint8_t>(a);
             if (const std::string never = net_.send(*frame); !never.empty()) fail(address, id, acts, never, now);
-            else if (const auto job = acts ? holder(address) : nullptr) job->has_acted = true;
+            else if (acts) acted(address);
         }
+    }
+}
+
+void DeviceService::acted(std::uint8_t address) {
+    known_[address]->acted_before = next_id_;
+    if (const auto job = holder(address)) job->has_acted = true;
+}
+
+void DeviceService::remember(std::string name, std::string text) {
+    if (sensor_of_note(name)) {
+        write_back_at_ = net_.now();
+        net_.wake(*write_back_at_);
+    }
+    notes_.remember(std::move(name), std::move(text));
+}
+
+// By jobs like others: who flies, or is busy, has them later.
+void DeviceService::write_back(TimePoint now) {
+    write_back_at_.reset();
+    const auto all = notes_.all();
+    for (const auto& [name, text] : all) {
+        const auto address = address_of_note(name);
+        if (!address || !sensor_of_note(name)) continue;
+        const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
+        const TimePoint next = now + (may_be_there ? between_write_backs : until_heard);
+        write_back_at_ = std::min(write_back_at_.value_or(next), next);
+        if (!may_be_there) continue;
+        JobOrder order{JobKind::calibration, Deed::ground, *address, false, "the gateway", [name = name](const WorkPlace& place) {
+                           return write_old_values_back(place, name);
+                       }};
+        (void)begin(std::move(order), now);
     }
 }
 
@@ -280,6 +348,11 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     job.message = end.error;
     if (end.status < 300) job.progress.done = job.progress.total;
     if (end.status < 300 && job.order.result) end.result = job.order.result();
+    if (!end.result.empty()) end.result = exact_json(end.result);
+    // In its loader it would have no parameters and no commands.
+    if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware &&
+        notes_.find(loader_note(*job.order.address)) != nullptr)
+        notes_.forget(loader_note(*job.order.address));
     job.end = std::move(end);
     job.ended_at = now;
     job.work.reset();
@@ -288,6 +361,18 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     used_at_ = now;
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
     changed(job);
+    forget_results();
+}
+
+// Who waits for one of them has it all the same.
+void DeviceService::forget_results() {
+    std::size_t kept = 0;
+    for (const auto& job : jobs_) kept += job->end ? job->end->result.size() : 0;
+    for (auto at = jobs_.begin(); at != jobs_.end() && kept > max_results;) {
+        const std::size_t size = (*at)->end ? (*at)->end->result.size() : 0;
+        kept -= size;
+        at = size > 0 ? jobs_.erase(at) : at + 1;
+    }
 }
 
 void DeviceService::changed(Job& job) {
@@ -330,6 +415,7 @@ void DeviceService::await(TimePoint now) {
     }
     for (const auto& known : known_)
         if (known && known->device) no_later(known->device->due());
+    if (write_back_at_) net_.wake(*write_back_at_);
     if (at) return net_.wake(std::max(*at, now));
     if (!listens_since_) return;
     if (now - used_at_ < idle_after) return net_.wake(used_at_ + idle_after);
@@ -374,7 +460,7 @@ std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
     if (!stopped_) use(now);
     std::vector<DeviceReport> all;
     for (HeardAddress& one : heard(now)) {
-        DeviceReport report{std::move(one), {}, {}, {}, {}};
+        DeviceReport report{std::move(one), {}, {}, {}, {}, {}};
         const std::uint8_t address = report.heard.address;
         if (const auto& known = known_[address]) {
             report.info = known->info;
@@ -384,6 +470,7 @@ std::vector<DeviceReport> DeviceService::devices(TimePoint now) {
             if (known->device) report.parameters = known->device->parameter_count();
         }
         if (const auto job = holder(address)) report.job = job->id;
+        report.notes = notes_.names(address);
         all.push_back(std::move(report));
     }
     return all;

@@ -10,6 +10,7 @@
 #include <ano/time.hpp>
 #include <devices/device_net.hpp>
 #include <devices/job.hpp>
+#include <devices/notes.hpp>
 #include <host/air_guard.hpp>
 #include <host/description_cache.hpp>
 #include <host/device.hpp>
@@ -39,7 +40,8 @@ struct DeviceReport {
     std::optional<ano::host::DeviceInfo> info;
     std::optional<double> rate;    // frames a second
     std::optional<std::uint16_t> parameters;
-    std::optional<unsigned> job;    // that has it
+    std::optional<unsigned> job;       // that has it
+    std::vector<std::string> notes;    // what is kept of it that was not ended: the names
 };
 
 /// It listens from the first question on until nobody asked for `idle_after`. What may not be done in the air waits until it has listened
@@ -48,9 +50,11 @@ class DeviceService {
 public:
     static constexpr std::size_t max_jobs = 64;    // that run and that ended
     static constexpr std::size_t max_running = 32;
-    static constexpr std::size_t max_upgrades = 2;    // that run: each has its file in memory
+    static constexpr std::size_t max_upgrades = 2;    // that run
     static constexpr long max_waiting = 16;           // clients who wait for jobs: half of the door's places are for all else
+    static constexpr std::size_t max_results = std::size_t{8} << 20;    // bytes of those that ended: the oldest go first
     static constexpr ano::Duration kept_for = std::chrono::minutes{10};
+    static constexpr ano::Duration between_write_backs = std::chrono::minutes{1};    // tried again while values are kept
     static constexpr ano::Duration idle_after = std::chrono::minutes{1};
     /// Progress is told so often at most.
     static constexpr ano::Duration between_progress = std::chrono::milliseconds{100};
@@ -64,9 +68,10 @@ public:
     /// A frame that passes and that is not of this host. Sends nothing. True: it answers this host, be it late or once more.
     bool hear(ano::FrameView frame, ano::TimePoint now);
     void run(ano::TimePoint now);
-    /// The end is near: nothing is sent any more, and every job is cancelled.
+    /// The end is near: nothing is sent any more, and every job ends with what is half done.
     void stop(ano::TimePoint now);
 
+    /// A new one, or one that runs and reads the same.
     std::variant<std::shared_ptr<Job>, NotBegun> begin(JobOrder order, ano::TimePoint now);
     /// It ends soon. False: it was over.
     bool cancel(Job& job, ano::TimePoint now);
@@ -89,6 +94,9 @@ public:
     /// Nothing is known of it: empty.
     std::optional<ano::host::DeviceInfo> info(std::uint8_t address) const;
 
+    /// What a run before this kept (DeviceNet::keep()). Old values of a calibration are written back as soon as that may be.
+    void remember(std::string name, std::string text);
+
     DeviceNet& net() noexcept { return net_; }
     std::uint8_t own() const noexcept { return own_; }
 
@@ -100,6 +108,7 @@ private:
         ano::TimePoint counted_since{};
         std::optional<double> rate;
         std::optional<ano::TimePoint> heard_at{};
+        unsigned acted_before = 0;    // jobs from this number on began behind the last frame that changes it
     };
 
     void use(ano::TimePoint now);
@@ -108,6 +117,11 @@ private:
     WorkPlace place(const Job& job);
     std::optional<NotBegun> refusal(const JobOrder& order, ano::TimePoint now);
     std::shared_ptr<Job> holder(std::uint8_t address) const;
+    std::shared_ptr<Job> shared(const JobOrder& order) const;
+    void write_back(ano::TimePoint now);
+    void acted(std::uint8_t address);
+    void cut_off(Job& job, ano::TimePoint now);
+    void forget_results();
     bool make_room(ano::TimePoint now);
     std::size_t running() const;
     std::size_t upgrades() const;
@@ -121,6 +135,7 @@ private:
     void count(Known& known, ano::TimePoint now);
 
     DeviceNet& net_;
+    Notes notes_{net_};
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
     ano::host::DescriptionCache cache_;
@@ -131,6 +146,7 @@ private:
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
     std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // one more owner for each
+    std::optional<ano::TimePoint> write_back_at_;                       // nothing: there is nothing to write back
     bool runs_ = false;
     bool stopped_ = false;
 };

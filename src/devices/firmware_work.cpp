@@ -1,3 +1,4 @@
+#include <devices/device_json.hpp>
 #include <devices/firmware_work.hpp>
 #include <host/firmware.hpp>
 #include <host/firmware_image.hpp>
@@ -32,14 +33,15 @@ class Upgrade final : public TaskWork {
 public:
     Upgrade(const WorkPlace& place, UpgradeOrder order) : TaskWork{place}, order_{std::move(order)} {}
 
-    // The file may be large: its check is not to keep the loop.
+    // The file may be large: its check is not to keep the loop, and is not begun where it can't pass.
     void start(TimePoint) override {
+        const std::size_t room = place().net.manners(place().device.address()).max_data;
+        frame_len_ = std::min(usual_frame, room > 3 ? room - 3 : usual_frame);
+        if (order_.file.size() > Firmware::max_frames * frame_len_ + ano::host::FirmwareImage::header_bytes)
+            return finish(work_fault(422, "the image has more than 65536 frames of " + std::to_string(frame_len_) + " bytes"));
         const auto read = read_;
         place().net.aside(
-            [read, file = std::move(order_.file), crc = order_.crc] {
-                const auto* bytes = reinterpret_cast<const std::uint8_t*>(file->data());
-                read->file = ano::host::read_firmware({bytes, file->size()}, crc);
-            },
+            [read, file = std::move(order_.file), crc = order_.crc] { read->file = ano::host::read_firmware(file, crc); },
             [read, &net = place().net](std::string fault) {
                 read->fault = std::move(fault);
                 read->is_done = true;
@@ -56,18 +58,35 @@ private:
     };
 
     void look(TimePoint now) override {
-        if (firmware_ != nullptr) return say(now);
+        if (firmware_ != nullptr) {
+            if (firmware_->is_left_in_loader() && !std::exchange(is_noted_, true)) note();
+            return say(now);
+        }
         if (end() || !read_->is_done) return;
         if (!read_->fault.empty()) return finish(work_fault(503, "the file could not be checked: " + read_->fault));
         if (!read_->file.image) return finish(work_fault(422, read_->file.wrong));
         size_ = read_->file.image->bytes.size();
-        const std::size_t room = place().net.manners(place().device.address()).max_data;
-        frame_len_ = std::min(usual_frame, room > 3 ? room - 3 : usual_frame);
         began_ = now;
+        recall();
         auto task = std::make_unique<Firmware>(place().device, std::move(*read_->file.image),
                                                ano::host::FirmwareOptions{order_.force, frame_len_, order_.known_as});
         firmware_ = task.get();
         next(std::move(task)).start(now);
+    }
+    // One that was left in its loader may not say who it is.
+    void recall() {
+        const std::string* text = place().notes.find(loader_note(place().device.address()));
+        if (text == nullptr || order_.known_as) return;
+        const Json note = Json::parse(*text, nullptr, false);
+        if (note.is_object()) order_.known_as = identity_in(note.value("device", Json{}));
+    }
+    // Who it was is known as long as it answers.
+    void note() {
+        const std::uint8_t address = place().device.address();
+        const auto& info = place().device.info() ? place().device.info() : order_.known_as;
+        const Json json{{"device", identity_json(address, info)}};
+        place().notes.keep(loader_note(address), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
+                           [](const std::string&) {});
     }
     // The speed once a second.
     void say(TimePoint now) {
@@ -78,6 +97,7 @@ private:
         if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
     }
     void done(const Task& task, TimePoint now) override {
+        place().notes.forget(loader_note(place().device.address()));
         WorkEnd end = end_of(*task.end());
         const double seconds = std::chrono::duration<double>(now - began_).count();
         end.result = Json{{"bytes", size_},
@@ -92,6 +112,7 @@ private:
     std::shared_ptr<Read> read_ = std::make_shared<Read>();
     Firmware* firmware_ = nullptr;
     std::size_t size_ = 0, frame_len_ = usual_frame;
+    bool is_noted_ = false;
     TimePoint began_{}, said_at_{};
     std::string step_, words_ = "checking the file";
 };

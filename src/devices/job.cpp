@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
+#include <ano_json/json_line.hpp>
 #include <devices/job.hpp>
 
 #include <nlohmann/json.hpp>
@@ -36,6 +37,22 @@ constexpr KindRow kinds[] = {
 };
 constexpr std::string_view states[] = {"running", "waiting", "done", "failed", "cancelled"};
 
+Json evidence_json(const ano::host::Evidence& of) {
+    Json evidence{{"sent", of.sent}};
+    if (of.round_trip)
+        evidence["rtt_ms"] = static_cast<double>(std::chrono::duration_cast<std::chrono::microseconds>(*of.round_trip).count()) /
+                             1000;
+    return evidence;
+}
+
+// A result may be large, and is put in as the text that it is.
+std::string with_result_of(const Job& job, const Json& json) {
+    std::string line = ano::json_line(json);
+    if (!job.end || (job.end->result.empty() && job.end->status >= 300)) return line;
+    line.resize(line.size() - 2);    // "}\n"
+    return line + ",\"result\":" + (job.end->result.empty() ? "null" : job.end->result) + "}\n";
+}
+
 const KindRow& row_of(JobKind kind) noexcept { return kinds[static_cast<std::size_t>(kind)]; }
 
 }    // namespace
@@ -52,7 +69,13 @@ std::string words_of(const Job& job) {
     return words + ")";
 }
 
-nlohmann::ordered_json job_json(const Job& job, bool with_result) {
+std::string exact_json(const std::string& text) {
+    std::string line = ano::json_line(Json::parse(text, nullptr, false));
+    line.pop_back();
+    return line;
+}
+
+nlohmann::ordered_json job_json(const Job& job) {
     Json json{{"id", job.id}};
     if (job.order.address) json["device"] = ano::hex_byte(*job.order.address);
     json["kind"] = name_of(job.order.kind);
@@ -66,23 +89,22 @@ nlohmann::ordered_json job_json(const Job& job, bool with_result) {
     }
     json["message"] = job.message;
     if (!job.step.empty()) json["step"] = Json::parse(job.step, nullptr, false);
-    if (!job.end) return json;
-    if (!with_result && job.end->status < 300) return json;
-    if (job.end->status < 300) {
-        json["result"] = job.end->result.empty() ? Json(nullptr) : Json::parse(job.end->result, nullptr, false);
-        return json;
-    }
+    if (!job.end || job.end->status < 300) return json;
     json["error"] = job.end->error;
     json["what"] = job.end->what;
     json["status"] = job.end->status;
-    if (with_result && !job.end->result.empty()) json["result"] = Json::parse(job.end->result, nullptr, false);
-    Json evidence{{"sent", job.end->evidence.sent}};
-    if (job.end->evidence.round_trip)
-        evidence["rtt_ms"] = static_cast<double>(
-                                 std::chrono::duration_cast<std::chrono::microseconds>(*job.end->evidence.round_trip).count()) /
-                             1000;
-    json["evidence"] = std::move(evidence);
+    json["evidence"] = evidence_json(job.end->evidence);
     return json;
+}
+
+std::string job_line(const Job& job) { return with_result_of(job, job_json(job)); }
+
+std::string end_line(const Job& job) {
+    if (job.end->status < 300) return (job.end->result.empty() ? "null" : job.end->result) + "\n";
+    return with_result_of(
+        job,
+        Json{
+            {"error", job.end->error}, {"what", job.end->what}, {"job", job.id}, {"evidence", evidence_json(job.end->evidence)}});
 }
 
 }    // namespace anogate

@@ -41,6 +41,7 @@ struct JobOrder {
     std::string client;                     // who asked, as he calls himself
     std::function<std::unique_ptr<Work>(const WorkPlace& place)> work;
     std::function<std::string()> result{};    // JSON, of a work that has none of its own
+    std::string shared_as{};                  // one that reads: who asks for the same meanwhile gets what this gets; empty: alone
 };
 
 struct Job {
@@ -50,15 +51,17 @@ struct Job {
     std::unique_ptr<Work> work;    // null when it has ended, and until it begins
     std::optional<WorkEnd> end;
     std::string message;
-    bool has_acted = false;    // something that changes the device left
-    std::string refused;       // why its frames may not leave: it ends
-    std::string step;          // JSON
+    bool has_acted = false;       // something that changes the device left
+    bool is_cancelled = false;    // somebody wants its end, which may take a while
+    std::string refused;          // why its frames may not leave: it ends
+    std::string step;             // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // not before: until then it is listened whether it may
     ano::TimePoint ended_at{};
     std::uint64_t version = 0;    // grows whenever there is something to tell
     ano::TimePoint told_at{};     // of progress
     std::size_t needed_by = 0;    // clients who want it to end when they go
+    bool goes_on = false;         // another waits for it who does not
     std::vector<std::function<void(const Job&)>> on_end;
     std::vector<std::function<void()>*> on_change;    // of those who watch
 
@@ -73,8 +76,14 @@ std::string_view unit_of(JobKind kind) noexcept;
 /// Jobs of this kind ask by frames of this id.
 bool asks_by(JobKind kind, std::uint8_t id) noexcept;
 
-/// The object that is told of it; a list of jobs is without what came of each.
-nlohmann::ordered_json job_json(const Job& job, bool with_result = true);
+/// The object that is told of it, without its result.
+nlohmann::ordered_json job_json(const Job& job);
+/// The same with its result, as a line.
+std::string job_line(const Job& job);
+/// What came of a job, without the job, as a line.
+std::string end_line(const Job& job);
+/// JSON that every program reads without loss (json_line.hpp).
+std::string exact_json(const std::string& text);
 /// "job 7 (firmware, of anoctl)"
 std::string words_of(const Job& job);
 

@@ -1,5 +1,6 @@
 #include <ano_json/json_line.hpp>
 #include <devices/job_answers.hpp>
+#include <http/web_socket.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -13,22 +14,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view lines = "application/x-ndjson";
 
-http::Response json_answer(unsigned status, const Json& json) {
+http::Response line_answer(unsigned status, std::string line) {
     http::Response response;
     response.status = status;
-    response.body = ano::json_line(json);
+    response.body = std::move(line);
     return response;
 }
 
-// What came of a job, without the job.
-http::Response end_answer(const Job& job) {
-    const Json all = job_json(job);
-    if (job.end->status < 300) return json_answer(job.end->status, all.value("result", Json{}));
-    Json json{{"error", job.end->error}, {"what", job.end->what}, {"job", job.id}};
-    if (all.contains("result")) json["result"] = all["result"];
-    json["evidence"] = all["evidence"];
-    return json_answer(job.end->status, json);
-}
+http::Response end_answer(const Job& job) { return line_answer(job.end->status, end_line(job)); }
 
 /// Who waits for a job; he may want it to end when he goes.
 class WaitingClient {
@@ -70,7 +63,7 @@ public:
     Next next(std::string& into) override {
         if (told_ != job_->version) {
             told_ = job_->version;
-            into += ano::json_line(job_json(*job_));
+            into += job_line(*job_);
         }
         return job_->is_over() ? Next::end : Next::later;
     }
@@ -80,6 +73,49 @@ private:
     std::shared_ptr<WaitingClient> client_;
     std::optional<std::uint64_t> told_;
     std::function<void()> wake_ = [] {};
+};
+
+// The same as messages; behind the last it closes.
+class JobMessages final : public http::WebSocketUser {
+public:
+    JobMessages(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client)
+        : job_{std::move(job)}, client_{std::move(client)} {
+        job_->on_change.push_back(&wake_);
+    }
+    ~JobMessages() override {
+        auto& all = job_->on_change;
+        all.erase(std::remove(all.begin(), all.end(), &wake_), all.end());
+    }
+    JobMessages(const JobMessages&) = delete;
+    JobMessages& operator=(const JobMessages&) = delete;
+
+    void opened(http::WebSocket& socket) override {
+        socket_ = &socket;
+        tell();
+    }
+    void heard(std::string_view, http::WebSocket::Kind) override {}    // he only listens
+    void sent_all() override { tell(); }
+    bool has_last_words() const override { return true; }
+
+private:
+    void tell() {
+        if (socket_ == nullptr || socket_->waiting() > 0) return;
+        if (told_ == job_->version) {
+            if (job_->is_over()) socket_->close(1000, "the job has ended");
+            return;
+        }
+        told_ = job_->version;
+        std::string line = job_line(*job_);
+        line.pop_back();
+        if (!socket_->send(std::make_shared<const std::string>(std::move(line)), http::WebSocket::Kind::text))
+            socket_->close(1009, "what came of the job is too much for a message");
+    }
+
+    std::shared_ptr<Job> job_;
+    std::shared_ptr<WaitingClient> client_;
+    http::WebSocket* socket_ = nullptr;    // nullptr: not open yet
+    std::optional<std::uint64_t> told_;
+    std::function<void()> wake_ = [this] { tell(); };
 };
 
 http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) {
@@ -108,25 +144,30 @@ http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Waiti
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
     auto client = waiting_client(service, job, request);
+    if (!request.query_value("while_connected")) job->goes_on = true;
     if (accepts_lines(request)) return lines_of(job, std::move(client));
     return at_its_end(job, std::move(client), end_answer);
 }
 
 http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request,
                           unsigned status) {
-    if (!accepts_lines(request)) return json_answer(status, job_json(*job));
+    const bool wants_messages = http::is_web_socket(request);
+    if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
     if (!service.has_room_for_a_client()) return http::try_again("too many clients wait for jobs: ask again when one has ended");
-    return lines_of(job, waiting_client(service, job, request));
+    if (!wants_messages) return lines_of(job, waiting_client(service, job, request));
+    http::Response response;
+    response.web_socket = std::make_unique<JobMessages>(job, waiting_client(service, job, request));
+    return response;
 }
 
 http::Response job_at_its_end(const std::shared_ptr<Job>& job) {
-    return at_its_end(job, nullptr, [](const Job& ended) { return json_answer(200, job_json(ended)); });
+    return at_its_end(job, nullptr, [](const Job& ended) { return line_answer(200, job_line(ended)); });
 }
 
 http::Response answer_of(const NotBegun& refused) {
     Json json{{"error", refused.error}, {"what", refused.what}};
     if (refused.has_it) json["job"] = refused.has_it->id;
-    return json_answer(refused.status, json);
+    return line_answer(refused.status, ano::json_line(json));
 }
 
 }    // namespace anogate

@@ -1,4 +1,5 @@
 #include <ano_json/text.hpp>
+#include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/parameter_works.hpp>
 #include <host/parameter_apply.hpp>
@@ -39,11 +40,17 @@ protected:
     /// Null, and it has ended, when there is none.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
         const ano::host::Found found = parameter_called(*parameters_, word);
-        if (found.parameter == nullptr)
-            finish(work_fault(
-                found.several ? 409 : 404,
-                (found.several ? "several parameters are called " : "no parameter is called ") + ano::in_quotes(word)));
+        if (found.several) finish(ambiguous(word));
+        else if (found.parameter == nullptr) finish(work_fault(404, "no parameter is called " + ano::in_quotes(word)));
         return found.parameter;
+    }
+
+    WorkEnd ambiguous(const std::string& name) const {
+        std::string ids;
+        for (const ano::host::ParameterInfo& one : parameters_->descriptions())
+            if (one.name == name) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
+        return {
+            409, {}, "several parameters are called " + ano::in_quotes(name) + ": say which by its number, " + ids, "ambiguous"};
     }
 
 private:
@@ -164,11 +171,16 @@ public:
 
 private:
     void done(const Task& task, TimePoint now) override {
-        if (apply_ != nullptr) return finish(with_result(end_of(*task.end()), rows()));
+        if (apply_ != nullptr) {
+            if (!order_.dry_run) forget_written(place(), Json::parse(json_));
+            return finish(with_result(end_of(*task.end()), rows()));
+        }
         std::vector<std::pair<std::string, ano::host::AnyValue>> values;
         const Json given = Json::parse(json_);
         for (const auto& [name, json] : given.items()) {
-            const auto* info = parameters().find(name).parameter;
+            const auto found = parameters().find(name);
+            if (found.several) return finish(ambiguous(name));
+            const auto* info = found.parameter;
             types_.push_back(info != nullptr ? info->type : std::nullopt);
             const auto value = value_in(json, types_.back());
             if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));

@@ -3,6 +3,7 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <devices/device_net.hpp>
+#include <devices/notes.hpp>
 #include <host/description_cache.hpp>
 #include <host/task.hpp>
 
@@ -18,9 +19,9 @@ namespace anogate {
 /// How a job ended, as the answer to who asked for it.
 struct WorkEnd {
     unsigned status = 200;
-    std::string result;    // JSON; of 200
-    std::string error;     // a clause for people; of 200 it may say what is to be known all the same
-    std::string what;      // a word for programs; of 200 empty
+    std::string result{};    // JSON; of 200
+    std::string error;       // a clause for people; of 200 it may say what is to be known all the same
+    std::string what;        // a word for programs; of 200 empty
     ano::host::Evidence evidence{};
     bool is_cancelled = false;
 };
@@ -35,6 +36,9 @@ struct WorkPlace {
     ano::host::Device& device;
     ano::host::DescriptionCache& cache;
     DeviceNet& net;
+    Notes& notes;
+    /// Why the device may not be changed just now, in words; empty: it may.
+    std::function<std::string()> refusal{};
 };
 
 /// It is driven by its job: start() once, then run() whenever a request of its device may have ended, until end(). No function of it is
@@ -53,6 +57,8 @@ public:
     virtual std::string message() const { return {}; }
     /// Every frame that passes, beside the device's own take(). It sends nothing.
     virtual void hear(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
+    /// What is half done when it is left as it is now, where cancel() did not end it at once.
+    virtual std::string half_done() const { return "it is left as it is"; }
     /// When run() has to be called, beside Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
     /// It waits until somebody says go on; false: it does not.

@@ -106,6 +106,10 @@ bool Calibration::order_is_right() const {
     return true;
 }
 
+void Calibration::set_old_values(CalibrationValues values) {
+    if (step_ == Step::keep && !end() && values.size() == old_.size()) old_ = std::move(values);
+}
+
 void Calibration::kept(TimePoint now) {
     if (step_ != Step::keep || end()) return;
     step_ = Step::clear;
@@ -165,6 +169,8 @@ template <class Found>
 void Calibration::use(const Fit<Found>& fit, TimePoint now) {
     residuals_ = std::pair{fit.before, fit.after};
     if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
+    if (const std::string why = refusal_ ? refusal_() : ""; !why.empty())
+        return restore({Ending::refused, "the new values were not written: " + why, {}}, now);
     step_ = Step::write;
     const auto values = fit.calibration->values();
     new_ = named(values);

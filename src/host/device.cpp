@@ -76,17 +76,18 @@ void Device::hear(FrameView frame, TimePoint now) {
     if (count && count->get<"cmd">() == 1) parameter_count_ = count->get<"val">();
 }
 
-Taken Device::past(FrameView frame) const noexcept {
+Taken Device::past(FrameView frame) noexcept {
     for (std::size_t i = 1; i <= past_.size(); ++i) {
-        const auto& one = past_[(next_past_ + past_.size() - i) % past_.size()];
-        if (one && one->expects.is_met_by(frame)) return one->answered ? Taken::doubled : Taken::late;
+        auto& one = past_[(next_past_ + past_.size() - i) % past_.size()];
+        if (!one || !one->expects.is_met_by(frame)) continue;
+        return std::exchange(one->answered, true) ? Taken::doubled : Taken::late;
     }
     if (!is_answer(frame)) return Taken::nothing;
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 
 void Device::remember(const Exchange& exchange, bool answered) noexcept {
-    past_[next_past_] = Past{exchange.expects(), answered};
+    past_[next_past_] = Past{exchange.expects(), answered, exchange.is_once() ? exchange.due() + late_for : TimePoint::min()};
     next_past_ = (next_past_ + 1) % past_.size();
 }
 
@@ -102,7 +103,7 @@ void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, st
 
 std::optional<FrameView> Device::next_frame(TimePoint now) {
     expire(now);
-    while (const Exchange* next = next_to_send()) {
+    while (const Exchange* next = next_to_send(now)) {
         Exchanges& from = next->was_sent() ? sent_ : waiting_;
         const auto which = std::find_if(from.begin(), from.end(), [&](const Exchange& e) { return &e == next; });
         if (may_be_asked(next->frame())) return send(from, which, now);
@@ -125,19 +126,33 @@ std::size_t Device::on_their_way() const noexcept {
         std::count_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return e.is_on_its_way(); }));
 }
 
+const Exchange* Device::lost() const noexcept {
+    const auto found = std::find_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return !e.is_on_its_way(); });
+    return found == sent_.end() ? nullptr : &*found;
+}
+
 // What was lost goes first.
-const Exchange* Device::next_to_send() const noexcept {
+const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     if (on_their_way() >= window_.size()) return nullptr;
-    const auto lost = std::find_if(sent_.begin(), sent_.end(), [](const Exchange& e) { return !e.is_on_its_way(); });
-    if (lost != sent_.end()) return &*lost;
-    const auto fresh = std::find_if(waiting_.begin(), waiting_.end(), [&](const Exchange& e) { return may_start(e); });
+    if (const Exchange* again = lost()) return again;
+    const auto fresh = std::find_if(waiting_.begin(), waiting_.end(), [&](const Exchange& e) {
+        const auto at = may_start_at(e);
+        return at && *at <= now;
+    });
     return fresh == waiting_.end() ? nullptr : &*fresh;
 }
 
-bool Device::may_start(const Exchange& exchange) const noexcept {
-    return std::none_of(sent_.begin(), sent_.end(), [&](const Exchange& e) {
+// Nothing: not before one that was sent has ended.
+std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
+    const bool is_blocked = std::any_of(sent_.begin(), sent_.end(), [&](const Exchange& e) {
         return e.expects() == exchange.expects() || (e.expects().is_alone() && exchange.expects().is_alone());
     });
+    if (is_blocked) return std::nullopt;
+    TimePoint at = TimePoint::min();
+    if (!exchange.is_once()) return at;
+    for (const auto& past : past_)
+        if (past && !past->answered && past->expects == exchange.expects()) at = std::max(at, past->late_until);
+    return at;
 }
 
 FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept {
@@ -147,8 +162,12 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
 }
 
 std::optional<TimePoint> Device::due() const noexcept {
-    if (next_to_send() != nullptr) return TimePoint::min();
     std::optional<TimePoint> first;
+    if (on_their_way() < window_.size()) {
+        if (lost() != nullptr) return TimePoint::min();
+        for (const Exchange& exchange : waiting_)
+            if (const auto at = may_start_at(exchange)) first = std::min(first.value_or(TimePoint::max()), *at);
+    }
     for (const Exchange& exchange : sent_)
         if (exchange.is_on_its_way()) first = std::min(first.value_or(TimePoint::max()), exchange.due());
     return first;

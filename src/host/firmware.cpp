@@ -15,7 +15,6 @@ namespace code = firmware_code;
 
 constexpr std::array<std::string_view, 5> step_words{"device info", "description of the image", "erasing", "sending",
                                                      "check of the image"};
-constexpr std::size_t most_frames = 0x10000;    // frame_num is a u16
 
 // A frame is written to flash before it is answered, which takes longer than the questions by which the round trip was measured.
 constexpr Duration write_time = 100ms;
@@ -53,7 +52,7 @@ std::optional<Duration> Firmware::time_left(TimePoint now) const noexcept {
 
 void Firmware::start(TimePoint now) {
     if (image_.bytes.empty()) return finish({Ending::invalid, "the image is empty", {}}, now);
-    if (frames() > most_frames)
+    if (frames() > max_frames)
         return finish(
             {Ending::invalid, "the image has more than 65536 frames of " + std::to_string(options_.frame_len) + " bytes", {}},
             now);
@@ -94,9 +93,11 @@ void Firmware::ask_frame(TimePoint now) {
     if (frame_ == frames()) return ask_step(check, code::all_sent, 30s, now);
     step_ = send_frame;
     const std::size_t at = frame_ * options_.frame_len;
+    piece_.resize(std::min(options_.frame_len, image_.bytes.size() - at));
+    if (!image_.bytes.read(at, piece_)) return give_up(Ending::failed, "the file can no longer be read", {}, now);
     Draft<"firmware", "image"> draft;
     (void)draft.set<"frame_num">(frame_);
-    (void)draft.set<"data">(Bytes{image_.bytes}.subspan(at, std::min(options_.frame_len, image_.bytes.size() - at)));
+    (void)draft.set<"data">(Bytes{piece_});
     ask(request(draft, send_frame, {.at_least = write_time}), now);
 }
 
@@ -139,7 +140,7 @@ void Firmware::frame_ended(const Ended& ended, TimePoint now) {
 }
 
 void Firmware::give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {
-    finish({ending, erasing_ ? what + "; it is left in its loader, begin again" : what, evidence}, now);
+    finish({ending, what + std::string{half_done()}, evidence}, now);
 }
 
 void Firmware::cancel(TimePoint now) {

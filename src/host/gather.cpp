@@ -16,6 +16,7 @@ void Gather::gather(std::size_t n, TimePoint now) {
 }
 
 void Gather::ask_more(TimePoint now) {
+    if (gives_up(now)) return;
     while (!end() && asked_ < most_asked && (!again_.empty() || next_ < total_)) {
         std::uint32_t i = next_;
         if (again_.empty()) {

@@ -50,14 +50,29 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
     case ask_description:
         return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
-    case write_value: return answered ? ask_value(read_back, now) : finish_silent("write of " + info_.name, ended.evidence, now);
+    case write_value: return written(ended, now);
     default:
         if (answered) return took(ended, now);
         if (ended.tag == read_before) return finish_silent("value of " + info_.name, ended.evidence, now);
-        finish({Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " and does not give it back",
-                ended.evidence},
-               now);
+        not_given_back(ended, now);
     }
+}
+
+// Whether an acknowledgement that never came, or never fitted, was one is known by the device's value.
+void ParameterWrite::written(const Ended& ended, TimePoint now) {
+    if (ended.outcome != Outcome::answered) silence_ = ended.evidence;
+    ask_value(read_back, now);
+}
+
+void ParameterWrite::not_given_back(const Ended& ended, TimePoint now) {
+    if (silence_)
+        return finish(
+            {Ending::timeout, hex_of(device().address()) + " does not answer: write of " + info_.name + ", which may be done",
+             ended.evidence},
+            now);
+    finish({Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " and does not give it back",
+            ended.evidence},
+           now);
 }
 
 void ParameterWrite::took(const Ended& ended, TimePoint now) {
@@ -91,7 +106,10 @@ void ParameterWrite::write(TimePoint now) {
 }
 
 void ParameterWrite::compare(TimePoint now) {
-    if (same(*stored_, wire_)) return finish({}, now);
+    if (same(*stored_, wire_))
+        return finish({Ending::done, silence_ ? info_.name + " was never acknowledged as it must be, and is written" : "", {}},
+                      now);
+    if (same(*stored_, *before_) && silence_) return finish_silent("write of " + info_.name, *silence_, now);
     if (same(*stored_, *before_))
         return finish({Ending::refused,
                        hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),

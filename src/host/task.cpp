@@ -9,7 +9,17 @@ std::string hex_of(std::uint8_t address) {
     return {'0', 'x', digits[address >> 4], digits[address & 0xF]};
 }
 
+bool Task::gives_up(TimePoint now) {
+    if (!begun_at_) begun_at_ = now;
+    if (now - *begun_at_ <= longest()) return false;
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(longest()).count();
+    std::string what = hex_of(device_.address()) + " answers too slowly: given up after " + std::to_string(seconds) + " s";
+    finish({Ending::timeout, what.append(half_done()), {}}, now);
+    return true;
+}
+
 void Task::ask(const Request& request, TimePoint now) {
+    if (gives_up(now)) return;
     if (!device_.ask(request, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
 }
 

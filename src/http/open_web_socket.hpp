@@ -15,6 +15,8 @@ class OpenWebSocket : public WebSocket {
 public:
     /// At once; its user is gone then.
     virtual void end() = 0;
+    /// Its user is not to be cut off.
+    virtual bool has_last_words() const = 0;
     /// Something waits to be sent, and since then nothing was taken.
     virtual bool is_stalled_since(ano::TimePoint time) const = 0;
 };

@@ -2,8 +2,10 @@
 #pragma once
 #include <ano/time.hpp>
 #include <http/door.hpp>
+#include <http/large_body.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,7 +30,8 @@ struct Request {
     std::string target;    // "/links/fc?n=1", as it came
     std::vector<Field> headers;
     std::string body;
-    unsigned version = 11;    // 10 for HTTP/1.0
+    std::shared_ptr<const StoredBody> stored{};    // in the place of `body`, where that is large
+    unsigned version = 11;                         // 10 for HTTP/1.0
     bool keep_alive = true;
     std::uint32_t user = unknown_user;    // who asks by a Unix socket
     Door door;

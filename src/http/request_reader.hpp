@@ -29,6 +29,9 @@ public:
     /// Takes what it can from the front of `bytes`, and says how much that was: what it left comes again.
     std::size_t put(std::string_view bytes);
     bool is_done() const;
+    /// Of its body, what has come and was not taken: a large one is taken in parts.
+    std::size_t body_size() const;
+    std::string take_body();
 
     /// Why it will not become a request.
     struct Fault {
@@ -37,7 +40,7 @@ public:
     };
     const std::optional<Fault>& fault() const noexcept { return fault_; }
 
-    /// Once it is done.
+    /// Once it is done; with what is left of its body.
     Request take();
 
 private:

@@ -33,6 +33,7 @@ constexpr std::pair<unsigned, std::string_view> reasons[] = {
     {502, "Bad Gateway"},
     {503, "Service Unavailable"},
     {504, "Gateway Timeout"},
+    {507, "Insufficient Storage"},
 };
 
 std::string_view reason(unsigned status) {
@@ -61,7 +62,8 @@ std::string_view what_of(unsigned status) noexcept {
     switch (status) {
     case 401:
     case 403:
-    case 502: return "refused";
+    case 502:
+    case 507: return "refused";
     case 404: return "unknown";
     case 405:
     case 415:

@@ -56,6 +56,12 @@ std::string filled(std::string_view pattern, std::string_view path) {
     return same_length ? all : std::string{whole};
 }
 
+std::string bad_encoding(std::string_view what, std::string_view text) {
+    const std::string_view why = text.find("%00") != text.npos ? "%00, which no name can hold"
+                                                               : "a % that is not followed by two hex digits of a byte";
+    return "the " + std::string{what} + " has " + std::string{why};
+}
+
 bool answers(const Routes::Row& row, std::string_view method) {
     return row.method == method || (method == "HEAD" && row.method == "GET");
 }
@@ -88,10 +94,9 @@ Response Routes::answer(Request request) const {
             continue;
         }
         if (request.access < row.access) return not_permitted(request.access, row.access);
-        if (!read_parameters(row.pattern, target.path, request.parameters))
-            return error(400, "the path has a % that is not followed by two hex digits of a byte");
+        if (!read_parameters(row.pattern, target.path, request.parameters)) return error(400, bad_encoding("path", target.path));
         auto query = parse_query(target.query);
-        if (!query) return error(400, "the query has a % that is not followed by two hex digits of a byte");
+        if (!query) return error(400, bad_encoding("query", target.query));
         request.query = std::move(*query);
         return row.function(request);
     }

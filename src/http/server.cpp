@@ -11,9 +11,7 @@ namespace anogate::http {
 namespace {
 
 constexpr long max_large_bodies = 2;
-
-}    // namespace
-namespace {
+constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
 Response no_place() { return try_again("all places are taken by those who ask just now"); }
 
@@ -62,7 +60,7 @@ void Server::admit(std::unique_ptr<Stream> stream) {
     session->start();
 }
 
-// More than usual is taken from those alone who may ask that, and of few at a time: it is memory.
+// More than usual is taken from those alone who may ask that, and of few at a time: it is much room.
 std::optional<std::uint64_t> Server::body_limit(const Request& head, std::shared_ptr<void>& large) {
     const std::uint64_t usual = limits_.session.request.body;
     const Routes::Row* const row = routes_.row_for(head);
@@ -119,11 +117,33 @@ void Server::give_turn() {
     });
 }
 
-void Server::stop() {
+void Server::shut() {
     if (local_listener_) local_.remove();    // first: who finds it must find somebody
     local_listener_.reset();
     network_listener_.reset();
     turns_.clear();
+}
+
+void Server::finish(ano::Duration patience) {
+    shut();
+    const auto all = sessions_;
+    for (const auto& session : all)
+        if (const auto alive = session.lock()) alive->finish();
+    look_whether_finished(ano::Clock::now() + patience);
+}
+
+void Server::look_whether_finished(ano::TimePoint until) {
+    std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
+    if (sessions_.empty() || ano::Clock::now() >= until) return stop();
+    finish_check_.expires_after(finish_look);
+    finish_check_.async_wait([this, until](error_code ec) {
+        if (!ec) look_whether_finished(until);
+    });
+}
+
+void Server::stop() {
+    finish_check_.cancel();
+    shut();
     for (const auto& session : std::exchange(sessions_, {}))
         if (const auto alive = session.lock()) alive->close();
     for (const auto& farewell : std::exchange(farewells_, {}))

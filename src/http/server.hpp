@@ -41,6 +41,9 @@ public:
     /// What is answered. Changed before the first client comes.
     Routes& routes() noexcept { return routes_; }
 
+    /// Where bodies go that are larger than usual; else they are held in memory.
+    void keep_large_bodies(MakeKeeper make) { make_keeper_ = std::move(make); }
+
     struct Outcome {
         std::string error;      // empty: it listens
         bool in_use = false;    // another program has the path: it may be free later
@@ -61,23 +64,30 @@ public:
     Admission& admission() noexcept { return admission_; }
     /// A client by a connection of any sort.
     void admit(std::unique_ptr<Stream> stream);
+    /// As stop(), but what is being answered is answered to its end, or for `patience`; nobody is let in, and nothing more is heard.
+    void finish(ano::Duration patience);
     /// Closes everything at once and removes the socket; producers and users of WebSockets are gone then. The loop may still hold what
     /// will not run: it must not run after us.
     void stop();
 
 private:
     bool make_place(std::uint32_t user);
+    void shut();
+    void look_whether_finished(ano::TimePoint until);
     void give_turn();
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
     Response answer(Request request) override;
     std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
+    std::unique_ptr<BodyKeeper> keeper() override { return make_keeper_ ? make_keeper_() : nullptr; }
     bool has_memory() override { return !has_memory_ || has_memory_(); }
 
     asio::io_context& io_;
     ServerLimits limits_;
+    asio::steady_timer finish_check_{io_};
     HasMemory has_memory_;
+    MakeKeeper make_keeper_;
     std::shared_ptr<int> large_bodies_ = std::make_shared<int>();    // one more owner for each
     Routes routes_;
     Admission admission_;

@@ -18,12 +18,22 @@ void Session::start() { await_request(); }
 
 void Session::close() {
     deadline_.cancel();
+    keeper_.reset();
     producer_.reset();
     if (const auto socket = web_socket_.lock()) socket->end();
     if (stream_) stream_->close();
     stream_.reset();
     needed_.reset();
     large_body_.reset();
+}
+
+void Session::finish() {
+    const auto socket = web_socket_.lock();
+    if (socket && socket->has_last_words()) return;
+    const bool has_more = stream_ && asking_ == Asking::whole && !awaits_turn_ && !answer_awaited_ && (!part_awaited_ || woken_);
+    if (!has_more) return close();
+    finishes_ = true;
+    sending_.keep_alive = false;
 }
 
 void Session::leave(const Response& words) {
@@ -95,17 +105,37 @@ void Session::input_ended() {
 void Session::hear() {
     if (!owner_.has_memory()) return refuse_for_memory();
     try {
-        input_.erase(0, reader_->put(input_));
+        if (!reader_->is_done()) input_.erase(0, reader_->put(input_));
     } catch (const std::bad_alloc&) {
         return refuse_for_memory();
     }
     if (const auto& fault = reader_->fault()) return refuse(error(fault->status, fault->words));
+    if (puts_body()) return;
     if (!reader_->is_done()) return read();
     asking_ = Asking::whole;
     whole_at_ = Clock::now();
     awaits_turn_ = true;
     deadline_.cancel();
     owner_.wait_for_turn(shared_from_this());
+}
+
+// A large body goes to its keeper part by part; meanwhile nothing is read.
+bool Session::puts_body() {
+    if (!large_body_) return false;
+    const std::size_t size = reader_->body_size();
+    const std::size_t held = reader_->is_done() ? (keeper_ ? 0 : limits_.request.body) : limits_.part_of_body - 1;
+    if (size <= held) return false;
+    if (!keeper_) keeper_ = owner_.keeper();
+    if (!keeper_) return false;
+    keeper_->put(reader_->take_body(), [self = shared_from_this()](std::string fault) { self->put_body(std::move(fault)); });
+    return true;
+}
+
+void Session::put_body(std::string fault) {
+    if (!stream_) return;
+    if (!fault.empty()) return refuse(error(507, fault));
+    expect_progress();
+    hear();
 }
 
 void Session::take_turn() {
@@ -124,6 +154,8 @@ void Session::answer(Request request) {
     request.user = user_;
     request.door = stream_->door();
     request.came_at = whole_at_;
+    if (keeper_) request.stored = keeper_->whole();
+    keeper_.reset();
     sending_ = {request.version, request.keep_alive};
     const bool head_only = request.method == "HEAD";
     Response response = owner_.answer(request);
@@ -202,6 +234,8 @@ void Session::wrote() {
 }
 
 void Session::next_part() {
+    if (last_part_) return close();
+    last_part_ = finishes_;
     const Producer::Next next = producer_->next(body_);
     if (!stream_) return;
     if (next == Producer::Next::end) producer_.reset();
@@ -210,7 +244,7 @@ void Session::next_part() {
     part_awaited_ = next == Producer::Next::later && body_.empty();
     if (part_awaited_) {
         deadline_.cancel();
-        return input_ended_ ? close() : read();    // read() shows whether the client is still there
+        return input_ended_ || finishes_ ? close() : read();    // read() shows whether the client is still there
     }
     expect_progress();
     write();
@@ -237,6 +271,7 @@ void Session::refuse_for_memory() noexcept {
 
 void Session::refuse(const Response& words) {
     deadline_.cancel();
+    keeper_.reset();
     producer_.reset();
     needed_.reset();
     stream_->cancel();

@@ -18,8 +18,10 @@ class Session;
 struct SessionLimits {
     RequestLimits request;
     WebSocketLimits web_socket;
-    /// Until a whole request has come, until an answer or a part of one was taken.
+    /// Until a whole request, or the next part of a large body, has come, until an answer or a part of one was taken.
     ano::Duration patience = std::chrono::seconds{30};
+    /// Of a large body so much is held until its keeper has it.
+    std::size_t part_of_body = std::size_t{256} * 1024;
     /// Who has not taken anything of an answer for so long counts as idle.
     ano::Duration stalled_after = std::chrono::seconds{1};
 };
@@ -34,6 +36,8 @@ public:
     /// What the body of a request may have, of which the rest is known. When that is more than usual, `large` is to be kept as long as the
     /// body is; nothing: too many are kept already.
     virtual std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) = 0;
+    /// Of a body that is more than usual; nullptr: in memory.
+    virtual std::unique_ptr<BodyKeeper> keeper() = 0;
     /// The connection ends with these words.
     virtual void refuse(std::unique_ptr<Stream> stream, const Response& words) = 0;
     /// There is enough of it for one request and its answer.
@@ -51,6 +55,8 @@ public:
     void take_turn();
     /// At once. What makes a streamed answer, or uses a WebSocket, is gone then.
     void close();
+    /// The end is near: an answer that is on its way is said to its end, of a stream what comes next; all else ends at once.
+    void finish();
     /// Its place is another's. Who is not in the middle of an answer, and may be about to read one, is told by `words`.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;
@@ -62,6 +68,8 @@ private:
     void refuse_for_memory() noexcept;
     void input_ended();
     void hear();
+    bool puts_body();
+    void put_body(std::string fault);
     void answer(Request request);
     void await_answer(std::shared_ptr<void> needed);
     void send(Response response, bool head_only);
@@ -97,7 +105,10 @@ private:
     bool answer_awaited_ = false;    // a patient one
     std::shared_ptr<void> needed_;
     std::shared_ptr<void> large_body_;    // of the request that comes, or is answered
+    std::unique_ptr<BodyKeeper> keeper_;
     bool woken_ = false;
+    bool finishes_ = false;
+    bool last_part_ = false;    // of a stream, in finish()
     std::weak_ptr<OpenWebSocket> web_socket_;
 };
 

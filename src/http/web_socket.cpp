@@ -167,6 +167,8 @@ public:
         user_.reset();
     }
 
+    bool has_last_words() const override { return user_ && user_->has_last_words(); }
+
     bool is_stalled_since(ano::TimePoint time) const override {
         return (writing_ || closing_) && std::max(begun_at_, socket_.next_layer().taken_at()) < time;
     }

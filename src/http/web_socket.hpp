@@ -45,6 +45,8 @@ public:
     virtual void heard(std::string_view message, WebSocket::Kind kind) = 0;
     /// All that waited is sent.
     virtual void sent_all() {}
+    /// When the server ends, it has something to say first, and then closes; else it is cut off.
+    virtual bool has_last_words() const { return false; }
 };
 
 }    // namespace anogate::http

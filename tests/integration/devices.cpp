@@ -1,8 +1,11 @@
 // Devices by the control interface of a whole gateway: a simulated flight controller, several clients, a ground station.
 #include <http/client.hpp>
+#include <link/unique_fd.hpp>
 #include <support/asked.hpp>
 #include <support/fake_loader.hpp>
+#include <support/http.hpp>
 #include <support/process.hpp>
+#include <support/sanitized.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 
@@ -11,7 +14,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <future>
 #include <set>
@@ -252,7 +259,19 @@ TEST_F(Devices, firmware_is_written_however_large_the_file_is) {
     EXPECT_EQ(over.body.at("result").at("bytes"), 100'000);
     EXPECT_EQ(loader.flash.size(), file.size());
     EXPECT_EQ(ask("PUT", "/devices/0xDD/waypoints", std::string(100'000, ' ')).status, 413u) << "a body of another route";
-    EXPECT_EQ(ask("POST", "/devices/0xDD/firmware", std::string(std::size_t{17} << 20, ' ')).status, 413u);
+}
+
+TEST_F(Devices, a_file_of_64_mib_is_no_burden_and_ends_with_its_own_word) {
+    const long before = daemon.proc_status("VmHWM");
+    const std::vector<json> all = lines("POST", "/devices/0xDC/firmware", std::string(std::size_t{64} << 20, ' '));
+    ASSERT_FALSE(all.empty());
+    EXPECT_EQ(all.back().at("state"), "failed");
+    EXPECT_EQ(all.back().at("error"), "the image has more than 65536 frames of 195 bytes");
+    const long more = daemon.proc_status("VmHWM") - before;
+    RecordProperty("more_kb", std::to_string(more));
+    if (!sanitized) EXPECT_LT(more, 8 * 1024) << "kB";
+    EXPECT_EQ(ask("POST", "/devices/0xDC/firmware", std::string((std::size_t{64} << 20) + 1, ' ')).status, 413u);
+    EXPECT_TRUE(std::filesystem::is_empty(dir.path() / "state")) << "the file has no name";
 }
 
 TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
@@ -277,6 +296,76 @@ TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
     EXPECT_EQ(ask("DELETE", path).body.at("error"), "cancelled; the old values are back");
     EXPECT_EQ(value("CAL_AOFF_X"), before);
     EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept); }));
+}
+
+// A request that is answered line by line, as its lines come.
+class Lines {
+public:
+    Lines(const std::string& socket, const std::string& head, const std::string& body = {}) : fd_{connect_unix(socket)} {
+        const std::string text = head + " HTTP/1.1\r\nAccept: application/x-ndjson\r\nContent-Type: application/json\r\n" +
+                                 "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+        EXPECT_EQ(::write(fd_.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    }
+    /// Waits for these words; false: the connection ended before.
+    bool until(const std::string& words) {
+        char room[4096];
+        while (heard.find(words) == heard.npos) {
+            const ssize_t n = ::read(fd_.get(), room, sizeof room);
+            if (n <= 0) return false;
+            heard.append(room, static_cast<std::size_t>(n));
+        }
+        return true;
+    }
+    std::string to_the_end() {
+        until("\r\n0\r\n\r\n");
+        return heard;
+    }
+
+    std::string heard;
+
+private:
+    anogate::UniqueFd fd_;
+};
+
+TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
+    UdpDevice device{daemon.port("ground"), 0xDD};    // it never answers
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
+    Lines read{socket, "GET /devices/0xDD/parameters"}, idle{socket, "GET /jobs"};
+    ASSERT_TRUE(read.until("running"));
+    auto plain = std::async(std::launch::async, [&] { return ask("GET", "/devices/0xDD/parameters/1"); });
+    ASSERT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs").size() == 2; }));
+    const auto begin = std::chrono::steady_clock::now();
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, patience);
+    const std::string last = read.to_the_end();
+    EXPECT_NE(last.find(R"("state":"cancelled")"), last.npos) << last;
+    EXPECT_NE(last.find("the gateway ends: cancelled"), last.npos) << last;
+    EXPECT_TRUE(last.ends_with("\r\n0\r\n\r\n")) << "to the end of the answer: " << last;
+    const Told told = plain.get();
+    EXPECT_EQ(told.status, 503u);
+    EXPECT_EQ(told.body.at("error"), "the gateway ends: cancelled");
+}
+
+TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_are_written_back_by_the_next_run) {
+    const json before = value("CAL_AOFF_X");
+    Lines follows{socket, "POST /devices/0xDC/calibration", R"({"what": "accelerometer"})"};
+    ASSERT_TRUE(follows.until(R"("state":"waiting")")) << follows.heard;
+    const std::string kept = (dir / "state") + "/calibration-0xDC-accelerometer.json";
+    EXPECT_EQ(
+        ask("POST", "/jobs/" + std::to_string(ask("GET", "/jobs").body.at("jobs").back().at("id").get<int>()) + "/next").status,
+        200u);
+    ASSERT_TRUE(follows.until("lay it on")) << follows.heard;
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(), 0);
+    const std::string told = follows.to_the_end();
+    EXPECT_NE(told.find("the old values are kept as calibration-0xDC-accelerometer.json"), told.npos) << told;
+    ASSERT_TRUE(std::filesystem::exists(kept));
+    Daemon next{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
+    ASSERT_TRUE(next.until_answers());
+    EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept); }, 6 * patience)) << next.output();
+    EXPECT_EQ(value("CAL_AOFF_X"), before);
+    EXPECT_NE(next.output().find("a calibration never ended"), std::string::npos) << next.output();
 }
 
 // The chip is not there, so its switch counts as on.

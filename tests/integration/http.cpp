@@ -11,9 +11,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -108,6 +110,44 @@ private:
     State& state_;
 };
 
+/// Keeps bodies in memory, as slowly as the test wants.
+struct Keeping {
+    std::string kept;
+    std::string fault;
+    std::size_t largest_part = 0;
+    bool waits = false;    // until one of `done` is called
+    std::vector<std::function<void(std::string)>> done;
+};
+
+class Stored : public StoredBody {
+public:
+    explicit Stored(std::string bytes) : bytes_{std::move(bytes)} {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    bool read(std::uint64_t at, std::span<std::uint8_t> into) const override {
+        bytes_.copy(reinterpret_cast<char*>(into.data()), into.size(), at);
+        return true;
+    }
+
+private:
+    std::string bytes_;
+};
+
+class Keeper : public BodyKeeper {
+public:
+    Keeper(anogate::asio::io_context& io, Keeping& state) : io_{io}, state_{state} { state_.kept.clear(); }
+    void put(std::string part, std::function<void(std::string)> done) override {
+        state_.largest_part = std::max(state_.largest_part, part.size());
+        state_.kept += part;
+        if (state_.waits) state_.done.push_back(std::move(done));
+        else anogate::asio::post(io_, [done = std::move(done), fault = state_.fault] { done(fault); });
+    }
+    std::shared_ptr<const StoredBody> whole() const override { return std::make_shared<Stored>(state_.kept); }
+
+private:
+    anogate::asio::io_context& io_;
+    Keeping& state_;
+};
+
 enum class Way { unix_socket, tcp };
 
 class HttpServer : public testing::TestWithParam<Way> {
@@ -126,6 +166,16 @@ protected:
         routes.add("GET", "/short",
                    [](const Request& request) { return text(std::string{request.query_value("n").value_or("")}); });
         routes.add("POST", "/echo", [](const Request& request) { return text(request.body); });
+        routes.add({"POST",
+                    "/large",
+                    anogate::http::Access::control,
+                    {},
+                    [](const Request& request) {
+                        return text(request.stored ? "stored " + std::to_string(request.stored->size())
+                                                   : "here " + std::to_string(request.body.size()));
+                    },
+                    std::uint64_t{8} << 20});
+        server->keep_large_bodies([this] { return std::make_unique<Keeper>(io, keeping); });
         routes.add("GET", "/big", [](const Request&) { return text(std::string(16 << 20, ' ')); });
         routes.add("GET", "/none", [](const Request&) -> Response { throw std::bad_alloc{}; });
         routes.add("GET", "/stream", [this](const Request&) {
@@ -187,6 +237,7 @@ protected:
     bool has_memory = true;
     Source::State source;
     Echo::State echo;
+    Keeping keeping;
     std::optional<Server> server;
 };
 
@@ -271,6 +322,50 @@ TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
     EXPECT_TRUE(until([&] { return later.has_heard("200 OK"); }));
 }
 
+std::string post_of(std::size_t size) {
+    return "POST /large HTTP/1.1\r\nConnection: close\r\nContent-Length: " + std::to_string(size) + "\r\n\r\n" +
+           std::string(size, 'x');
+}
+
+TEST_F(HttpServer, keeps_a_large_body_in_parts_and_a_small_one_at_hand) {
+    EXPECT_TRUE(answer(post_of(65'536)).ends_with("here 65536"));
+    EXPECT_EQ(keeping.largest_part, 0u);
+    EXPECT_TRUE(answer(post_of(65'537)).ends_with("stored 65537"));
+    EXPECT_TRUE(answer(post_of(5'000'000)).ends_with("stored 5000000"));
+    EXPECT_EQ(keeping.kept, std::string(5'000'000, 'x'));
+    EXPECT_LT(keeping.largest_part, std::size_t{272} * 1024) << "what is held of it";
+    const std::string chunk = "10000\r\n" + std::string(0x10000, 'y') + "\r\n";
+    EXPECT_TRUE(
+        answer("POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + chunk + "0\r\n\r\n")
+            .ends_with("stored 131072"));
+    EXPECT_TRUE(is_told(answer(post_of((std::size_t{8} << 20) + 1)), "413 Payload Too Large",
+                        "the body of a request has at most 8388608 bytes"));
+}
+
+TEST_F(HttpServer, says_why_a_large_body_can_not_be_kept) {
+    keeping.fault = "there is no room";
+    EXPECT_TRUE(is_told(answer(post_of(1'000'000)), "507 Insufficient Storage", "there is no room"));
+}
+
+TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
+    keeping.waits = true;
+    std::optional<Client> first = connect(), second = connect();
+    const std::string part = post_of(1'000'000).substr(0, 300'000);
+    for (std::size_t i = 0; i < 2; ++i) {
+        std::size_t sent = 0;
+        auto& client = i == 0 ? first : second;
+        EXPECT_TRUE(until([&] {
+            if (sent < part.size()) sent += client->send(std::string_view{part}.substr(sent));
+            return keeping.done.size() == i + 1;
+        }));
+    }
+    EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large bodies are on their way"));
+    keeping.waits = false;
+    second.reset();
+    for (const auto& done : std::exchange(keeping.done, {})) done("");
+    EXPECT_TRUE(until([&] { return answer(post_of(100'000)).ends_with("stored 100000"); })) << "the place of who left is free";
+}
+
 class ImpatientHttpServer : public HttpServer {
 protected:
     void SetUp() override {
@@ -287,6 +382,13 @@ TEST_P(ImpatientHttpServer, parts_with_who_says_nothing_or_never_ends) {
     Client silent = connect(GetParam()), slow = connect(GetParam());
     slow.send("GET /sho");
     EXPECT_TRUE(until([&] { return slow.send("r"), silent.is_closed() && slow.is_closed(); }));
+}
+
+TEST_F(ImpatientHttpServer, parts_with_who_sends_a_large_body_too_slowly) {
+    Client slow = connect();
+    slow.send(post_of(1'000'000).substr(0, 100'000));
+    EXPECT_TRUE(until([&] { return slow.send("x"), slow.is_closed(); }));
+    EXPECT_FALSE(slow.has_heard("stored"));
 }
 
 TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {

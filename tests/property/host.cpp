@@ -69,8 +69,9 @@ TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_by
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
     Device device{0xDC};
     FirmwareImage image;
-    image.bytes.assign(std::size_t{256} << 10, 0x5A);
-    image.crc = ano::crc16_of(image.bytes);
+    const Bytes bytes(std::size_t{256} << 10, 0x5A);
+    image.bytes = bytes;
+    image.crc = ano::crc16_of(bytes);
     Firmware upgrade{device, image};
     Simulation simulation{device, fake, {.delay = std::chrono::microseconds{100}, .baud = 500000}};
     upgrade.start(simulation.now);

@@ -54,7 +54,7 @@ inline std::unique_ptr<ano::host::Task> task_of(unsigned kind, ano::host::Device
     }
     default: {
         FirmwareImage image;
-        image.bytes.assign(2000, 7);
+        image.bytes = std::vector<std::uint8_t>(2000, 7);
         auto task = std::make_unique<Firmware>(device, image);
         task->start(now);
         return task;

@@ -112,11 +112,17 @@ std::vector<std::string> with_control(const std::string& socket, std::vector<std
     return arguments;
 }
 
+// What it keeps must not meet what others have kept.
+std::vector<std::string> with_state(const std::string& socket, std::vector<std::string> environment) {
+    environment.insert(environment.begin(), "STATE_DIRECTORY=" + socket + ".state");
+    return environment;
+}
+
 }    // namespace
 
 Daemon::Daemon(const std::string& program, const std::string& socket, std::vector<std::string> arguments,
                const std::vector<std::string>& environment, const std::function<void()>& in_child)
-    : Process{program, with_control(socket, std::move(arguments)), environment, in_child}, socket_{socket} {}
+    : Process{program, with_control(socket, std::move(arguments)), with_state(socket, environment), in_child}, socket_{socket} {}
 
 nlohmann::json Daemon::status() const {
     return nlohmann::json::parse(body_of(http(socket_, "GET /status HTTP/1.0\r\n\r\n")), nullptr, false);

@@ -30,6 +30,7 @@ public:
     TimePoint time = TimePoint{} + 1h;
     std::map<std::uint8_t, std::string> refuses;    // frames of this id never leave, and why
     std::map<std::uint8_t, ano::host::Whereabouts> where;
+    std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and who is behind it
     bool listens = false;
     bool stood_still = false;
     std::map<std::string, std::string> kept;
@@ -58,6 +59,9 @@ public:
         return all;
     }
     ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override { return where[address]; }
+    bool is_same_device(std::uint8_t one, std::uint8_t other) override {
+        return same.contains({one, other}) || same.contains({other, one});
+    }
     bool may_have_waited(TimePoint) override { return stood_still; }
     void keep(std::string name, std::string text, std::function<void(std::string)> done) override {
         if (text.empty()) kept.erase(name);

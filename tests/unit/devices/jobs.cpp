@@ -112,7 +112,7 @@ TEST_F(Jobs, are_cancelled_by_anybody) {
 TEST_F(Jobs, end_with_the_client_who_said_so) {
     fake.deaf = true;
     net.asked("GET", "/devices/0xDC/parameters?while_connected");
-    net.asked("GET", "/devices/0xDC/parameters");
+    net.asked("GET", "/devices/0xDC/parameters?values=0");
     net.pass(50ms);
     net.leave();
     net.pass(50ms);
@@ -123,6 +123,80 @@ TEST_F(Jobs, end_with_the_client_who_said_so) {
     lines.reset();
     net.pass(50ms);
     EXPECT_EQ(net.ask("GET", "/jobs/3").json.at("state"), "cancelled");
+}
+
+TEST_F(Jobs, that_read_all_are_one_for_all_who_ask_meanwhile) {
+    const auto first = net.asked("GET", "/devices/0xDC/parameters");
+    net.pass(50ms);
+    const auto second = net.asked("GET", "/devices/0xDC/parameters");
+    const auto other = net.asked("GET", "/devices/0xDC/parameters?values=0");
+    EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), 2u);
+    ASSERT_TRUE(net.until([&] { return first->has_value() && second->has_value() && other->has_value(); }));
+    EXPECT_EQ((*first)->json, (*second)->json);
+    EXPECT_EQ((*first)->json.at("parameters")[0].at("value"), 0);
+    EXPECT_FALSE((*other)->json.at("parameters")[0].contains("value"));
+    net.ask("GET", "/devices/0xDC/parameters");
+    EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), 3u) << "one that has ended is not shared";
+}
+
+TEST_F(Jobs, that_read_what_was_before_a_write_are_not_shared_behind_it) {
+    fake.make_parameters(300);
+    const auto before = net.asked("GET", "/devices/0xDC/parameters");
+    net.pass(100ms);
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/0", R"({"value": 77})").status, 200u);
+    ASSERT_FALSE(before->has_value());
+    EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").json.at("parameters")[0].at("value"), 77);
+    EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), 3u);
+}
+
+TEST_F(Jobs, that_are_shared_go_on_as_long_as_anybody_needs_them) {
+    fake.deaf = true;
+    auto one = net.lines("GET", "/devices/0xDC/parameters?while_connected");
+    auto two = net.lines("GET", "/devices/0xDC/parameters?while_connected");
+    net.pass(50ms);
+    one.reset();
+    net.pass(50ms);
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "running");
+    two.reset();
+    net.pass(50ms);
+    EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "cancelled");
+    auto three = net.lines("GET", "/devices/0xDC/parameters?while_connected");
+    auto stays = net.lines("GET", "/devices/0xDC/parameters");
+    stays.reset();
+    three.reset();
+    net.pass(50ms);
+    EXPECT_EQ(net.ask("GET", "/jobs/2").json.at("state"), "running") << "one of them did not say that it ends with him";
+}
+
+TEST_F(Jobs, keep_so_many_bytes_of_results_and_no_more) {
+    using Service = anogate::DeviceService;
+    constexpr std::size_t large = Service::max_results / 4;
+    for (int i = 0; i < 6; ++i) {
+        anogate::JobOrder order{
+            anogate::JobKind::parameters, ano::host::Deed::read, 0xDC, false, "", [](const anogate::WorkPlace&) {
+                struct Large final : anogate::Work {
+                    void start(TimePoint) override { finish({200, '"' + std::string(large, 'x') + '"', "", ""}); }
+                    void run(TimePoint) override {}
+                    void cancel(TimePoint) override {}
+                };
+                return std::make_unique<Large>();
+            }};
+        ASSERT_EQ(net.service.begin(std::move(order), net.time).index(), 0u);
+        net.pass(10ms);
+    }
+    EXPECT_EQ(net.ask("GET", "/jobs/3").status, 404u) << "the oldest go first";
+    EXPECT_EQ(net.ask("GET", "/jobs/4").json.at("result").get<std::string>().size(), large);
+    EXPECT_EQ(net.ask("GET", "/jobs/6").json.at("result").get<std::string>().size(), large);
+}
+
+TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
+    net.where[3] = {.is_known = true};
+    net.same.emplace(3, 0xDC);
+    const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
+    const auto [status, error] = net.ask("PUT", "/devices/3/parameters/PAR_0", R"({"value": 2})");
+    EXPECT_EQ(status, 409u);
+    EXPECT_EQ(error.at("error"), "job 1 (write of one) has 0x03");
+    ASSERT_TRUE(net.until([&] { return first->has_value(); }));
 }
 
 TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
@@ -225,6 +299,73 @@ TEST_F(Jobs, end_with_the_gateway) {
     EXPECT_EQ((*asked)->status, 503u);
     EXPECT_FALSE(net.listens);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
+}
+
+TEST_F(Jobs, that_the_gateway_ends_say_what_is_half_done) {
+    fake.instead = [](ano::FrameView f) { return f.id() == 0xE1 ? std::optional{std::vector<Bytes>{}} : std::nullopt; };
+    auto lines = net.lines("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    const auto writes = [&] {
+        return std::any_of(net.sent.begin(), net.sent.end(), [](const Bytes& sent) { return sent[3] == 0xE1; });
+    };
+    ASSERT_TRUE(net.until(writes));
+    take(*lines);
+    net.service.stop(net.time);
+    std::string text;
+    EXPECT_EQ(lines->next(text), anogate::http::Producer::Next::end) << "its last line is there at once";
+    const json last = json::parse(text);
+    EXPECT_EQ(last.at("state"), "cancelled");
+    EXPECT_EQ(last.at("error"), "the gateway ends: PAR_0 may have been written");
+}
+
+TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
+    auto lines = net.lines("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
+    net.service.stop(net.time);
+    std::string text;
+    lines->next(text);
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: nothing was begun");
+}
+
+/// Takes messages, as slowly as a test wants.
+struct Socket final : anogate::http::WebSocket {
+    std::vector<json> told;
+    bool is_slow = false;
+    std::optional<std::uint16_t> closed;
+    bool send(Message message, Kind) override {
+        told.push_back(json::parse(*message));
+        return true;
+    }
+    std::size_t waiting() const noexcept override { return is_slow ? 1 : 0; }
+    std::uint64_t reads() const noexcept override { return 0; }
+    void close(std::uint16_t code, std::string_view) override { closed = code; }
+};
+
+TEST_F(Jobs, are_told_by_messages_to_who_wants_a_web_socket) {
+    fake.make_parameters(200);
+    net.asked("GET", "/devices/0xDC/parameters");
+    auto request = SimulatedNet::request("GET", "/jobs/1");
+    request.headers.push_back({"Connection", "Upgrade"});
+    request.headers.push_back({"Upgrade", "websocket"});
+    const auto user = std::move(net.routes.answer(request).web_socket);
+    ASSERT_TRUE(user);
+    EXPECT_TRUE(user->has_last_words());
+    Socket socket;
+    user->opened(socket);
+    ASSERT_EQ(socket.told.size(), 1u);
+    EXPECT_EQ(socket.told[0].at("state"), "running");
+    net.pass(500ms);
+    const std::size_t so_far = socket.told.size();
+    EXPECT_GT(so_far, 2u) << "its progress is told";
+    socket.is_slow = true;
+    net.pass(1min);
+    EXPECT_EQ(socket.told.size(), so_far) << "who takes nothing is sent nothing";
+    EXPECT_FALSE(socket.closed);
+    socket.is_slow = false;
+    user->sent_all();
+    ASSERT_EQ(socket.told.size(), so_far + 1);
+    EXPECT_EQ(socket.told.back().at("state"), "done");
+    EXPECT_EQ(socket.told.back().at("result").at("parameters").size(), 220u);
+    user->sent_all();
+    EXPECT_EQ(socket.closed, 1000);
 }
 
 TEST_F(Jobs, devices_are_listed_with_what_is_known) {

@@ -72,6 +72,45 @@ TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
     EXPECT_NE(over.at("error").get<std::string>().find("loader"), std::string::npos) << over;
 }
 
+TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) {
+    load();
+    net.ask("GET", "/devices/0xDC/parameters");
+    net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, 'x'));
+    ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
+    ASSERT_TRUE(net.kept.contains("firmware-0xDC.json"));
+    auto lines = net.lines("GET", "/jobs/2");
+    net.service.stop(net.time);
+    std::string text;
+    lines->next(text);
+    EXPECT_EQ(json::parse(text).at("state"), "cancelled");
+    EXPECT_EQ(json::parse(text).at("error"), "the gateway ends: cancelled; it is left in its loader, begin again");
+
+    SimulatedNet again;
+    again.add();
+    again.kept = net.kept;
+    again.service.remember("firmware-0xDC.json", net.kept.at("firmware-0xDC.json"));
+    EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("in_loader"), true);
+    FakeLoader other;
+    again.fakes[0]->instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0) return std::vector<Bytes>{};    // a loader does not say who it is
+        return other.take(*again.fakes[0], f);
+    };
+    Bytes file(300);    // a .bia for the device that it was
+    file[0] = 'b', file[1] = 'i', file[2] = 'a';
+    const Bytes image(file.begin() + 100, file.end());
+    ano::store(&file[12], ano::crc16_of(image));
+    const json known = json::parse(net.kept.at("firmware-0xDC.json")).at("device");
+    file[20] = known.at("dev_id").get<std::uint8_t>();
+    ano::store(&file[30], known.at("hw").get<std::uint16_t>());
+    ano::store(&file[32], known.at("hw").get<std::uint16_t>());
+    again.ask("POST", "/devices/0xDC/firmware", std::string(file.begin(), file.end()));
+    json over;
+    again.until([&] { return (over = again.ask("GET", "/jobs/1").json).at("state") != "running"; });
+    EXPECT_EQ(over.at("state"), "done") << over;
+    EXPECT_TRUE(again.kept.empty());
+    EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("in_loader"));
+}
+
 struct Calibrates : LongJobs {
     Calibrates() {
         double value = 0.5;
@@ -154,6 +193,125 @@ TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
     EXPECT_EQ(over.at("error"), "nobody said go on within 10 minutes; nothing was changed");
     EXPECT_EQ(over.at("status"), 504);
     EXPECT_TRUE(net.kept.empty());
+}
+
+TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
+    net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
+    net.ask("POST", "/jobs/1/next");
+    net.pass(1s);
+    for (std::size_t face = 0; face < 5; ++face) lie(face);
+    net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
+    lie(5);
+    const json over = until_over(1);
+    EXPECT_EQ(over.at("error"),
+              "the new values were not written: 0xDC is unlocked or flies: this is for the ground; the old values are back");
+    EXPECT_EQ(fake.parameters[0].value, before);
+}
+
+struct CutOff : Calibrates {
+    // The gateway ended while the device was turned; it has half of other values since.
+    CutOff() {
+        net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+        net.until([&] { return state() == "waiting"; });
+        net.ask("POST", "/jobs/1/next");
+        net.pass(1s);
+        auto lines = net.lines("GET", "/jobs/1");
+        net.service.stop(net.time);
+        std::string text;
+        lines->next(text);
+        last = json::parse(text);
+        again.add() = fake;
+        again.fakes[0]->parameters[0].value = Bytes(4);
+        again.kept = net.kept;
+    }
+    void start() {
+        for (const auto& [name, text] : net.kept) again.service.remember(name, text);
+    }
+    const Bytes& value() const { return again.fakes[0]->parameters[0].value; }
+
+    json last;
+    SimulatedNet again;
+};
+
+TEST_F(CutOff, its_last_line_says_where_the_old_values_are) {
+    EXPECT_EQ(last.at("state"), "cancelled");
+    EXPECT_EQ(last.at("error"),
+              "the gateway ends: the old values are kept as calibration-0xDC-accelerometer.json and are written back "
+              "at the next start");
+    EXPECT_EQ(net.kept.size(), 1u);
+}
+
+TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
+    start();
+    EXPECT_EQ(again.ask("GET", "/devices").json.at("devices")[0].at("kept"),
+              json::array({"calibration-0xDC-accelerometer.json"}));
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    EXPECT_EQ(value(), before);
+    again.pass(5s);
+    const json jobs = again.ask("GET", "/jobs").json.at("jobs");
+    ASSERT_EQ(jobs.size(), 1u);
+    EXPECT_EQ(jobs[0].at("state"), "done");
+    EXPECT_EQ(jobs[0].at("client"), "the gateway");
+    EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
+    again.pass(3min);
+    EXPECT_FALSE(again.listens) << "nothing is left to do";
+}
+
+TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
+    start();
+    again.fakes[0]->name = "another";
+    again.pass(150s);
+    EXPECT_EQ(value(), Bytes(4));
+    EXPECT_EQ(again.kept.size(), 1u);
+    again.fakes[0]->name = fake.name;
+    again.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
+    again.pass(150s);
+    EXPECT_EQ(again.kept.size(), 1u);
+    again.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 10min)) << "as soon as it may";
+    EXPECT_EQ(value(), before);
+}
+
+TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
+    again.service.remember("calibration-0xDC-accelerometer.json", net.kept.begin()->second);
+    const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(answer.status, 202u) << answer.json;
+    const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
+    ASSERT_TRUE(again.until([&] { return again.ask("GET", job).json.at("state") == "waiting"; }, 1min));
+    EXPECT_EQ(again.kept, net.kept) << "what the first left in the device is not kept over it";
+    again.ask("POST", job + "/next");
+    again.pass(1s);
+    EXPECT_EQ(again.ask("DELETE", job).json.at("error"), "cancelled; the old values are back");
+    EXPECT_EQ(value(), before);
+    EXPECT_TRUE(again.kept.empty());
+}
+
+TEST_F(CutOff, to_import_them_is_as_good) {
+    start();
+    again.pass(10ms);
+    again.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
+    again.pass(3s);
+    json values = json::parse(net.kept.begin()->second).at("parameters");
+    values.erase("CAL_AEM3_Z");
+    EXPECT_EQ(again.ask("POST", "/devices/0xDC/apply", values.dump()).status, 200u);
+    EXPECT_EQ(again.kept.size(), 1u) << "one of them is not written";
+    values = json::parse(net.kept.begin()->second).at("parameters");
+    EXPECT_EQ(again.ask("POST", "/devices/0xDC/apply", values.dump()).status, 200u);
+    EXPECT_EQ(value(), before);
+    EXPECT_TRUE(again.kept.empty());
+}
+
+TEST_F(CutOff, a_damaged_file_is_in_nobodys_way) {
+    again.kept.begin()->second = "{}";
+    again.service.remember("calibration-0xDC-accelerometer.json", "{\"parameters\": []}");
+    again.pass(150s);
+    EXPECT_EQ(value(), Bytes(4));
+    const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
+    ASSERT_EQ(answer.status, 202u) << answer.json;
+    const std::string job = "/jobs/" + std::to_string(answer.json.at("id").get<int>());
+    ASSERT_TRUE(again.until([&] { return again.ask("GET", job).json.at("state") == "waiting"; }, 1min));
+    EXPECT_TRUE(json::parse(again.kept.begin()->second).at("parameters").is_object()) << "it has those of now";
 }
 
 TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {

@@ -66,6 +66,21 @@ TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/5").status, 404u) << "an id at the count is never sent";
 }
 
+TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_are_told) {
+    fake.parameters.push_back({0, "U8", "another", {9}});
+    const json wrong = json::parse(
+        R"({"error": "several parameters are called 'U8': say which by its number, 0, 5", "what": "ambiguous"})");
+    for (const auto& [status, told] :
+         {net.ask("GET", "/devices/0xDC/parameters/U8"), net.ask("PUT", "/devices/0xDC/parameters/U8", R"({"value": 1})"),
+          net.ask("POST", "/devices/0xDC/apply", R"({"U8": 1})")}) {
+        EXPECT_EQ(status, 409u);
+        EXPECT_EQ(told.at("error"), wrong.at("error"));
+        EXPECT_EQ(told.at("what"), "ambiguous");
+    }
+    EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/5", R"({"value": 1})").json.at("stored"), 1);
+    EXPECT_EQ(fake.parameters[0].value, Bytes{7});
+}
+
 TEST_F(ParameterRoutes, a_write_says_what_was_stored) {
     EXPECT_EQ(
         net.ask("PUT", "/devices/0xDC/parameters/I16", R"({"value": -300})").json,

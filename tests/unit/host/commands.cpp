@@ -111,6 +111,48 @@ TEST_F(CommandsOf, a_call_is_sent_once_and_silence_is_unknown) {
     EXPECT_EQ(took, std::chrono::seconds{2});
 }
 
+TEST_F(CommandsOf, a_late_answer_to_a_call_does_not_answer_an_equal_one) {
+    const auto commands = read();
+    TimePoint now = simulation.now;
+    const auto call_now = [&](std::size_t which) {
+        auto task = std::make_unique<CommandCall>(device, commands[which], std::vector<AnyValue>{}, false);
+        task->start(now);
+        return task;
+    };
+    const auto frame_now = [&]() -> std::optional<Bytes> {
+        const auto frame = device.next_frame(now);
+        return frame ? std::optional{Bytes(frame->bytes().begin(), frame->bytes().end())} : std::nullopt;
+    };
+    const auto first = call_now(0);
+    const auto sent = frame_now();
+    ASSERT_TRUE(sent);
+    const Bytes answer = fake.to_host(FrameView{*sent}, 0x00,
+                                      {0xC0, FrameView{*sent}.checks().sum, FrameView{*sent}.checks().add});
+    now = *device.due();
+    EXPECT_FALSE(frame_now());
+    ASSERT_TRUE(first->end());
+    EXPECT_EQ(first->end()->ending, Ending::unknown);
+
+    const auto second = call_now(0);
+    EXPECT_FALSE(frame_now()) << "the answer to the first may still come";
+    ASSERT_TRUE(device.due());
+    EXPECT_EQ(*device.due() - now, Device::late_for);
+    const TimePoint may_go = *device.due();
+    now = may_go - Duration{1};
+    EXPECT_FALSE(frame_now());
+    now = may_go;
+    EXPECT_EQ(frame_now(), sent);
+    second->cancel(now);
+
+    const auto third = call_now(0);
+    EXPECT_FALSE(frame_now()) << "nor is the answer to a cancelled one known not to come";
+    EXPECT_EQ(device.take(FrameView{answer}, now), Taken::late);
+    EXPECT_FALSE(third->end());
+    EXPECT_EQ(frame_now(), sent) << "it came: nothing is waited for any more";
+    EXPECT_EQ(device.take(FrameView{answer}, now), Taken::ended);
+    EXPECT_EQ(third->end()->ending, Ending::done);
+}
+
 TEST_F(CommandsOf, a_call_is_repeated_when_asked_to) {
     const auto commands = read();
     fake.deaf = true;

@@ -33,10 +33,34 @@ Bytes bia(const Bytes& image, std::uint8_t hw_type, std::uint16_t min, std::uint
     return file;
 }
 
+Bytes all_of(const FirmwareBytes& bytes) {
+    Bytes all(bytes.size());
+    EXPECT_TRUE(bytes.read(0, all));
+    return all;
+}
+
+TEST(FirmwareFile, a_large_file_is_read_in_pieces_and_its_crc_is_that_of_the_whole) {
+    Bytes file = bytes_of(100'001);
+    std::size_t largest = 0;
+    const FirmwareBytes pieces{file.size(), [&](std::size_t at, std::span<std::uint8_t> into) {
+                                   largest = std::max(largest, into.size());
+                                   std::copy_n(file.begin() + static_cast<std::ptrdiff_t>(at), into.size(), into.begin());
+                                   return true;
+                               }};
+    for (const Crc16& crc : crcs16) {
+        const auto read = read_firmware(pieces, crc);
+        ASSERT_TRUE(read.image) << read.wrong;
+        EXPECT_EQ(read.image->crc, crc16_of(file, crc)) << crc.name;
+    }
+    EXPECT_LE(largest, 16'384u);
+    const FirmwareBytes broken{file.size(), [](std::size_t at, std::span<std::uint8_t>) { return at < 50'000; }};
+    EXPECT_EQ(read_firmware(broken).wrong, "the file can't be read");
+}
+
 TEST(FirmwareFile, a_bia_is_read_by_its_header) {
     const auto read = read_firmware(bia(bytes_of(500), 0xDC, 90, 110));
     ASSERT_TRUE(read.image) << read.wrong;
-    EXPECT_EQ(read.image->bytes, bytes_of(500));
+    EXPECT_EQ(all_of(read.image->bytes), bytes_of(500));
     EXPECT_EQ(read.image->version, 321);
     EXPECT_EQ(read.image->cmd, 0x12345678u);
     EXPECT_FALSE(read.image->misfit({0xDC, 100, 0, 0, 0, ""}));
@@ -257,10 +281,18 @@ TEST_F(Upgrade, cancelled_it_says_what_is_half_done) {
     EXPECT_EQ(early.end()->what, "cancelled, nothing was changed");
 }
 
+TEST_F(Upgrade, a_file_that_can_no_longer_be_read_leaves_the_device_in_its_loader) {
+    image.bytes = {3000, [](std::size_t at, std::span<std::uint8_t>) { return at < 1000; }};
+    const auto task = run();
+    EXPECT_EQ(task->end()->ending, Ending::failed);
+    EXPECT_EQ(task->end()->what, "the file can no longer be read; it is left in its loader, begin again");
+    EXPECT_TRUE(task->is_left_in_loader());
+}
+
 TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
-    image.bytes.assign(0x10001, 0);
+    image.bytes = Bytes(0x10001);
     EXPECT_EQ(run({.frame_len = 1})->end()->ending, Ending::invalid);
-    image.bytes.clear();
+    image.bytes = {};
     EXPECT_EQ(run()->end()->ending, Ending::invalid);
 }
 

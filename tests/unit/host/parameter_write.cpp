@@ -107,6 +107,25 @@ TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
     EXPECT_EQ(write(info(0), std::int64_t{200})->end()->ending, Ending::timeout);
 }
 
+TEST_F(Writes, a_write_that_is_stored_and_never_acknowledged_as_it_must_be_is_found_by_reading_it_back) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE1) return std::nullopt;
+        fake.usual(f);
+        return std::vector<Bytes>{fake.to_host(f, 0x00, {0xE1, f.checks().sum, static_cast<std::uint8_t>(f.checks().add + 1)})};
+    };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->stored(), AnyValue{std::int64_t{200}});
+    EXPECT_EQ(task->end()->what, "U8 was never acknowledged as it must be, and is written");
+}
+
+TEST_F(Writes, silence_behind_a_write_says_that_it_may_be_done) {
+    fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
+    const auto task = write(info(0), std::int64_t{200});
+    EXPECT_EQ(task->end()->ending, Ending::timeout);
+    EXPECT_EQ(task->end()->what, "0xDC does not answer: write of U8, which may be done");
+}
+
 TEST_F(Writes, an_empty_text_is_written_as_it_is) {
     for (const bool keeps_nuls : {true, false}) {
         if (!keeps_nuls) fake.parameters[2].store = [](const Bytes&) { return Bytes{}; };
@@ -278,8 +297,7 @@ TEST_F(Applies, rollback_undoes_all_when_one_fails) {
     EXPECT_EQ(fake.parameters[2].value[0], 'a');
     EXPECT_EQ(fake.parameters[3].value, (Bytes{1, 0}));
     EXPECT_EQ(task->rows()[3].state, State::waiting);
-    // F32 was sent and never acknowledged: nobody can write its old value back either.
-    EXPECT_EQ(task->rows()[2].state, State::not_undone);
+    EXPECT_EQ(task->rows()[2].state, State::failed) << "it was read back, and is as it was";
 }
 
 TEST_F(Applies, cancelled_with_rollback_it_undoes_first) {

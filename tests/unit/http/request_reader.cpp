@@ -127,6 +127,27 @@ TEST(RequestReader, takes_as_much_as_the_head_allows) {
     }
 }
 
+TEST(RequestReader, gives_a_body_in_parts_to_who_takes_them) {
+    for (const std::string& head :
+         {std::string{"Content-Length: 1000\r\n\r\n"}, std::string{"Transfer-Encoding: chunked\r\n\r\n3e8\r\n"}}) {
+        RequestReader reader{{.header = 200, .body = 1000}};
+        std::string text = "POST / HTTP/1.1\r\n" + head, body;
+        for (int i = 0; i < 1000; ++i) text += static_cast<char>('a' + i % 26);
+        const std::string sent = text.substr(text.size() - 1000);
+        if (head.starts_with("Transfer")) text += "\r\n0\r\n\r\n";
+        std::string came;
+        while (!reader.is_done() && !text.empty()) {
+            came += text.substr(0, 7);
+            text.erase(0, 7);
+            came.erase(0, reader.put(came));
+            if (reader.body_size() >= 50) body += reader.take_body();
+            ASSERT_LT(reader.body_size(), 60u);
+        }
+        ASSERT_TRUE(reader.is_done());
+        EXPECT_EQ(body + reader.take().body, sent);
+    }
+}
+
 TEST(RequestReader, says_what_is_not_a_request) {
     for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / XTTP/1.1\r\n\r\n",
                             "GET / HTTP/1.1\r\nno colon\r\n\r\n", "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",

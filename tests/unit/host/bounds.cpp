@@ -1,0 +1,75 @@
+// Every task ends within its time, also with a device that answers always just in time.
+#include <support/fake_loader.hpp>
+#include <support/host_tasks.hpp>
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace ano::host {
+namespace {
+
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::FakeDevice;
+using support::FakeLoader;
+using support::Simulation;
+
+/// It answers the fifth of equal frames only, each time anew.
+struct Tardy : testing::Test {
+    FakeDevice fake;
+    FakeLoader loader;
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    std::map<Bytes, unsigned> heard;
+
+    Tardy() {
+        fake.instead = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (++heard[Bytes(frame.bytes().begin(), frame.bytes().end())] % 5 != 0) return std::vector<Bytes>{};
+            return loader.take(fake, frame);
+        };
+    }
+};
+
+TEST_F(Tardy, every_task_ends_within_its_bound) {
+    fake.make_parameters(12);
+    fake.commands.resize(3);
+    fake.waypoints.resize(4, Bytes(22));
+    for (unsigned kind = 0; kind < support::task_kinds; ++kind) {
+        const auto task = support::task_of(kind, device, simulation.now);
+        const Duration took = simulation.run(*task, 24h);
+        ASSERT_TRUE(task->end()) << kind;
+        EXPECT_LE(took, 3 * task->longest() + 2min) << kind << ": the tasks of a task, one behind the other";
+    }
+}
+
+TEST_F(Tardy, what_is_large_has_more_time_and_comes_whole) {
+    fake.make_parameters(1000);
+    Parameters all{device};
+    all.read_all(simulation.now);
+    const Duration took = simulation.run(all, 24h);
+    ASSERT_TRUE(all.end());
+    EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->what;
+    EXPECT_GT(took, 10min);
+    EXPECT_LE(took, all.longest());
+}
+
+TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
+    FirmwareImage image;
+    image.bytes = Bytes(100'000);
+    fake.instead = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        const bool is_of_image = frame.id() == 0xF0 && frame.data()[0] == 0x10;
+        if (is_of_image && ++heard[Bytes(frame.bytes().begin(), frame.bytes().end())] % 5 != 0) return std::vector<Bytes>{};
+        return loader.take(fake, frame);
+    };
+    Firmware upgrade{device, image, {.frame_len = 50}};
+    upgrade.start(simulation.now);
+    const Duration took = simulation.run(upgrade, 24h);
+    ASSERT_TRUE(upgrade.end());
+    EXPECT_EQ(upgrade.end()->ending, Ending::timeout);
+    EXPECT_EQ(upgrade.end()->what, "0xDC answers too slowly: given up after 4300 s; it is left in its loader, begin again");
+    EXPECT_LE(took, upgrade.longest() + 1min);
+}
+
+}    // namespace
+}    // namespace ano::host
