@@ -50,7 +50,10 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
     case ask_description:
         return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
-    case write_value: return answered ? ask_value(read_back, now) : finish_silent("write of " + info_.name, ended.evidence, now);
+    case write_value:
+        return answered ? ask_value(read_back, now)
+                        : finish_unacknowledged("write of " + info_.name, ended.evidence, now,
+                                                "it probably takes no such value, or lets nobody write it");
     default:
         if (answered) return took(ended, now);
         if (ended.tag == read_before) return finish_silent("value of " + info_.name, ended.evidence, now);
@@ -79,8 +82,9 @@ void ParameterWrite::write(TimePoint now) {
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
         if (value.size() > had && !limits_.longer)
-            return refuse(
-                "is longer than the " + std::to_string(had) + " bytes that the device has: a longer one must be allowed", now);
+            return refuse("is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
+                              " that the device has: a longer one must be allowed",
+                          now);
         value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
     }
     was_sent_ = true;
@@ -124,7 +128,8 @@ Request action(Action action, std::uint32_t tag) {
 void ParameterAction::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) return finish({}, now);
     const Message& row = Draft<"parameter_command", "action">::message();
-    finish_silent(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now);
+    finish_unacknowledged(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now,
+                          "it probably can't do that, or not now");
 }
 
 }    // namespace ano::host
