@@ -1,19 +1,16 @@
 // `anoctl devices`, `param`, `command` and `waypoint`: by the gateway that runs, and by a link of their own.
+#include <support/asked_devices.hpp>
 #include <support/bytes.hpp>
 #include <support/fake_loader.hpp>
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
-#include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <functional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,55 +20,7 @@ namespace {
 using namespace support;
 using nlohmann::json;
 
-struct Ran {
-    int exit = -1;
-    std::string output;
-};
-
-std::vector<json> lines_of(const std::string& text) {
-    std::vector<json> all;
-    std::istringstream in{text};
-    for (std::string line; std::getline(in, line);) all.push_back(json::parse(line));
-    return all;
-}
-
-bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
-
-class AnoctlDevices : public testing::Test {
-protected:
-    void SetUp() override {
-        ASSERT_TRUE(gateway.until_answers()) << gateway.output();
-        ASSERT_TRUE(gateway.until([](const json& status) { return status.dump().find("\"0xDC\"") != std::string::npos; }));
-    }
-    /// Standard input is no terminal.
-    Ran anoctl(std::vector<std::string> words) {
-        words.insert(words.end(), {"--control", socket});
-        Process process{ANOCTL, std::move(words)};
-        const int exit = process.wait();
-        return {exit, process.output()};
-    }
-    /// A second device, which never answers.
-    void hear_of_another() {
-        ASSERT_TRUE(wait_until([&] {
-            peer.send(gateway.port("peer"), frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));
-            return contains(anoctl({"devices"}).output, "0xDD");
-        }));
-    }
-
-    /// The second device was sent a question.
-    bool is_asked() {
-        const auto frames = split(peer.heard()).frames;
-        return std::any_of(frames.begin(), frames.end(), [](const Bytes& one) { return one[2] == 0xDD && one[3] == 0xE0; });
-    }
-
-    /// The gateway has heard whether the device flies since it was told anything.
-    void hear_whether_it_flies() { ASSERT_EQ(anoctl({"monitor", "--id", "mode", "--count", "1"}).exit, 0); }
-
-    TempDir dir;
-    std::string socket = dir / "control.sock";
-    UdpPeer peer;
-    Daemon gateway{ANOGATED, socket, {"sim:fc,name=fc", peer.link("peer")}};
-};
+using AnoctlDevices = DeviceGateway;
 
 TEST_F(AnoctlDevices, are_listed) {
     const Ran table = anoctl({"devices"});
@@ -142,7 +91,7 @@ TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_some
     backup["parameters"]["CAL_AOFF_X"] = 5;
     dir.write("backup.json", backup.dump());
     const Ran diff = anoctl({"param", "diff", file});
-    EXPECT_EQ(diff.exit, 0);
+    EXPECT_EQ(diff.exit, 1);
     EXPECT_TRUE(contains(diff.output, "SIM_HEIGHT: ")) << diff.output;
     EXPECT_TRUE(contains(diff.output, " -> 333\n")) << diff.output;
     EXPECT_FALSE(contains(diff.output, "CAL_AOFF_X")) << diff.output;
@@ -215,42 +164,25 @@ TEST_F(AnoctlDevices, waypoints_go_to_a_file_and_back) {
     second["num"] = 1;
     way["waypoints"].push_back(second);
     dir.write("way.json", way.dump());
-    const Ran put = anoctl({"waypoint", "put", file});
+    const Ran put = anoctl({"waypoint", "put", file, "--yes"});
     EXPECT_EQ(put.exit, 0) << put.output;
     EXPECT_TRUE(contains(put.output, ": 2 waypoints written\n")) << put.output;
     EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 2u);
     ASSERT_EQ(anoctl({"waypoint", "get", plan}).exit, 0);
     EXPECT_EQ(json::parse(text_of(plan)).at("type"), "FeatureCollection");
-    EXPECT_EQ(anoctl({"waypoint", "put", plan}).exit, 0);
+    EXPECT_EQ(anoctl({"waypoint", "put", plan, "--yes"}).exit, 0);
     EXPECT_EQ(anoctl({"waypoint", "put", dir.write("no.json", "{")}).exit, 2);
 }
 
-class AnoctlFlash : public AnoctlDevices {
+class AnoctlFlash : public AnsweringDevice {
 protected:
     AnoctlFlash() {
-        fake.address = 0xDD;
         fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
-    }
-    /// The second device answers what came.
-    void answer() {
-        for (const Bytes& one : peer.frames())
-            if (one[2] == 0xDD || one[2] == 0xFF)
-                for (const Bytes& said : fake.take(ano::FrameView{one})) peer.send(gateway.port("peer"), said);
-    }
-    int until_ended(
-        Process& process, const std::function<void()>& meanwhile = [] {}) {
-        EXPECT_TRUE(wait_until([&] {
-            answer();
-            meanwhile();
-            return !process.is_running();
-        }));
-        return process.wait();
     }
     std::vector<std::string> flash(const std::string& file) const {
         return {"flash", file, "--device", "0xDD", "--yes", "--control", socket};
     }
 
-    FakeDevice fake;
     FakeLoader loader;
 };
 
@@ -321,12 +253,13 @@ TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
         words.insert(words.end(), {"--link", "sim:fc"});
         Process process{ANOCTL, std::move(words)};
         const int exit = process.wait();
-        return Ran{exit, process.output()};
+        return DeviceGateway::Ran{exit, process.output()};
     };
-    const Ran devices = by_link({"devices"});
+    const auto contains = DeviceGateway::contains;
+    const auto devices = by_link({"devices"});
     EXPECT_EQ(devices.exit, 0) << devices.output;
     EXPECT_TRUE(contains(devices.output, "SimFC")) << devices.output;
-    const Ran set = by_link({"param", "set", "SIM_TURN", "-5"});
+    const auto set = by_link({"param", "set", "SIM_TURN", "-5"});
     EXPECT_EQ(set.exit, 0) << set.output;
     EXPECT_TRUE(contains(set.output, "SIM_TURN=-5\n")) << set.output;
     EXPECT_EQ(by_link({"param", "export", dir / "backup.json"}).exit, 0);
