@@ -121,7 +121,9 @@ private:
     const Exchange* lost() const noexcept;
     const Exchange* next_to_send(TimePoint now) const noexcept;
     FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now) noexcept;
-    Evidence evidence_of(const Exchange& exchange) const noexcept { return {exchange.sent(), round_trip_.smoothed()}; }
+    Evidence evidence_of(const Exchange& exchange) const noexcept {
+        return {exchange.sent(), round_trip_.smoothed(), exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent()};
+    }
 
     std::uint8_t address_;
     std::uint8_t own_;

@@ -40,6 +40,7 @@ Request request(const Draft& draft, std::uint32_t tag = 0, Patience patience = {
 struct Evidence {
     unsigned sent = 0;                       // times
     std::optional<Duration> round_trip{};    // of this device, smoothed; nothing: it never answered at once
+    bool is_heard = false;                   // the device said something, whatever, since it was asked first
 };
 
 /// Who asks, and is told what came of it.

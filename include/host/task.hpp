@@ -70,11 +70,17 @@ protected:
     bool gives_up(TimePoint now);
     /// Ends, once; what is on its way is forgotten.
     void finish(End end, TimePoint now);
-    void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now);
+    /// Without an answer to the question for `step`. `likely` is what it means of a device that is heard all the same, as a clause.
+    void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
+    /// The same of an order: without an acknowledgement.
+    void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
     /// Ends as `other` did.
     void finish_as(const Task& other, TimePoint now);
 
 private:
+    void finish_unanswered(const std::string& heard_but, std::string_view step, const Evidence& evidence, TimePoint now,
+                           std::string_view likely);
+
     Device& device_;
     std::optional<TimePoint> begun_at_;
     std::optional<End> end_;

@@ -63,7 +63,8 @@ Json device_json(const DeviceReport& report, ano::TimePoint now) {
 
 Json value_json(const AnyValue& value, std::optional<ano::Type> type) {
     if (const auto* number = std::get_if<double>(&value)) {
-        if (!std::isfinite(*number)) return nullptr;
+        if (std::isnan(*number)) return "nan";    // JSON has no numbers for these
+        if (std::isinf(*number)) return *number > 0 ? "inf" : "-inf";
         return type == ano::Type::f32 ? ano::widened(static_cast<float>(*number)) : *number;
     }
     return std::visit([](const auto& plain) { return Json(plain); }, value);

@@ -20,7 +20,7 @@ nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<a
 std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
-/// A number that is not finite is null.
+/// A number that is not finite is a text, "inf", "-inf" or "nan": JSON has no number for it.
 nlohmann::ordered_json value_json(const ano::host::AnyValue& value, std::optional<ano::Type> type);
 /// Nothing: it is no value. For a number type, a text is read as a number.
 std::optional<ano::host::AnyValue> value_in(const nlohmann::ordered_json& json, std::optional<ano::Type> type);

@@ -49,7 +49,8 @@ bool Commands::took(std::uint32_t i, FrameView answer) {
 }
 
 void Commands::step_ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome != Outcome::answered) return finish_silent("number of commands", ended.evidence, now);
+    if (ended.outcome != Outcome::answered)
+        return finish_silent("number of commands", ended.evidence, now, "it probably has none");
     const std::uint16_t count = as<"command_query">(*ended.answer)->get<"val">();
     if (ended.tag == ask_count) {
         descriptions_.assign(count, {});
@@ -94,7 +95,7 @@ void CommandCall::start(TimePoint now) {
 
 void CommandCall::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) return finish({}, now);
-    if (repeat_) return finish_silent(command_.name, ended.evidence, now);
+    if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
     finish({Ending::unknown, "no answer to " + command_.name + ": it may have been carried out", ended.evidence}, now);
 }
 

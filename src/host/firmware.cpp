@@ -62,7 +62,7 @@ void Firmware::start(TimePoint now) {
 void Firmware::identified(const Ended& ended, TimePoint now) {
     const auto& info = device().info() ? device().info() : options_.info;
     if (!options_.force && !image_.is_for_any_hardware()) {
-        if (!info) return finish_silent(step(), ended.evidence, now);
+        if (!info) return finish_silent(step(), ended.evidence, now, "what is sent to it probably does not arrive");
         if (auto misfit = image_.misfit(*info)) return finish({Ending::invalid, std::move(*misfit), {}}, now);
     }
     ask_info(now);

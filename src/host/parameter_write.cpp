@@ -3,9 +3,16 @@
 #include <host/parameter_write.hpp>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace ano::host {
+
+namespace {
+
+constexpr std::string_view not_taken = "it probably takes no such value, or lets nobody write it";
+
+}    // namespace
 
 ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits)
     : Task{device}, info_{std::move(info)}, value_{std::move(value)}, limits_{limits} {}
@@ -65,11 +72,7 @@ void ParameterWrite::written(const Ended& ended, TimePoint now) {
 }
 
 void ParameterWrite::not_given_back(const Ended& ended, TimePoint now) {
-    if (silence_)
-        return finish(
-            {Ending::timeout, hex_of(device().address()) + " does not answer: write of " + info_.name + ", which may be done",
-             ended.evidence},
-            now);
+    if (silence_) return finish_unacknowledged("write of " + info_.name + ", which may be done", *silence_, now, not_taken);
     finish({Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " and does not give it back",
             ended.evidence},
            now);
@@ -94,8 +97,9 @@ void ParameterWrite::write(TimePoint now) {
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
         if (value.size() > had && !limits_.longer)
-            return refuse(
-                "is longer than the " + std::to_string(had) + " bytes that the device has: a longer one must be allowed", now);
+            return refuse("is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
+                              " that the device has: a longer one must be allowed",
+                          now);
         value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
     }
     was_sent_ = true;
@@ -109,7 +113,7 @@ void ParameterWrite::compare(TimePoint now) {
     if (same(*stored_, wire_))
         return finish({Ending::done, silence_ ? info_.name + " was never acknowledged as it must be, and is written" : "", {}},
                       now);
-    if (same(*stored_, *before_) && silence_) return finish_silent("write of " + info_.name, *silence_, now);
+    if (same(*stored_, *before_) && silence_) return finish_unacknowledged("write of " + info_.name, *silence_, now, not_taken);
     if (same(*stored_, *before_))
         return finish({Ending::refused,
                        hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),
@@ -142,7 +146,8 @@ Request action(Action action, std::uint32_t tag) {
 void ParameterAction::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) return finish({}, now);
     const Message& row = Draft<"parameter_command", "action">::message();
-    finish_silent(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now);
+    finish_unacknowledged(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now,
+                          "it probably can't do that, or not now");
 }
 
 }    // namespace ano::host

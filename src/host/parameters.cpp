@@ -27,7 +27,7 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
     case ask_info:
-        if (!answered) return finish_silent("device info", ended.evidence, now);
+        if (!answered) return finish_silent("device info", ended.evidence, now, "what is sent to it probably does not arrive");
         return ask(question::parameter_count(ask_count), now);
     case ask_count:
         if (!answered)

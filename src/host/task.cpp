@@ -30,10 +30,19 @@ void Task::finish(End end, TimePoint now) {
     if (told_) told_(now);
 }
 
-void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePoint now) {
-    std::string what = hex_of(device_.address()) + " does not answer: " + std::string{step} + ", sent " +
-                       std::to_string(evidence.sent);
-    what += evidence.sent == 1 ? " time" : " times";
+void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely) {
+    finish_unanswered("is heard, but did not answer the question for its ", step, evidence, now, likely);
+}
+
+void Task::finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely) {
+    finish_unanswered("is heard, but did not acknowledge: ", order, evidence, now, likely);
+}
+
+void Task::finish_unanswered(const std::string& heard_but, std::string_view step, const Evidence& evidence, TimePoint now,
+                             std::string_view likely) {
+    std::string what = hex_of(device_.address()) + ' ' + (evidence.is_heard ? heard_but : "does not answer: ") +
+                       std::string{step} + ", sent " + std::to_string(evidence.sent) + (evidence.sent == 1 ? " time" : " times");
+    if (evidence.is_heard && !likely.empty()) what += "; " + std::string{likely};
     finish({Ending::timeout, std::move(what), evidence}, now);
 }
 

@@ -61,7 +61,8 @@ bool WaypointsGet::took(std::uint32_t i, FrameView answer) {
 }
 
 void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome != Outcome::answered) return finish_silent("number of waypoints", ended.evidence, now);
+    if (ended.outcome != Outcome::answered)
+        return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
     const std::size_t count = std::min(as<"waypoint_read">(*ended.answer)->get<"num">(), all_of_them);
     if (ended.tag == ask_count) {
         waypoints_.assign(count, {});
@@ -93,12 +94,13 @@ void WaypointsPut::next(TimePoint now) {
 void WaypointsPut::ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
     if (ended.tag == ask_count) {
-        if (!answered) return finish_silent("number of waypoints", ended.evidence, now);
+        if (!answered) return finish_silent("number of waypoints", ended.evidence, now, "it probably keeps none");
         return counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
     }
     const std::string number = "waypoint " + std::to_string(waypoints_[at_].num);
     if (ended.tag == write) {
-        if (!answered) return finish_silent("write of " + number, ended.evidence, now);
+        if (!answered)
+            return finish_unacknowledged("write of " + number, ended.evidence, now, "it probably keeps no more, or none");
         return ask(WaypointsGet::waypoint(waypoints_[at_].num, read_back), now);
     }
     const auto stored = answered ? waypoint_in(*ended.answer) : std::nullopt;

@@ -106,6 +106,14 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?)\n");
 }
 
+TEST_F(AnoctlGateway, shows_which_port_the_system_chose) {
+    const std::string place = "    at 127.0.0.1:" + std::to_string(daemon.port("ground")) + "\n";
+    for (const char* command : {"links", "status"}) {
+        const Result result = ask({command});
+        EXPECT_NE(result.said.find(place), std::string::npos) << result.said;
+    }
+}
+
 TEST_F(AnoctlGateway, shows_where_addresses_lead_and_forgets_one) {
     const Result routes = ask({"routes"});
     EXPECT_EQ(routes.exit, 0);

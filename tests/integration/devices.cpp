@@ -183,8 +183,9 @@ TEST_F(Devices, the_way_of_hosts_stays_as_it_is) {
 // What the ground station writes, another host leaves alone.
 TEST_F(Devices, that_another_host_writes_are_busy) {
     ASSERT_EQ(ask("GET", "/devices").status, 200u);    // from now on it is listened
-    ASSERT_TRUE(ground.send(daemon.port("ground"), frame(0xFE, 0xDC, 0xE1, {1, 0, 9})));
+    const std::uint16_t port = daemon.port("ground");
     EXPECT_TRUE(wait_until([&] {
+        EXPECT_TRUE(ground.send(port, frame(0xFE, 0xDC, 0xE1, {1, 0, 9})));
         const Told told = ask("PUT", "/devices/0xDC/parameters/SIM_HEIGHT", R"({"value": 500})");
         return told.status == 409 && told.body.at("what") == "busy";
     }));

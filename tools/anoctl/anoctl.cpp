@@ -1,6 +1,7 @@
 #include "anoctl.hpp"
 
 #include "complete.hpp"
+#include "say.hpp"
 
 #include <ano_json/frame_json.hpp>
 #include <ano_json/nearest.hpp>
@@ -192,8 +193,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
         "NO_COLOR ends colours.");
     const auto complain = [&](const std::string& what, int code) {
-        streams.out.flush();
-        streams.err << "anoctl: " << what << std::endl;
+        tell(streams, what);
         return code;
     };
     try {

@@ -2,6 +2,7 @@
 #pragma once
 #include "options.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
@@ -27,6 +28,7 @@ struct Streams {
     bool color = false;             // and colours
     bool in_is_terminal = false;    // the input would have to be typed
     bool err_is_terminal = false;
+    std::size_t width = 80;    // cells of a line of the terminal
 };
 
 /// A usage error: one line on `err`, exit 2.

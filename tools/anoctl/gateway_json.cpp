@@ -53,6 +53,10 @@ const Json& at(const Json& object, std::string_view key) {
     return found == object.end() || !found->is_structured() ? nothing : *found;
 }
 
+std::string listening_place(const Json& link) {
+    return link.contains("port") && !link.contains("peer") ? text_at(link, "address") : std::string{};
+}
+
 std::string names_at(const Json& object, std::string_view key) {
     std::string all;
     for (const Json& name : at(object, key))

@@ -20,6 +20,9 @@ double number_at(const ano::Json& object, std::string_view key);
 /// The object or array; an empty array when it is not there.
 const ano::Json& at(const ano::Json& object, std::string_view key);
 
+/// Where a link listens, "0.0.0.0:12333", as soon as it does: the port may be one that the system chose. Empty for others.
+std::string listening_place(const ano::Json& link);
+
 /// "fc, radio": the texts of an array.
 std::string names_at(const ano::Json& object, std::string_view key);
 

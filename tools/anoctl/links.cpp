@@ -44,6 +44,7 @@ void add_counters(Table& table, const Json& counted) {
 void add_link(Table& table, const Json& link) {
     table.row({text_at(link, "name"), text_at(link, "state"), time_text(number_at(link, "since_s")), last_heard(link),
                text_at(link, "frames_in"), text_at(link, "frames_out"), text_at(link, "waiting")});
+    if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
     for (const char* key : {"error", "hint"})
         if (const std::string words = text_at(link, key); !words.empty()) table.note("    " + words);
     add_counters(table, link);

@@ -1,4 +1,5 @@
 #include "anoctl.hpp"
+#include "terminal.hpp"
 
 #include <unistd.h>
 
@@ -9,7 +10,13 @@ int main(int argc, char** argv) {
     std::ios::sync_with_stdio(false);
     const bool terminal = isatty(STDOUT_FILENO) == 1;
     const bool color = terminal && anoctl::wants_color(std::getenv("NO_COLOR"), std::getenv("TERM"));
-    anoctl::Streams streams{
-        STDIN_FILENO, std::cout, std::cerr, terminal, color, isatty(STDIN_FILENO) == 1, isatty(STDERR_FILENO) == 1};
+    anoctl::Streams streams{STDIN_FILENO,
+                            std::cout,
+                            std::cerr,
+                            terminal,
+                            color,
+                            isatty(STDIN_FILENO) == 1,
+                            isatty(STDERR_FILENO) == 1,
+                            anoctl::Screen::size().width};
     return anoctl::run(argc, argv, streams);
 }

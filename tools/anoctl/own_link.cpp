@@ -1,5 +1,7 @@
 #include "own_link.hpp"
 
+#include "say.hpp"
+
 #include <ano/heard.hpp>
 #include <ano_json/text.hpp>
 #include <config/config.hpp>
@@ -159,7 +161,7 @@ private:
             facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
             std::visit([&](const auto& v) { facts += text_of(v); }, value);
         }
-        if (!up_ && !who_.empty()) complain() << link.name() << " is up" << facts << std::endl;
+        if (!up_ && !who_.empty()) complain(link.name() + " is up" + facts);
         if (!up_) up_at_ = now();
         up_ = true;
         why_.clear();
@@ -169,7 +171,7 @@ private:
             if (open) open->channel.outbox.close();
         std::string& why = error.text;
         const bool has_gateway = why.ends_with("in use by another gateway") || why.find("in use by anogated (") != why.npos;
-        if (why != why_) complain() << link.name() << ": waiting: " << why << (has_gateway ? how_to_watch : "") << std::endl;
+        if (why != why_) complain(link.name() + ": waiting: " + why + (has_gateway ? how_to_watch : ""));
         up_ = false;
         why_ = std::move(why);
     }
@@ -188,7 +190,7 @@ private:
             std::string hint = heard_ ? hint_of_trouble(figures()) : anogate::hint(figures());
             const bool is_silent = figures().received.bytes_in == 0 && !figures().listens;
             if (!hint.empty() && is_silent && !spoke_) hint += only_listens(who_);
-            if (!hint.empty() && hint != hint_) complain() << link_->name() << ": " << hint << std::endl;
+            if (!hint.empty() && hint != hint_) complain(link_->name() + ": " + hint);
             hint_ = std::move(hint);
             look_later();
         });
@@ -226,10 +228,7 @@ private:
             io_.stop();
         });
     }
-    std::ostream& complain() {
-        streams_.out.flush();
-        return streams_.err << "anoctl: ";
-    }
+    void complain(const std::string& words) { tell(streams_, words); }
 
     asio::io_context& io_;
     AlarmClock alarms_{io_};

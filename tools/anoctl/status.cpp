@@ -35,6 +35,7 @@ void write_links(const Json& links, std::ostream& out) {
     for (const Json& link : links) {
         table.row({text_at(link, "name"), text_at(link, "kind"), text_at(link, "state"), time_text(number_at(link, "since_s")),
                    text_at(link, "frames_in"), text_at(link, "frames_out"), sum_of(link, drop_causes())});
+        if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
         for (const char* key : {"error", "hint"})
             if (const std::string words = text_at(link, key); !words.empty()) table.note("    " + words);
     }

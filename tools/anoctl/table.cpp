@@ -30,11 +30,6 @@ bool is_wide(std::uint32_t c) noexcept {
                        [c](const auto& range) { return range.first <= c && c <= range.second; });
 }
 
-void add(std::string& line, const std::string& cell, std::size_t width, bool to_the_right) {
-    const std::string space(width - cells_of(cell), ' ');
-    line.append(to_the_right ? space + cell : cell + space).append("  ");
-}
-
 }    // namespace
 
 std::size_t cells_of(std::string_view text) noexcept {
@@ -47,6 +42,50 @@ std::size_t cells_of(std::string_view text) noexcept {
     return cells;
 }
 
+std::string in_cells(std::string_view text, std::size_t cells) {
+    std::size_t at = 0, taken = 0;
+    while (at < text.size()) {
+        const auto [c, size] = character(text, at);
+        taken += is_wide(c) ? 2u : 1u;
+        if (taken > cells) break;
+        at += size;
+    }
+    return std::string{text.substr(0, at)};
+}
+
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent, std::size_t begin) {
+    if (width == 0) return std::string{text};
+    std::string all;
+    std::size_t line = 0, cells = begin;      // the line that grows: where it begins, how far it got
+    std::size_t end = text.npos, next = 0;    // where it may be broken
+    bool has_word = false;
+    for (std::size_t at = 0; at < text.size();) {
+        const auto [c, size] = character(text, at);
+        const std::size_t its_cells = is_wide(c) ? 2u : 1u;
+        if (has_word && (c == ' ' || its_cells == 2)) {
+            end = at;
+            next = c == ' ' ? at + 1 : at;
+        }
+        if (c == '\n') {
+            all.append(text.substr(line, at + 1 - line));
+            line = at + 1;
+            cells = 0;
+            end = text.npos;
+            has_word = false;
+        } else if (c != ' ' && cells + its_cells > width && end != text.npos) {
+            all.append(text.substr(line, end - line)).append("\n").append(indent, ' ');
+            line = next;
+            cells = indent + cells_of(text.substr(line, at - line)) + its_cells;
+            end = text.npos;
+        } else {
+            cells += its_cells;
+        }
+        has_word = has_word || (c != ' ' && c != '\n');
+        at += size;
+    }
+    return all.append(text.substr(line));
+}
+
 std::string without_controls(std::string_view text) {
     std::string all;
     for (std::size_t at = 0; at < text.size();) {
@@ -56,6 +95,10 @@ std::string without_controls(std::string_view text) {
         at += std::max<std::size_t>(control, 1);
     }
     return all;
+}
+
+std::string plural(std::size_t number, const std::string& word) {
+    return std::to_string(number) + " " + word + (number == 1 ? "" : "s");
 }
 
 std::string time_text(double seconds) {
@@ -74,25 +117,68 @@ std::string time_text(double seconds) {
     return two(whole / 86400, " d", whole / 3600 % 24, " h");
 }
 
-void Table::write(std::ostream& out, std::string_view indent) const {
-    const auto is_numbers = [this](std::size_t column) { return heading_[column].starts_with(' '); };
-    std::vector<std::size_t> widths(heading_.size());
-    for (const Line& line : lines_)
-        for (std::size_t i = 0; line.size() == heading_.size() && i < line.size(); ++i)
-            widths[i] = std::max(widths[i], cells_of(line[i]));
-    Line heading = heading_;
-    for (std::size_t i = 0; i < widths.size(); ++i) {
-        heading[i].erase(0, heading[i].find_first_not_of(' '));
-        if (widths[i] > 0) widths[i] = std::max(widths[i], cells_of(heading[i]));
+// Where the cells of a column stand: in a line of its own row, at which cell, how many.
+struct Table::Column {
+    std::size_t number, line, at, width;
+    bool is_right;
+};
+
+std::vector<Table::Column> Table::columns(std::size_t indent, std::size_t width) const {
+    constexpr std::size_t least = 16;    // cells: a text that is narrower is hard to read
+    std::vector<Column> all;
+    std::size_t at = indent, line = 0;
+    for (std::size_t i = 0; i < heading_.size(); ++i) {
+        std::size_t cells = 0;
+        for (const Line& row : lines_)
+            if (row.size() == heading_.size()) cells = std::max(cells, cells_of(row[i]));
+        const bool is_right = heading_[i].starts_with(' ');
+        if (cells == 0) continue;
+        cells = std::max(cells, cells_of(heading_[i]) - (is_right ? 1u : 0u));
+        const bool may_shrink = i + 1 == heading_.size() && !is_right;
+        const auto room = [&] { return width - std::min(width, at); };
+        const bool fits = width == 0 || cells <= room() || (may_shrink && room() >= least);
+        if (!fits && !all.empty()) {
+            at = indent + 4;
+            ++line;
+        }
+        if (width != 0 && may_shrink) cells = std::min(cells, std::max<std::size_t>(room(), 1));
+        all.push_back({i, line, at, cells, is_right});
+        at += cells + 2;
     }
-    const auto write_line = [&](const Line& line) {
-        std::string text{indent};
-        if (line.size() != heading_.size()) text += line.front();
-        else
-            for (std::size_t i = 0; i < line.size(); ++i)
-                if (widths[i] > 0) add(text, line[i], widths[i], is_numbers(i));
+    return all;
+}
+
+void Table::write(std::ostream& out, std::string_view indent, std::size_t width) const {
+    const std::vector<Column> places = columns(indent.size(), width);
+    const auto end = [&](std::string& text) {
         out << text.substr(0, text.find_last_not_of(' ') + 1) << '\n';
+        text.clear();
     };
+    const auto write_line = [&](const Line& line) {
+        std::string text;
+        if (line.size() != heading_.size())
+            return end(text = wrapped(std::string{indent} + line.front(), width, indent.size() + 4));
+        std::size_t cells = 0, in_line = 0;
+        for (const Column& column : places) {
+            if (column.line != in_line) {
+                end(text);
+                cells = 0;
+                in_line = column.line;
+            }
+            text.append(column.at - cells, ' ');
+            const std::string& cell = line[column.number];
+            const std::size_t space = column.width - std::min(column.width, cells_of(cell));
+            if (column.is_right) text.append(space, ' ');
+            if (width != 0 && column.number + 1 == line.size())
+                text += wrapped(cell, column.at + column.width, column.at, column.at);
+            else text += cell;
+            if (!column.is_right) text.append(space, ' ');
+            cells = column.at + column.width;
+        }
+        end(text);
+    };
+    Line heading = heading_;
+    for (std::string& name : heading) name.erase(0, name.find_first_not_of(' '));
     write_line(heading);
     for (const Line& line : lines_) write_line(line);
 }

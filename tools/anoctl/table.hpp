@@ -19,9 +19,14 @@ public:
     /// A line of its own below the last row.
     void note(std::string text) { lines_.push_back({std::move(text)}); }
     bool empty() const noexcept { return lines_.empty(); }
-    void write(std::ostream& out, std::string_view indent = {}) const;
+    /// In at most `width` cells a line, where that is possible (0: as long as it gets): columns without room stand below the others, and the last
+    /// one is broken between words.
+    void write(std::ostream& out, std::string_view indent = {}, std::size_t width = 0) const;
 
 private:
+    struct Column;
+    std::vector<Column> columns(std::size_t indent, std::size_t width) const;
+
     Line heading_;
     std::vector<Line> lines_;
 };
@@ -29,8 +34,18 @@ private:
 /// How many cells of a terminal `text` takes: Chinese characters take two.
 std::size_t cells_of(std::string_view text) noexcept;
 
+/// As much of `text` as fits into so many cells, never half a character.
+std::string in_cells(std::string_view text, std::size_t cells);
+
+/// `text` in lines of at most `width` cells, broken between words or Chinese characters; those behind the first begin with `indent`
+/// spaces, and `begin` cells stand before the first. A word that is longer than a line stays whole. `width` 0: as it is.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0, std::size_t begin = 0);
+
 /// Without control characters, which a terminal would obey: each becomes '?'.
 std::string without_controls(std::string_view text);
+
+/// "1 waypoint", "3 waypoints"
+std::string plural(std::size_t number, const std::string& word);
 
 /// "0.3 s", "12 s", "5 min", "3 h 12 min", "2 d 3 h"
 std::string time_text(double seconds);

@@ -47,8 +47,9 @@ void Screen::leave() noexcept {
 
 Screen::Size Screen::size() noexcept {
     winsize size{};
-    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return {};
-    return {size.ws_col, size.ws_row};
+    for (const int fd : {STDOUT_FILENO, STDERR_FILENO, STDIN_FILENO})    // some of them may be files
+        if (::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 && size.ws_row != 0) return {size.ws_col, size.ws_row};
+    return {};
 }
 
 bool Screen::show(const std::vector<std::string>& lines) {

@@ -61,7 +61,7 @@ public:
             if (outcome_->answer.status == 400) throw UsageError{words_of(outcome_->answer)};
             throw Failure{outcome_->answer.status == 0 ? outcome_->fault : words_of(outcome_->answer)};
         }
-        return outcome_->fault.empty() ? "the gateway ended it" : outcome_->fault;
+        return outcome_->fault.empty() ? "the gateway ended" : outcome_->fault;
     }
 
 private:

@@ -84,6 +84,7 @@ _anoctl() {
         'send --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'send --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'send --config') _anoctl_files; return ;;
+        'devices --cancel') :; return ;;
         'devices --link') _anoctl_links; return ;;
         'devices --control') _anoctl_files; return ;;
         'param --device') _anoctl_devices; return ;;
@@ -103,12 +104,12 @@ _anoctl() {
         'calibrate --device') _anoctl_devices; return ;;
         'calibrate --link') _anoctl_links; return ;;
         'calibrate --control') _anoctl_files; return ;;
-        'log --device') _anoctl_addresses; return ;;
+        'log --device') _anoctl_devices; return ;;
         'log --link') _anoctl_links; return ;;
         'log --control') _anoctl_files; return ;;
         'log --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'image --count') :; return ;;
-        'image --device') _anoctl_addresses; return ;;
+        'image --device') _anoctl_devices; return ;;
         'image --link') _anoctl_links; return ;;
         'image --control') _anoctl_files; return ;;
         'top --control') _anoctl_files; return ;;
@@ -127,10 +128,10 @@ _anoctl() {
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
-        'devices') options='--scan --link --control --json -h --help'; operands=':' ;;
+        'devices') options='--scan --jobs --cancel --link --control --json -h --help'; operands=':' ;;
         'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
         'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
-        'waypoint') options='--format --device --link --control --json -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;
+        'waypoint') options='--format --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;
         'flash') options='--force --crc --device --link --control --json --yes -h --help'; operands='_anoctl_files' ;;
         'calibrate') options='--device --link --control --json --yes -h --help'; operands='_anoctl_words '\''accelerometer compass'\''' ;;
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;

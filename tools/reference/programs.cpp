@@ -31,7 +31,7 @@ Offer Argument::offer() const {
     if (value == "[LINK...]" || (value.starts_with("LINK") && !names.empty())) return Offer::link_names;
     if (value.starts_with("LINK") || value.starts_with("KIND:")) return Offer::links;
     if (value.starts_with("FIELD=")) return Offer::fields;
-    if (value == "DEVICE") return Offer::devices;
+    if (value.starts_with("DEVICE")) return Offer::devices;
     if (value.starts_with("[PARAMETER")) return Offer::parameters;
     if (value.starts_with("[COMMAND")) return Offer::commands;
     if (value.starts_with("ADDRESS")) return Offer::addresses;

@@ -83,7 +83,7 @@ TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
     EXPECT_NE(thrown<UsageError>([] { parsed_parameter_file("{", "f"); }).find("f: it is not JSON: "), std::string::npos);
     EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("[1]", "f"); }),
               "f: it is no file of parameters: {\"parameters\": {NAME: value}}");
-    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file(R"({"A": null})", "f"); }),
+    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file(R"({"A": [1]})", "f"); }),
               "f: the value of 'A' is neither a number nor a text");
 }
 
@@ -104,6 +104,30 @@ TEST(ParameterFile, leaves_out_what_belongs_to_one_piece_of_hardware) {
     EXPECT_EQ(left_out, 1u);
     EXPECT_EQ(wanted_values(file, true, left_out).size(), 3u);
     EXPECT_EQ(left_out, 0u);
+}
+
+TEST(ParameterFile, has_null_for_what_json_has_no_number_for) {
+    Json strange = answered;
+    strange["parameters"][0]["value"] = "nan";
+    strange["parameters"][2]["value"] = "nan";    // a text
+    const Json file = parameter_file(strange);
+    EXPECT_EQ(file["parameters"].dump(), R"({"PID_P":null,"CAL_AOFF_X":0.25,"NAME":"nan"})");
+    std::size_t left_out = 0;
+    EXPECT_EQ(wanted_values(parsed_parameter_file(file.dump(), "f"), true, left_out).dump(),
+              R"({"CAL_AOFF_X":0.25,"NAME":"nan"})");
+    EXPECT_EQ(names_without_value(file), "PID_P");
+}
+
+TEST(ParameterFile, may_be_what_a_calibration_kept) {
+    const Json kept = parsed_parameter_file(
+        R"({"device": {"address": "0xDC", "name": "SimFC", "dev_id": 220}, "parameters": {"CAL_AOFF_X": 1}})", "f");
+    EXPECT_EQ(kept["device"], "0xDC");
+    EXPECT_EQ(of_another_device(kept, answered["device"]), "");
+    EXPECT_EQ(of_another_device(kept, Json{{"name", "Other"}}), "the file is of SimFC, this is Other, device type ");
+    EXPECT_TRUE(is_kept_by_calibration("/var/lib/anogate/calibration-0xDC-compass.json"));
+    EXPECT_TRUE(is_kept_by_calibration("calibration-0xDC-accelerometer.json"));
+    EXPECT_FALSE(is_kept_by_calibration("calibration-0xDC.json"));
+    EXPECT_FALSE(is_kept_by_calibration("calibration-0xDC-compass.json/backup.json"));
 }
 
 TEST(ParameterFile, shows_what_changes) {
@@ -152,9 +176,28 @@ TEST(WaypointForm, is_known_by_the_name_or_the_content) {
     EXPECT_EQ(form_of_name("a.geojson"), "geojson");
     EXPECT_EQ(form_of_name("a.plan"), "qgc");
     EXPECT_EQ(form_of_name("a.json"), "json");
-    EXPECT_EQ(form_of_content(Json{{"type", "FeatureCollection"}}), "geojson");
-    EXPECT_EQ(form_of_content(Json{{"fileType", "Plan"}}), "qgc");
-    EXPECT_EQ(form_of_content(Json{{"waypoints", Json::array()}}), "json");
+    EXPECT_EQ(form_of_name("way"), "json");
+    EXPECT_EQ(form_of_name("-"), "json");
+    EXPECT_EQ(thrown<UsageError>([] { form_of_name("a.kml"); }),
+              "a.kml: '.kml' is no form of waypoints; .json, .geojson and .plan (QGroundControl) are, or say it by --format");
+    EXPECT_EQ(form_of_content(Json{{"type", "FeatureCollection"}}, "f"), "geojson");
+    EXPECT_EQ(form_of_content(Json{{"fileType", "Plan"}}, "f"), "qgc");
+    EXPECT_EQ(form_of_content(Json{{"waypoints", Json::array()}}, "f"), "json");
+    EXPECT_NE(thrown<UsageError>([] {
+                  form_of_content(Json{{"way", 1}}, "f");
+              }).find("f: it is none of the forms"),
+              std::string::npos);
+}
+
+TEST(WaypointForm, what_is_overwritten_is_told_before) {
+    EXPECT_EQ(overwriting_text(2, 0), "");
+    EXPECT_EQ(overwriting_text(2, 1), "It has 1 waypoint: overwritten is this one. ");
+    EXPECT_EQ(overwriting_text(2, 2), "It has 2 waypoints: overwritten are all of them. ");
+    EXPECT_EQ(overwriting_text(1, 2),
+              "It has 2 waypoints: the first is overwritten, and the last stays as it is, for the protocol has no way to remove "
+              "one. To end "
+              "the route sooner, repeat the last point of the file until it has 2. ");
+    EXPECT_NE(overwriting_text(2, 5).find("the first 2 are overwritten, and the last 3 stay as they are, "), std::string::npos);
 }
 
 TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
@@ -189,7 +232,8 @@ TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
 
 TEST(CalibrationText, has_the_residuals_and_what_was_found) {
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
-              (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5"}));
+              (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5",
+                                        "the device has stored them: they stay over a restart"}));
     EXPECT_EQ(calibration_result(Json{{"before", 0.12}, {"after", 0.012}}, "compass")[0], "residual 12 % before, 1.2 % now");
 }
 

@@ -37,6 +37,45 @@ TEST(Table, knows_how_wide_characters_are) {
     EXPECT_EQ(written(table), "NAME  N\n飞控  1\nfc    2\n");
 }
 
+TEST(Table, is_no_wider_than_the_terminal) {
+    Table table{{" ID", "NAME", "WHAT"}};
+    table.row({"1", "SIM_HEIGHT", "the height at which it hovers"});
+    table.row({"12", "B", "short"});
+    std::ostringstream wide, narrow, narrower;
+    table.write(wide, "", 36);
+    EXPECT_EQ(wide.str(),
+              "ID  NAME        WHAT\n"
+              " 1  SIM_HEIGHT  the height at which\n"
+              "                it hovers\n"
+              "12  B           short\n");
+    table.write(narrow, "", 24);
+    EXPECT_EQ(narrow.str(),
+              "ID  NAME\n"
+              "    WHAT\n"
+              " 1  SIM_HEIGHT\n"
+              "    the height at which\n"
+              "    it hovers\n"
+              "12  B\n"
+              "    short\n");
+    table.write(narrower, "", 1);    // it does not break, nor end
+    EXPECT_NE(narrower.str().find("hovers"), std::string::npos);
+}
+
+TEST(Table, text_is_broken_between_words) {
+    EXPECT_EQ(wrapped("one two three", 0), "one two three");
+    EXPECT_EQ(wrapped("one two three", 8), "one two\nthree");
+    EXPECT_EQ(wrapped("one two three", 7, 2), "one two\n  three");
+    EXPECT_EQ(wrapped("one two three", 9, 4, 4), "one\n    two\n    three");
+    EXPECT_EQ(wrapped("a-word-that-is-too-long to fit", 8), "a-word-that-is-too-long\nto fit");
+    EXPECT_EQ(wrapped("  ab cd", 5), "  ab\ncd");
+    EXPECT_EQ(wrapped("飞控悬停高度", 6), "飞控悬\n停高度");
+    EXPECT_EQ(wrapped("one\ntwo three", 9), "one\ntwo three");
+    EXPECT_EQ(wrapped("one two ", 7), "one two ");
+    EXPECT_EQ(wrapped("\xE9\x80", 1), "\xE9\x80");
+    EXPECT_EQ(in_cells("飞控1", 3), "飞");
+    EXPECT_EQ(in_cells("abc", 9), "abc");
+}
+
 TEST(Table, shows_no_control_characters) {
     EXPECT_EQ(without_controls("a\x1b[2Jb\n\x7F\xC2\x9B"
                                "c°"),

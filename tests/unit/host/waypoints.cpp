@@ -41,6 +41,22 @@ TEST_F(WaypointsOf, a_device_are_put_and_got) {
 
 TEST_F(WaypointsOf, a_device_without_any) { EXPECT_TRUE(get().empty()); }
 
+TEST_F(WaypointsOf, a_device_that_is_heard_but_keeps_none_is_not_said_to_be_silent) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        return std::vector<Bytes>{fake.to_host(f, 0x03, Bytes(7))};
+    };
+    WaypointsGet get{device};
+    get.start(simulation.now);
+    simulation.run(get);
+    EXPECT_EQ(get.end()->what,
+              "0xDC is heard, but did not answer the question for its number of waypoints, sent 5 times; it probably keeps none");
+    EXPECT_EQ(put(route).what,
+              "0xDC is heard, but did not acknowledge: write of waypoint 0, sent 5 times; it probably keeps no more, or none");
+    fake.deaf = true;
+    simulation.pass(std::chrono::seconds{1});
+    EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 5 times");
+}
+
 TEST_F(WaypointsOf, places_are_read_back_as_the_wire_rounds_them) {
     const End end = put({{0, 113.123456789, 22.0, 0, 0, 0, 0, {}}});
     EXPECT_EQ(end.ending, Ending::done);

@@ -6,6 +6,8 @@
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
+#include <anoctl/terminal.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -30,10 +32,10 @@ public:
         if (streams_.err_is_terminal) {
             std::vector<std::string> lines = calibration_lines(job);
             lines.push_back(message + (waits ? " (Enter goes on, Ctrl-C cancels)" : ""));
-            return lines_.show(lines);
+            return lines_.show(lines, Screen::size().width);
         }
         for (const auto& [text, told] : {std::pair{message, &message_}, {calibration_step(job), &step_}})
-            if (!text.empty() && text != std::exchange(*told, text)) streams_.err << "anoctl: " << text << std::endl;
+            if (!text.empty() && text != std::exchange(*told, text)) tell(streams_, text);
     }
     void end() override { lines_.clear(); }
     bool goes_on_by_itself() const override { return yes_ || !streams_.in_is_terminal; }
@@ -55,7 +57,7 @@ struct Calibrate {
         const char* todo = what == "compass" ? "turn it slowly in all directions, far from iron"
                                              : "lay it still on each of its six faces";
         if (!client.may("Calibrate the " + what + " of " + client.device_words() + "? You will " + todo + ".")) {
-            streams.err << "anoctl: nothing was changed\n";
+            tell(streams, "nothing was changed");
             return failed;
         }
         anogate::http::Request request;
@@ -66,7 +68,7 @@ struct Calibrate {
         const Json result = client.run(std::move(request), view);
         if (options.json) streams.out << result.dump() << '\n';
         else
-            for (const std::string& line : calibration_result(result, what)) streams.out << line << '\n';
+            for (const std::string& line : calibration_result(result, what)) say(streams, line);
         return fine;
     }
 };
@@ -84,7 +86,7 @@ Run add_calibrate(Options& options) {
         {"what", Option::Read{read_what}, "accelerometer|compass",
          "Shows what is still to be done; the old calibration comes back when it is cancelled or the new one is no better",
          true});
-    DeviceOptions::add(options, self->options);
+    DeviceOptions::add(options, self->options, "calibrate");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -107,6 +107,7 @@ std::vector<std::string> calibration_result(const Json& result, const std::strin
                                    residual_text(number_at(result, "after"), is_share) + " now"};
     for (const auto& [name, value] : at(result, "values").items())
         lines.push_back(name + "=" + text_at(at(result, "values"), name));
+    lines.emplace_back("the device has stored them: they stay over a restart");
     return lines;
 }
 

@@ -14,7 +14,7 @@ namespace anoctl {
 std::vector<std::string> calibration_lines(const ano::Json& job);
 /// The same in a line for a file or a pipe, which changes with each face and each tenth of the sphere.
 std::string calibration_step(const ano::Json& job);
-/// "residual 25.3 cm/s² before, 1.2 cm/s² now", and the values found.
+/// "residual 25.3 cm/s² before, 1.2 cm/s² now", the values found, and that they stay.
 std::vector<std::string> calibration_result(const ano::Json& result, const std::string& what);
 
 }    // namespace anoctl

@@ -5,6 +5,7 @@
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
@@ -41,7 +42,9 @@ private:
             if (options.json) streams.out << command.dump() << '\n';
             else table.row({text_at(command, "id"), command_usage(command), text_at(command, "text")});
         }
-        if (!options.json) table.write(streams.out);
+        const bool is_empty = table.empty() && text_at(answer, "incomplete").empty();
+        if (!options.json && is_empty) say(streams, client.device_words() + " has no commands");
+        else if (!options.json) table.write(streams.out, "", streams.terminal ? streams.width : 0);
         if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
         return fine;
     }
@@ -57,13 +60,13 @@ private:
         std::string said = text_at(command, "name");
         for (const std::string& word : given) said += " " + without_controls(word);
         if (!client.may("Tell " + client.device_words() + ": " + said + "?")) {
-            streams.err << "anoctl: nothing was sent\n";
+            tell(streams, "nothing was sent");
             return failed;
         }
         const Json came = client.run("POST", client.target("/commands/" + text_at(command, "id")),
                                      Json{{"values", values}, {"repeat", repeat}}.dump());
         if (options.json) streams.out << came.dump() << '\n';
-        else streams.out << client.device_words() << ": " << said << ": acknowledged\n";
+        else say(streams, client.device_words() + ": " + said + ": acknowledged");
         return fine;
     }
 };
@@ -76,7 +79,7 @@ Run add_command(Options& options) {
     options.push_back(
         {"words", &self->words, "[COMMAND [VALUE...]]", "The command by name or number, and a value for each of its types"});
     options.push_back({"--repeat", &self->repeat, "", "Sends it again when no answer comes: it may be carried out twice then"});
-    DeviceOptions::add(options, self->options);
+    DeviceOptions::add(options, self->options, "command");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -1,17 +1,13 @@
 #include "command_values.hpp"
+#include "typed_value.hpp"
 
-#include <ano/schema.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
 
-#include <host/value.hpp>
-
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <optional>
 #include <string_view>
 #include <variant>
 
@@ -21,20 +17,10 @@ using ano::Json;
 
 namespace {
 
-std::optional<ano::Type> type_called(std::string_view name) {
-    const auto* found = std::find(ano::type_names.begin(), ano::type_names.end(), name);
-    if (found == ano::type_names.end()) return std::nullopt;
-    return static_cast<ano::Type>(found - ano::type_names.begin());
-}
-
 Json value_typed(const std::string& word, const std::string& type_name, const std::string& where) {
+    if (const std::string misfit = misfit_of(word, type_name); !misfit.empty()) throw UsageError{where + misfit};
     const auto number = ano::parse_number(word);
     if (!number) throw UsageError{where + ano::in_quotes(word) + " is no number"};
-    const auto value = std::visit([](auto plain) { return ano::host::AnyValue{plain}; }, *number);
-    std::vector<std::uint8_t> bytes;
-    if (const auto type = type_called(type_name))
-        if (const auto misfit = ano::host::append(bytes, value, *type); !misfit.empty())
-            throw UsageError{where + ano::in_quotes(word) + " " + std::string{misfit} + " (" + type_name + ")"};
     return std::visit([](auto plain) { return Json(plain); }, *number);
 }
 

@@ -1,6 +1,8 @@
 #include "device_client.hpp"
 
+#include "device_names.hpp"
 #include "door.hpp"
+#include "file_text.hpp"
 #include "job_text.hpp"
 #include "link_door.hpp"
 
@@ -8,7 +10,7 @@
 #include <ano_json/text.hpp>
 #include <anoctl/gateway_json.hpp>
 #include <anoctl/own_link.hpp>
-#include <anoctl/table.hpp>
+#include <anoctl/say.hpp>
 #include <http/asio.hpp>
 
 #include <nlohmann/json.hpp>
@@ -16,6 +18,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <optional>
@@ -40,7 +43,7 @@ http::Request request_of(const std::string& method, std::string target, std::str
     return request;
 }
 
-std::string quoted_devices(const Json& devices) {
+std::string list_of(const Json& devices) {
     std::string all;
     for (const Json& device : devices) {
         all += (all.empty() ? "" : ", ") + text_at(device, "address");
@@ -49,11 +52,17 @@ std::string quoted_devices(const Json& devices) {
     return all;
 }
 
-Json with_name(const Json& devices, const std::string& name) {
-    Json named = Json::array();
-    for (const Json& device : devices)
-        if (text_at(device, "name") == name) named.push_back(device);
-    return named;
+bool all_have_names(const Json& devices) {
+    return std::all_of(devices.begin(), devices.end(), [](const Json& one) { return !text_at(one, "name").empty(); });
+}
+
+// Why it was not done; where somebody else has the device, what can be done about it.
+std::string words_of_refusal(const http::Answer& answer) {
+    std::string words = words_of(answer);
+    const Json json = Json::parse(answer.body, nullptr, false);
+    if (const std::string job = answer.status == 409 ? text_at(json, "job") : ""; !job.empty())
+        words += "; anoctl devices --jobs shows what it does, anoctl devices --cancel " + job + " ends it";
+    return words;
 }
 
 }    // namespace
@@ -67,10 +76,12 @@ struct DeviceClient::Loop {
 // One job, from the request to its end.
 class DeviceClient::Exchange {
 public:
-    Exchange(Loop& loop, Streams& streams, JobView& view) : loop_{loop}, streams_{streams}, view_{view} {}
+    Exchange(Loop& loop, Streams& streams, JobView& view, const std::string& command)
+        : loop_{loop}, streams_{streams}, view_{view}, client_{"anoctl " + command + ", process " + std::to_string(::getpid())} {}
 
     Json run(http::Request request) {
         request.headers.push_back({"Accept", "application/x-ndjson"});
+        request.headers.push_back({"User-Agent", client_});
         request.target += request.target.find('?') == std::string::npos ? "?while_connected" : "&while_connected";
         loop_.io.restart();
         await_signal();
@@ -148,20 +159,32 @@ private:
         const std::string state = text_at(job_, "state"), error = text_at(job_, "error");
         if (state == "done" && job_.contains("result")) return std::move(job_["result"]);
         if (interrupted_ || !outcome_) {
-            const std::string rest = half_done(job_), end = error.starts_with("cancelled") ? error : "cancelled";
-            throw Interrupted{end + (rest.empty() ? "" : ": " + rest)};
+            const std::string end = error.starts_with("cancelled") ? error : "cancelled";
+            throw Interrupted{end + what_is_half_done()};
         }
+        const bool is_over = state != "running" && state != "waiting", was_stopped = error.starts_with("the gateway ends");
+        if (has_job_ && (was_stopped || (!is_over && outcome_->answer.status / 100 != 4)))
+            throw Failure{"the gateway ended; outcome unknown" + what_is_half_done()};
         if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
-        if (!error.empty()) throw Failure{error};
+        if (state == "cancelled") throw Failure{"somebody else cancelled it" + what_is_half_done()};
+        const bool is_counted = text_at(job_, "kind") == "put_waypoints" && number_at(job_, "total") > 0;
+        if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
         if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
-        if (has_job_ && state != "done") throw Failure{"the job ended without a word of how"};
-        if (outcome_->answer.status / 100 != 2) throw Failure{words_of(outcome_->answer)};
+        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer)};
+        if (has_job_) throw Failure{"the job ended without a word of how"};
         return parse_answer(outcome_->answer.body);
+    }
+    std::string what_is_half_done() const {
+        const std::string rest = half_done(job_), error = text_at(job_, "error");
+        if (!rest.empty()) return ": " + rest;
+        const bool says_more = !error.empty() && !error.starts_with("cancelled") && !error.starts_with("the gateway ends");
+        return says_more ? ": " + error : rest;
     }
 
     Loop& loop_;
     Streams& streams_;
     JobView& view_;
+    const std::string client_;    // as the gateway calls us to others
     asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
     asio::posix::stream_descriptor keys_{loop_.io};
     Json job_;
@@ -170,12 +193,13 @@ private:
     std::optional<http::Outcome> outcome_;
 };
 
-void DeviceOptions::add(Options& declared, DeviceOptions& self) {
+void DeviceOptions::add(Options& declared, DeviceOptions& self, const char* command) {
     declared.push_back({"--device", &self.device, "DEVICE", "The device, by address or name (default: the only one there)"});
-    add_place(declared, self);
+    add_place(declared, self, command);
 }
 
-void DeviceOptions::add_place(Options& declared, DeviceOptions& self) {
+void DeviceOptions::add_place(Options& declared, DeviceOptions& self, const char* command) {
+    self.command = command;
     declared.push_back(
         {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
     GatewayOptions::add(declared, self.gateway);
@@ -203,11 +227,13 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
     loop_->io.run();
     if (!outcome) throw Failure{"there is no answer"};
     if (!outcome->fault.empty()) throw Failure{outcome->fault};
-    if (outcome->answer.status / 100 != 2) throw Failure{words_of(outcome->answer)};
+    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer)};
     return parse_answer(outcome->answer.body);
 }
 
-Json DeviceClient::run(http::Request request, JobView& view) { return Exchange{*loop_, streams_, view}.run(std::move(request)); }
+Json DeviceClient::run(http::Request request, JobView& view) {
+    return Exchange{*loop_, streams_, view, options_.command}.run(std::move(request));
+}
 
 Json DeviceClient::run(const std::string& method, const std::string& target, std::string body) {
     ProgressView view{streams_, false};
@@ -224,8 +250,9 @@ const Json& DeviceClient::device() {
     // A link of our own has heard nobody yet.
     Json found = choose(devices(!options_.link.empty()));
     if (found.empty() && options_.link.empty()) found = choose(devices(true));
+    if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // to be chosen by name
     if (found.size() == 1) return loop_->device = found.front();
-    if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + quoted_devices(found)};
+    if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + list_of(found)};
     throw Failure{options_.device.empty() ? "no device answers" : ano::in_quotes(options_.device) + " is no device that answers"};
 }
 
@@ -263,12 +290,18 @@ void DeviceClient::must_be_able_to_ask(const std::string& what) const {
 bool DeviceClient::may(const std::string& question) {
     if (options_.yes) return true;
     must_be_able_to_ask("it");
-    streams_.out.flush();
-    streams_.err << question << " [y/N] " << std::flush;
+    anoctl::ask(streams_, question);
     std::string answer;
     char c = 0;
     while (::read(streams_.in, &c, 1) == 1 && c != '\n') answer += c;
     return answer == "y" || answer == "Y" || answer == "yes";
+}
+
+bool DeviceClient::may_write(const std::string& path) {
+    if (!is_file(path) || options_.yes) return true;
+    if (!streams_.in_is_terminal)
+        throw UsageError{path + " is there already, and there is no terminal to ask at: --yes replaces it"};
+    return may(path + " is there already. Replace it?");
 }
 
 }    // namespace anoctl

@@ -22,13 +22,13 @@ struct JobFailure : Failure {
 
 struct DeviceOptions {
     GatewayOptions gateway;
-    std::string link, device;
+    std::string link, device, command;
     bool json = false, yes = false;
 
-    /// Declares --link, --control, --json. `self` lives as long as the run.
-    static void add_place(Options& declared, DeviceOptions& self);
+    /// Declares --link, --control, --json of `command`. `self` lives as long as the run.
+    static void add_place(Options& declared, DeviceOptions& self, const char* command);
     /// These and --device.
-    static void add(Options& declared, DeviceOptions& self);
+    static void add(Options& declared, DeviceOptions& self, const char* command);
     /// And --yes.
     static void add_yes(Options& declared, DeviceOptions& self);
 };
@@ -65,6 +65,8 @@ public:
     bool may(const std::string& question);
     /// Throws UsageError at once where may() would.
     void must_be_able_to_ask(const std::string& what) const;
+    /// Whether the file may be written: it is not there, or it may be replaced. Throws UsageError where nobody can be asked.
+    bool may_write(const std::string& path);
 
 private:
     class Exchange;

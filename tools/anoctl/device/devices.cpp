@@ -1,15 +1,25 @@
-// anoctl devices: who is there.
+// anoctl devices: who is there, and what is asked of them.
 #include "device_client.hpp"
+#include "device_names.hpp"
 
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
+
+#include <ano_json/text.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
+#include <variant>
 
 namespace anoctl {
 namespace {
@@ -18,27 +28,80 @@ using ano::Json;
 
 std::string age_of(const Json& device) { return device.contains("age") ? time_text(number_at(device, "age")) : std::string{}; }
 
+std::string percent_of(const Json& job) {
+    if (!job.contains("progress")) return {};
+    return ano::number_text(std::floor(std::clamp(number_at(job, "progress"), 0.0, 1.0) * 100)) + " %";
+}
+
+bool has_ended(const Json& job) { return text_at(job, "state") != "running" && text_at(job, "state") != "waiting"; }
+
 struct Devices {
     DeviceOptions options;
-    bool scan = false;
+    bool scan = false, jobs = false;
+    std::optional<unsigned> job;    // to be cancelled
 
     int run(Streams& streams) const {
         DeviceClient client{options, streams};
+        if (job) return cancel(client, streams);
+        return jobs ? list_jobs(client, streams) : list_devices(client, streams);
+    }
+
+private:
+    int list_devices(DeviceClient& client, Streams& streams) const {
         const Json found = client.devices(scan || !options.link.empty());    // a link of our own has heard nobody yet
         if (options.json) {
             for (const Json& device : found) streams.out << device.dump() << '\n';
             return fine;
         }
         Table table{
-            {"ADDRESS", "NAME", " HARDWARE", " SOFTWARE", " PROTOCOL", " PARAMETERS", "LINK", "PEER", " HEARD", " RATE", "JOB"}};
+            {"ADDRESS", "NAME", " HARDWARE", " SOFTWARE", " PROTOCOL", " PARAMETERS", "LINK", "PEER", " HEARD", " RATE", " JOB"}};
+        bool have_names = true;
         for (const Json& device : found) {
-            const std::string rate = text_at(device, "rate"), job = text_at(device, "job");
-            table.row({text_at(device, "address"), text_at(device, "name"), text_at(device, "hw"), text_at(device, "sw"),
-                       text_at(device, "pt"), text_at(device, "parameters"), text_at(device, "link"), text_at(device, "peer"),
-                       age_of(device), rate.empty() ? rate : rate + "/s", job});
+            const std::string rate = text_at(device, "rate"), name = text_at(device, "name");
+            have_names = have_names && !name.empty();
+            table.row({text_at(device, "address"), name, text_at(device, "hw"), text_at(device, "sw"), text_at(device, "pt"),
+                       text_at(device, "parameters"), text_at(device, "link"), text_at(device, "peer"), age_of(device),
+                       rate.empty() ? rate : rate + "/s", text_at(device, "job")});
+            for (const std::string& words : left_behind(device)) table.note("    " + words);
         }
-        if (table.empty()) streams.err << "anoctl: no device is there" << (scan ? "" : "; --scan asks everybody") << '\n';
-        else table.write(streams.out);
+        if (table.empty()) tell(streams, std::string{"no device is there"} + (scan ? "" : "; --scan asks everybody"));
+        else table.write(streams.out, "", streams.terminal ? streams.width : 0);
+        if (!have_names && !scan) tell(streams, "not everybody has said his name yet; --scan asks");
+        return fine;
+    }
+
+    int list_jobs(DeviceClient& client, Streams& streams) const {
+        constexpr std::size_t most_ended = 10;    // are shown to people
+        const Json answer = client.ask("GET", "/jobs");
+        const Json& all = at(answer, "jobs");
+        auto ended = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), has_ended));
+        Table table{{" JOB", "DEVICE", "WHAT", "STATE", " DONE", "BY", "MESSAGE"}};
+        for (const Json& one : all) {
+            const bool is_old = has_ended(one) && ended-- > most_ended;
+            if (options.json) streams.out << one.dump() << '\n';
+            else if (!is_old)
+                table.row({text_at(one, "id"), text_at(one, "device"), text_at(one, "kind"), text_at(one, "state"),
+                           percent_of(one), text_at(one, "client"), text_at(one, "message")});
+        }
+        if (options.json) return fine;
+        if (table.empty()) tell(streams, "nothing is asked of any device, nor was lately");
+        else table.write(streams.out, "", streams.terminal ? streams.width : 0);
+        return fine;
+    }
+
+    int cancel(DeviceClient& client, Streams& streams) const {
+        const std::string target = "/jobs/" + std::to_string(*job), before = text_at(client.ask("GET", target), "state");
+        const Json ended = client.ask("DELETE", target);
+        if (options.json) {
+            streams.out << ended.dump() << '\n';
+            return fine;
+        }
+        const std::string state = text_at(ended, "state"), error = text_at(ended, "error"), by = text_at(ended, "client");
+        std::string words = "job " + text_at(ended, "id") + " (" + text_at(ended, "kind") + (by.empty() ? by : " of " + by) +
+                            "): ";
+        words += state == "cancelled" && before != state ? "cancelled" : "it was over: " + state;
+        if (!error.empty() && error != "cancelled") words += "; " + error;
+        say(streams, words);
         return fine;
     }
 };
@@ -47,8 +110,19 @@ struct Devices {
 
 Run add_devices(Options& options) {
     const auto self = std::make_shared<Devices>();
+    const auto read_job = [self](const std::string& word) -> std::string {
+        const auto number = ano::parse_number(word);
+        const auto* id = number ? std::get_if<std::uint64_t>(&*number) : nullptr;
+        if (id == nullptr || *id > std::numeric_limits<unsigned>::max()) return ano::in_quotes(word) + " is no number of a job";
+        self->job = static_cast<unsigned>(*id);
+        return {};
+    };
     options.push_back({"--scan", &self->scan, "", "Asks everybody who he is; without it, those that were heard"});
-    DeviceOptions::add_place(options, self->options);
+    options.push_back(
+        {"--jobs", &self->jobs, "", "What is asked of devices just now, by whom, and what came of it lately", false, {"--scan"}});
+    options.push_back(
+        {"--cancel", Option::Read{read_job}, "JOB", "Ends this job of --jobs, whoever began it", false, {"--scan", "--jobs"}});
+    DeviceOptions::add_place(options, self->options, "devices");
     return [self](Streams& streams) { return self->run(streams); };
 }
 

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 
 namespace anoctl {
@@ -17,6 +18,7 @@ std::string why() { return std::generic_category().message(errno); }
 }    // namespace
 
 std::string text_of_file(const std::string& path, std::size_t most) {
+    if (path.empty()) throw UsageError{"a FILE has a name"};
     const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) throw UsageError{path + ": it can't be read: " + why()};
     std::string text;
@@ -30,14 +32,28 @@ std::string text_of_file(const std::string& path, std::size_t most) {
     return text;
 }
 
+bool is_file(const std::string& path) {
+    std::error_code error;
+    return path != "-" && std::filesystem::is_regular_file(path, error);
+}
+
 void write_file(const std::string& path, const std::string& text) {
-    const std::string part = path + ".part";
+    namespace fs = std::filesystem;
+    if (path.empty()) throw UsageError{"a FILE has a name"};
+    std::error_code error;
+    const fs::file_status there = fs::status(path, error);
+    const bool is_plain = !fs::exists(there) || fs::is_regular_file(there);
+    const fs::path real = fs::is_regular_file(there) ? fs::canonical(path, error) : fs::path{path};    // not the link to it
+    const std::string target = error && real.empty() ? path : real.string();
+    const std::string part = is_plain ? target + ".part" : target;
     std::FILE* file = std::fopen(part.c_str(), "we");
     bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
     if (file != nullptr) good = std::fclose(file) == 0 && good;
-    if (good && std::rename(part.c_str(), path.c_str()) == 0) return;
+    if (good && !is_plain) return;
+    if (good && fs::is_regular_file(there)) fs::permissions(part, there.permissions(), error);
+    if (good && std::rename(part.c_str(), target.c_str()) == 0) return;
     const std::string fault = why();
-    ::unlink(part.c_str());
+    if (is_plain) ::unlink(part.c_str());
     throw Failure{path + ": it can't be written: " + fault};
 }
 

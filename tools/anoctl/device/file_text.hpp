@@ -8,7 +8,10 @@ namespace anoctl {
 /// "-" is standard input. Throws UsageError when it can't be read or has more than `most` bytes.
 std::string text_of_file(const std::string& path, std::size_t most = 64 * 1024 * 1024);
 
-/// Whole or not at all: who reads it meanwhile has the old one. Throws Failure.
+/// There is a file of this name that would be lost; "-" is none, nor is what is no plain file.
+bool is_file(const std::string& path);
+
+/// Whole or not at all: who reads it meanwhile has the old one. What is no plain file, as /dev/stdout, is written into. Throws Failure.
 void write_file(const std::string& path, const std::string& text);
 
 }    // namespace anoctl

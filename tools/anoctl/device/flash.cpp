@@ -5,6 +5,7 @@
 
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
@@ -37,7 +38,7 @@ struct Flash {
         const std::string size = bytes_text(static_cast<double>(request.body.size()));
         if (!client.may("Replace the firmware of " + device_with_versions(client) + " by " + file + ", " + size +
                         (has_header ? "" : ", which says nothing of the hardware that it is for") + "?")) {
-            streams.err << "anoctl: nothing was changed\n";
+            tell(streams, "nothing was changed");
             return failed;
         }
         request.method = "POST";
@@ -49,8 +50,9 @@ struct Flash {
         const Json came = client.run(std::move(request), view);
         if (options.json) streams.out << came.dump() << '\n';
         else
-            streams.out << client.device_words() << ": written and checked, " << text_at(came, "frames") << " frames, "
-                        << text_at(came, "repeats") << " repeated, in " << time_text(number_at(came, "seconds")) << '\n';
+            say(streams, client.device_words() + ": written and checked, " +
+                             plural(static_cast<std::size_t>(number_at(came, "frames")), "frame") + ", " +
+                             text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")));
         return fine;
     }
 
@@ -71,7 +73,7 @@ Run add_flash(Options& options) {
     options.push_back({"--force", &self->force, "", "Although it is for other hardware, or the device says that it flies"});
     options.push_back(
         {"--crc", &self->crc, "ibm-3740|xmodem|kermit|modbus|arc", "The CRC-16 of the device's loader (default: ibm-3740)"});
-    DeviceOptions::add(options, self->options);
+    DeviceOptions::add(options, self->options, "flash");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -1,9 +1,14 @@
 #include "frames_of.hpp"
 
+#include "device_names.hpp"
+
+#include <anoctl/gateway_json.hpp>
 #include <anoctl/own_link.hpp>
 #include <anoctl/watch.hpp>
 
 #include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include <bitset>
 #include <variant>
@@ -42,17 +47,30 @@ private:
 }    // namespace
 
 void FramesOf::add(Options& declared, FramesOf& self) {
-    declared.push_back({"--device", &self.devices, "ADDRESS...", "Only from these devices"});
+    declared.push_back({"--device", &self.devices, "DEVICE...", "Only from these devices, by address or name"});
     declared.push_back(
         {"--link", &self.link, "KIND:ADDRESS[,KEY=VALUE...]", "Without a gateway: by a link of its own, as for anogated"});
     GatewayOptions::add(declared, self.gateway);
 }
 
+// The gateway knows what its devices call themselves.
+std::vector<std::string> FramesOf::by_address() const {
+    std::vector<std::string> all = devices;
+    for (std::string& word : all) {
+        if (!link.empty() || !std::holds_alternative<ano::JsonFault>(ano::address_called(word))) continue;
+        const ano::Json answer = parse_answer(gateway.ask("GET", "/devices"));
+        if (const ano::Json called = with_name(at(answer, "devices"), word); called.size() == 1)
+            word = text_at(called.front(), "address");
+    }
+    return all;
+}
+
 std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams,
                            const std::string& who) const {
-    const Chosen from = addresses_of_devices(devices);
+    const std::vector<std::string> named = by_address();
+    const Chosen from = addresses_of_devices(named);
     if (link.empty())
-        return watch_frames(gateway.socket(), "&direction=in" + filter_words("id", ids) + filter_words("from", devices), taker);
+        return watch_frames(gateway.socket(), "&direction=in" + filter_words("id", ids) + filter_words("from", named), taker);
     Chosen wanted;
     for (const std::string& id : ids) wanted.set(message_id_of(id));
     OnlyThese only{wanted, from, taker};

@@ -19,6 +19,9 @@ struct FramesOf {
     /// Gives those of the messages `ids` to `taker` until it is interrupted or wants no more. Returns why no more will come; empty: one of
     /// these. Throws UsageError, and Failure when there is no gateway. `who` is the command.
     std::string each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams, const std::string& who) const;
+
+private:
+    std::vector<std::string> by_address() const;
 };
 
 }    // namespace anoctl

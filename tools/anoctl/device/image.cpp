@@ -2,6 +2,8 @@
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_printer.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
+#include <anoctl/table.hpp>
 #include "file_text.hpp"
 #include "frames_of.hpp"
 #include "pictures.hpp"
@@ -77,16 +79,15 @@ public:
     }
     bool flush() override { return bool{streams_.out.flush()}; }
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
-        streams_.err << "anoctl: " << count << " frames did not come, the gateway had no room for them" << std::endl;
+        tell(streams_, plural(count, "frame") + " did not come, the gateway had no room for " + (count == 1 ? "it" : "them"));
     }
     /// Nothing more comes.
     void end() {
         if (!done_)
             for (const Picture& picture : pictures_.end()) write(picture);
-        streams_.out.flush();
-        streams_.err << "anoctl: " << written_ << (written_ == 1 ? " picture" : " pictures");
-        if (partial_ > 0) streams_.err << ", " << partial_ << " of them with a part lost";
-        streams_.err << std::endl;
+        std::string words = plural(written_, "picture");
+        if (partial_ > 0) words += ", " + std::to_string(partial_) + " of them with a part lost";
+        tell(streams_, words);
     }
 
 private:

@@ -62,8 +62,7 @@ std::string progress_text(const ano::Json& job, double seconds, std::size_t widt
         const std::string head = bar(done / total) + counts(done, total, unit) + pace(done, total, seconds, unit);
         text = text.empty() ? head : head + ": " + text;
     }
-    while (cells_of(text) > width) text.pop_back();
-    return text;
+    return in_cells(text, width);
 }
 
 std::string half_done(const ano::Json& job) {
@@ -75,7 +74,7 @@ std::string half_done(const ano::Json& job) {
         return counts(done, total, unit) +
                " were looked at: what was written stays until the device restarts, and no longer unless "
                "it is saved";
-    if (deed == "put_waypoints" && done > 0) return counts(done, total, unit) + " were written";
+    if (deed == "put_waypoints" && total > 0) return counts(done, total, unit) + " were written";
     if (deed == "command") return "the command may have been carried out";
     return {};
 }

@@ -2,16 +2,20 @@
 
 #include "job_text.hpp"
 
+#include <anoctl/say.hpp>
+#include <anoctl/table.hpp>
 #include <anoctl/terminal.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <ostream>
 
 namespace anoctl {
 
-void LiveLines::show(const std::vector<std::string>& lines) {
+void LiveLines::show(std::vector<std::string> lines, std::size_t width) {
+    for (std::string& line : lines) line = in_cells(line, width - std::min<std::size_t>(width, 1));
     if (lines.empty() && shown_ == 0) return;
     err_ << '\r';
     if (shown_ > 1) err_ << "\x1b[" << shown_ - 1 << 'A';
@@ -24,12 +28,13 @@ void LiveLines::show(const std::vector<std::string>& lines) {
 void ProgressView::show(const ano::Json& job) {
     if (streams_.err_is_terminal) {
         const double seconds = std::chrono::duration<double>(ano::Clock::now() - began_).count();
-        return lines_.show({progress_text(job, seconds, Screen::size().width - 1)});
+        const std::size_t width = Screen::size().width;
+        return lines_.show({progress_text(job, seconds, width)}, width);
     }
     const std::string message = step_text(job);
     if (!tells_steps_ || message.empty() || message == told_) return;
     told_ = message;
-    streams_.err << "anoctl: " << message << std::endl;
+    tell(streams_, message);
 }
 
 }    // namespace anoctl

@@ -5,6 +5,7 @@
 #include <ano/time.hpp>
 #include <ano_json/frame_json.hpp>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,9 @@ public:
     ~LiveLines() { clear(); }
     LiveLines(const LiveLines&) = delete;
     LiveLines& operator=(const LiveLines&) = delete;
-    void show(const std::vector<std::string>& lines);
-    void clear() { show({}); }
+    /// Of a terminal that is so wide: what is longer is cut off, for it would take two of its lines.
+    void show(std::vector<std::string> lines, std::size_t width);
+    void clear() { show({}, 0); }
 
 private:
     std::ostream& err_;

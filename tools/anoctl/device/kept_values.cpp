@@ -33,7 +33,7 @@ std::string keep_in_state_folder(const std::string& name, const std::string& tex
     }
     if (fs::exists(path, error))
         return path.string() + " has those of a calibration that did not end: write them back by anoctl param import " +
-               path.string() + " --with-calibration, then remove it";
+               path.string() + " and anoctl param save, then remove it";
     fs::create_directories(folder, error);
     if (error) return folder.string() + ": it can't be made: " + error.message();
     try {

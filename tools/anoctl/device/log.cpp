@@ -2,6 +2,7 @@
 #include <anoctl/anoctl.hpp>
 #include <anoctl/frame_printer.hpp>
 #include <anoctl/own_link.hpp>
+#include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
 #include "frames_of.hpp"
 
@@ -43,7 +44,9 @@ public:
     bool flush() override { return bool{streams_.out.flush()}; }
     void miss(std::uint64_t count, const std::string&, std::string_view json) override {
         if (json_) streams_.out << json << '\n';
-        else streams_.err << "anoctl: " << count << " lines are not shown, the gateway had no room for them" << std::endl;
+        else
+            tell(streams_, plural(count, "line") + (count == 1 ? " is" : " are") + " not shown, the gateway had no room for " +
+                               (count == 1 ? "it" : "them"));
     }
 
 private:

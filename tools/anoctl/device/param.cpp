@@ -1,17 +1,22 @@
 // anoctl param: the parameters of a device.
 #include "device_client.hpp"
 #include "file_text.hpp"
+#include "parameter_assignments.hpp"
 #include "parameter_file.hpp"
 
+#include <ano_json/json_line.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
 #include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -25,10 +30,6 @@ namespace {
 using ano::Json;
 
 constexpr std::string_view actions[]{"list", "get", "set", "save", "reset", "export", "import", "diff"};
-
-std::string plural(std::size_t number, const std::string& word) {
-    return std::to_string(number) + " " + word + (number == 1 ? "" : "s");
-}
 
 struct Param {
     DeviceOptions options;
@@ -72,7 +73,8 @@ private:
                 table.row({text_at(row, "id"), text_at(row, "name"), text_at(row, "type"),
                            row.contains("value") ? without_controls(value_text(row["value"])) : "did not come",
                            text_at(row, "min"), text_at(row, "max"), text_at(row, "text")});
-            table.write(streams.out);
+            if (table.empty()) say(streams, client.device_words() + " has no parameters");
+            else table.write(streams.out, "", streams.terminal ? streams.width : 0);
         }
         if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
         return fine;
@@ -86,6 +88,8 @@ private:
     int get(Streams& streams) const {
         if (words.empty()) throw UsageError{"which? anoctl param get NAME..., or --all"};
         DeviceClient client{options, streams};
+        const Json described = descriptions(client);
+        for (const std::string& name : words) (void)parameter_called(described, name);
         for (const std::string& name : words) {
             const Json row = client.run("GET", client.target("/parameters/" + percent_encoded(name)));
             if (options.json) streams.out << row.dump() << '\n';
@@ -94,18 +98,9 @@ private:
         return fine;
     }
 
-    // NAME VALUE, or NAME=VALUE...
-    std::vector<std::pair<std::string, std::string>> assignments() const {
-        if (words.size() == 2 && words[0].find('=') == std::string::npos) return {{words[0], words[1]}};
-        std::vector<std::pair<std::string, std::string>> found;
-        for (const std::string& word : words) {
-            const std::size_t equals = word.find('=');
-            if (equals == std::string::npos || equals == 0)
-                throw UsageError{ano::in_quotes(word) + " is no NAME=VALUE; one parameter is NAME VALUE as well"};
-            found.emplace_back(word.substr(0, equals), word.substr(equals + 1));
-        }
-        if (found.empty()) throw UsageError{"what? anoctl param set NAME VALUE, or NAME=VALUE..."};
-        return found;
+    /// Without values.
+    static Json descriptions(DeviceClient& client) {
+        return at(client.run("GET", client.target("/parameters?values=0")), "parameters");
     }
 
     Json wanted_value(const std::string& value) const {
@@ -114,27 +109,38 @@ private:
         return body;
     }
 
+    // Nothing is written before all of them are known to be right.
     int set(Streams& streams) const {
-        const auto wanted = assignments();
+        const std::vector<Assignment> wanted = assignments(words);
         DeviceClient client{options, streams};
-        for (const auto& [name, value] : wanted) {
-            const Json came = client.run("PUT", client.target("/parameters/" + percent_encoded(name)),
-                                         wanted_value(value).dump());
-            if (options.json) {
-                streams.out << came.dump() << '\n';
-                continue;
+        check(wanted, descriptions(client));
+        for (auto next = wanted.begin(); next != wanted.end(); ++next) {
+            try {
+                set_one(client, *next, streams);
+            } catch (const Failure& e) {
+                std::string rest;
+                for (auto later = next + 1; later != wanted.end(); ++later) rest += (rest.empty() ? "" : ", ") + later->name;
+                throw Failure{e.what() + (rest.empty() ? rest : "; not written any more: " + rest)};
             }
-            streams.out << text_at(came, "name") << '=' << plain_at(came, "stored");
-            if (text_at(came, "clamped") == "true") streams.out << " (the device clamps " << plain_at(came, "written") << ')';
-            streams.out << '\n';
         }
         return fine;
+    }
+    void set_one(DeviceClient& client, const Assignment& wanted, Streams& streams) const {
+        const Json came = client.run("PUT", client.target("/parameters/" + percent_encoded(wanted.name)),
+                                     wanted_value(wanted.value).dump());
+        if (options.json) {
+            streams.out << came.dump() << '\n';
+            return;
+        }
+        streams.out << text_at(came, "name") << '=' << plain_at(came, "stored");
+        if (text_at(came, "clamped") == "true") streams.out << " (the device clamps " << plain_at(came, "written") << ')';
+        streams.out << '\n' << std::flush;
     }
 
     int act(DeviceClient& client, const char* what, const std::string& words_of_success, Streams& streams) const {
         const Json came = client.run("POST", client.target(force ? "/actions?force" : "/actions"), Json{{"action", what}}.dump());
         if (options.json) streams.out << came.dump() << '\n';
-        else streams.out << client.device_words() << ": " << words_of_success << '\n';
+        else say(streams, client.device_words() + ": " + words_of_success);
         return fine;
     }
     int save(Streams& streams) const {
@@ -144,62 +150,94 @@ private:
     int reset(Streams& streams) const {
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("param reset");
-        if (!client.may("All parameters of " + client.device_words() + " become what its maker meant. Go on?"))
+        if (!client.may(
+                "All parameters of " + client.device_words() +
+                " become what its maker meant, those of its calibration (CAL_...) too; anoctl param export keeps them in a "
+                "file. Go on?"))
             return declined(streams);
         return act(client, "restore_defaults", "has the parameters that its maker meant", streams);
     }
     static int declined(Streams& streams) {
-        streams.err << "anoctl: nothing was changed\n";
+        tell(streams, "nothing was changed");
         return failed;
     }
 
     int export_to(Streams& streams) const {
         const std::string path = words.empty() ? "-" : file();
+        must_be_json(path);
         DeviceClient client{options, streams};
+        if (!client.may_write(path)) {
+            tell(streams, "nothing was read");
+            return failed;
+        }
         const Json made = parameter_file(client.run("GET", client.target("/parameters")));
-        const std::string text = made.dump(2) + "\n";
+        if (const std::string names = names_without_value(made); !names.empty())
+            tell(streams, "inf and nan are null in the file, and import leaves them out: " + names);
+        const std::string text = made.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
         if (path == "-") {
             streams.out << text;
             return fine;
         }
         write_file(path, text);
-        if (options.json) streams.out << Json{{"file", path}, {"parameters", made["parameters"].size()}}.dump() << '\n';
-        else
-            streams.out << plural(made["parameters"].size(), "parameter") << " of " << client.device_words() << " in " << path
-                        << '\n';
+        const std::size_t number = made["parameters"].size();
+        if (options.json) streams.out << ano::json_line(Json{{"file", path}, {"parameters", number}});
+        else say(streams, plural(number, "parameter") + " of " + client.device_words() + " in " + path);
         return fine;
+    }
+    // Who says .params or .csv wants a form that is not made.
+    static void must_be_json(const std::string& path) {
+        const std::string extension = std::filesystem::path{path}.extension().string();
+        const bool is_word = extension.size() > 1 && std::all_of(extension.begin() + 1, extension.end(),
+                                                                 [](unsigned char c) { return std::isalpha(c) != 0; });
+        if (is_word && extension != ".json")
+            throw UsageError{path + ": " + ano::in_quotes(extension) + " is no form of parameters; .json is"};
     }
 
     /// What a file would change; nothing is changed.
     struct Difference {
         Json values, answer;
         std::size_t left_out = 0, changes = 0;
+        std::string without_value;
     };
+    // A file that a calibration kept has nothing else.
     Difference difference(DeviceClient& client, const Json& given) const {
         Difference d;
-        d.values = wanted_values(given, with_calibration, d.left_out);
+        d.values = wanted_values(given, with_calibration || is_kept_by_calibration(words[0]), d.left_out);
+        d.without_value = names_without_value(given);
         d.answer = client.run("POST", client.target("/apply"), Json{{"parameters", d.values}, {"dry_run", true}}.dump());
         d.changes = at(d.answer, "parameters").size() - rows_with(d.answer, "unchanged");
         return d;
     }
-    void show(const Difference& d, std::ostream& out) const {
-        for (const std::string& line : difference_lines(d.answer)) out << line << '\n';
-        if (d.changes == 0) out << "nothing differs\n";
-        if (d.left_out > 0) out << plural(d.left_out, "calibration parameter") << " left out, see --with-calibration\n";
+    static void show(const Difference& d, Streams& streams) {
+        for (const std::string& line : difference_lines(d.answer)) say(streams, line);
+        if (d.changes == 0) say(streams, "nothing differs");
+        if (d.left_out > 0) say(streams, plural(d.left_out, "calibration parameter") + " left out, see --with-calibration");
+        if (!d.without_value.empty()) say(streams, "without a value in the file: " + d.without_value);
     }
 
+    // As the command diff does: 1, something differs; 2, that could not be found out.
     int diff(Streams& streams) const {
+        try {
+            return differs(streams) ? failed : fine;
+        } catch (const Failure& e) {
+            throw UsageError{e.what()};
+        }
+    }
+    bool differs(Streams& streams) const {
         const Json given = parsed_parameter_file(text_of_file(file()), file());
         DeviceClient client{options, streams};
         const Difference d = difference(client, given);
-        if (options.json) {
-            for (const Json& row : at(d.answer, "parameters")) streams.out << row.dump() << '\n';
-            return fine;
+        if (!options.json) {
+            if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
+            show(d, streams);
         }
-        if (const std::string other = of_another_device(given, client.known_device()); !other.empty())
-            streams.err << "anoctl: " << other << '\n';
-        show(d, streams.out);
-        return fine;
+        for (const Json& row : at(d.answer, "parameters"))
+            if (const bool is_same = text_at(row, "state") == "unchanged"; is_same ? all : options.json) show_row(row, streams);
+        return d.changes > 0;
+    }
+    void show_row(const Json& row, Streams& streams) const {
+        if (options.json) streams.out << row.dump() << '\n';
+        else say(streams, text_at(row, "name") + ": " + value_text(row["written"]) + ", the same");
     }
 
     int import_from(Streams& streams) const {
@@ -207,10 +245,10 @@ private:
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("param import");
         const Difference d = difference(client, given);
-        if (!options.json) show(d, streams.out);
+        if (!options.json) show(d, streams);
         if (d.changes > 0) {
             const std::string other = of_another_device(given, client.known_device());
-            if (!other.empty() && options.yes) streams.err << "anoctl: " << other << '\n';
+            if (!other.empty() && options.yes) tell(streams, other);
             if (!other.empty() && !client.may(other + ". Go on all the same?")) return declined(streams);
             if (!client.may("Write " + plural(d.changes, "parameter") + " into " + client.device_words() + "?"))
                 return declined(streams);
@@ -236,12 +274,14 @@ private:
         } else if (d.changes > 0) {
             for (const Json& row : at(came, "parameters"))
                 if (const std::string state = text_at(row, "state"); state != "unchanged" && state != "written")
-                    for (const std::string& line : difference_lines(Json{{"parameters", Json::array({row})}}))
-                        streams.out << line << '\n';
-            streams.out << plural(rows_with(came, "written") + rows_with(came, "clamped"), "parameter")
-                        << " written; anoctl param save keeps them over a restart\n";
+                    for (const std::string& line : difference_lines(Json{{"parameters", Json::array({row})}})) say(streams, line);
+            say(streams, plural(rows_with(came, "written") + rows_with(came, "clamped"), "parameter") +
+                             " written; anoctl param save keeps them over a restart");
         }
         if (!why.empty()) throw Failure{why};
+        if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own
+            tell(streams, "the old calibration is in the device; when it is saved, remove " + words[0] +
+                              ": as long as it is there, no calibration begins");
         return wrong == 0 ? fine : failed;
     }
 };
@@ -253,17 +293,19 @@ Run add_param(Options& options) {
     options.push_back(
         {"action", &self->action, "list|get|set|save|reset|export|import|diff",
          "list, get NAME... or --all, set NAME VALUE or NAME=VALUE..., save (keeps them over a restart), reset (to what the "
-         "maker meant), export [FILE], import FILE (shows what changes, and asks), diff FILE",
+         "maker meant), export [FILE], import FILE (shows what changes, and asks), diff FILE (exit status 1 when something "
+         "differs, 2 "
+         "when that can't be found out)",
          true});
     options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "What for"});
-    options.push_back({"--all", &self->all, "", "get: every one"});
+    options.push_back({"--all", &self->all, "", "get: every one; diff: those that are the same as well"});
     options.push_back({"--with-calibration", &self->with_calibration, "",
                        "import, diff: CAL_... as well, which belongs to one piece of "
                        "hardware"});
     options.push_back({"--longer", &self->longer, "", "set, import: a text may be longer than the one that it replaces"});
     options.push_back({"--force", &self->force, "", "reset: although the device says that it flies"});
     options.push_back({"--rollback", &self->rollback, "", "import: all or nothing"});
-    DeviceOptions::add(options, self->options);
+    DeviceOptions::add(options, self->options, "param");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -18,10 +18,13 @@ namespace {
 
 void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
 
+bool is_real(const Json& row) { return text_at(row, "type") == "f32" || text_at(row, "type") == "f64"; }
+
 }    // namespace
 
 std::string value_text(const Json& value) {
     if (value.is_null()) return "-";
+    if (value == "inf" || value == "-inf" || value == "nan") return value.get<std::string>();
     if (value.is_string()) return ano::in_quotes(value.get<std::string>(), '"');
     if (value.is_number_float()) return ano::number_text(value.get<double>());
     return value.dump();
@@ -44,7 +47,7 @@ Json parameter_file(const Json& answer) {
         const std::string name = text_at(row, "name");
         if (!row.contains("value") || row.contains("missing")) add_name(missing, name.empty() ? text_at(row, "id") : name);
         else if (values.contains(name)) add_name(twice, name);
-        else values[name] = row["value"];
+        else values[name] = is_real(row) && row["value"].is_string() ? Json(nullptr) : row["value"];
     }
     if (!missing.empty()) throw Failure{"nothing is exported: these did not come: " + missing};
     if (!twice.empty()) throw Failure{"nothing is exported: several parameters are called " + twice};
@@ -62,8 +65,10 @@ Json parsed_parameter_file(const std::string& text, const std::string& path) {
     if (file.is_object() && !file.contains("parameters")) file = Json{{"parameters", file}};
     if (!file.is_object() || !file["parameters"].is_object())
         throw UsageError{path + ": it is no file of parameters: {\"parameters\": {NAME: value}}"};
+    if (const Json whose = file.value("device", Json{}); whose.is_object())
+        for (const auto& [key, value] : whose.items()) file[key == "address" ? "device" : key] = value;
     for (const auto& [name, value] : file["parameters"].items())
-        if (!value.is_number() && !value.is_string() && !value.is_boolean())
+        if (value.is_structured())
             throw UsageError{path + ": the value of " + ano::in_quotes(name) + " is neither a number nor a text"};
     return file;
 }
@@ -85,10 +90,22 @@ Json wanted_values(const Json& file, bool with_calibration, std::size_t& left_ou
     Json wanted = Json::object();
     left_out = 0;
     for (const auto& [name, value] : file["parameters"].items()) {
-        if (with_calibration || !is_calibration(name)) wanted[name] = value;
-        else ++left_out;
+        if (!with_calibration && is_calibration(name)) ++left_out;
+        else if (!value.is_null()) wanted[name] = value;
     }
     return wanted;
+}
+
+std::string names_without_value(const Json& file) {
+    std::string names;
+    for (const auto& [name, value] : file["parameters"].items())
+        if (value.is_null()) add_name(names, name);
+    return names;
+}
+
+bool is_kept_by_calibration(const std::string& path) {
+    const std::string name = path.substr(path.find_last_of('/') + 1);
+    return name.starts_with("calibration-0x") && (name.ends_with("-accelerometer.json") || name.ends_with("-compass.json"));
 }
 
 std::vector<std::string> difference_lines(const Json& answer) {

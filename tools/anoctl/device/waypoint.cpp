@@ -7,12 +7,19 @@
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/say.hpp>
+#include <anoctl/table.hpp>
+#include <devices/waypoint_forms.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace anoctl {
 namespace {
@@ -34,31 +41,62 @@ private:
     static std::string query(const std::string& form) { return form == "json" ? "" : "?format=" + form; }
 
     int get(Streams& streams) const {
-        DeviceClient client{options, streams};
         const std::string form = format.empty() ? form_of_name(file) : format;
+        DeviceClient client{options, streams};
+        if (!client.may_write(file)) {
+            tell(streams, "nothing was read");
+            return failed;
+        }
         const Json answer = client.run("GET", client.target("/waypoints" + query(form)));
         if (file == "-") {
             streams.out << (options.json ? answer.dump() : answer.dump(2)) << '\n';
             return fine;
         }
         write_file(file, answer.dump(2) + "\n");
-        streams.err << "anoctl: the waypoints of " << client.device_words() << " are in " << file << '\n';
+        tell(streams, "the waypoints of " + client.device_words() + " are in " + file);
         return fine;
     }
 
-    int put(Streams& streams) const {
-        Json given;
+    Json given() const {
         const std::string text = text_of_file(file);
         try {
-            given = Json::parse(text);
+            return Json::parse(text);
         } catch (const Json::exception& e) {
             throw UsageError{file + ": it is not JSON: " + ano::syntax_fault(text, e)};
         }
+    }
+
+    /// As the engine reads them: what is wrong with the file is said before anybody is asked.
+    std::vector<ano::host::Waypoint> waypoints_of(const Json& json, const std::string& form) const {
+        auto read = anogate::waypoints_in(json, anogate::waypoint_form(form).value_or(anogate::WaypointForm::plain));
+        if (const auto* wrong = std::get_if<std::string>(&read)) throw UsageError{file + ": " + *wrong};
+        return std::get<std::vector<ano::host::Waypoint>>(std::move(read));
+    }
+
+    int put(Streams& streams) const {
+        const Json json = given();
+        const std::string form = format.empty() ? form_of_content(json, file) : format;
+        const auto waypoints = waypoints_of(json, form);
+        if (waypoints.empty()) throw UsageError{file + ": there is no waypoint in it"};
+        std::size_t wanted = 0;
+        for (const ano::host::Waypoint& one : waypoints) wanted = std::max(wanted, one.num + std::size_t{1});
         DeviceClient client{options, streams};
-        const std::string form = format.empty() ? form_of_content(given) : format;
-        const Json came = client.run("PUT", client.target("/waypoints" + query(form)), given.dump());
-        if (options.json) streams.out << came.dump() << '\n';
-        else streams.out << client.device_words() << ": " << text_at(came, "written") << " waypoints written\n";
+        client.must_be_able_to_ask("waypoint put");
+        const std::size_t had = at(client.run("GET", client.target("/waypoints")), "waypoints").size();
+        const std::string overwritten = overwriting_text(wanted, had);
+        if (options.yes && wanted < had) tell(streams, client.device_words() + ": " + overwritten);
+        if (!client.may(overwritten + "Write " + plural(waypoints.size(), "waypoint") + " into " + client.device_words() + "?")) {
+            tell(streams, "nothing was written");
+            return failed;
+        }
+        const Json came = client.run("PUT", client.target("/waypoints" + query(form)), json.dump());
+        if (options.json) {
+            streams.out << came.dump() << '\n';
+            return fine;
+        }
+        const std::string note = text_at(came, "note");
+        say(streams,
+            client.device_words() + ": " + plural(waypoints.size(), "waypoint") + " written" + (note.empty() ? "" : "; " + note));
         return fine;
     }
 };
@@ -73,13 +111,14 @@ Run add_waypoint(Options& options) {
         self->format = word;
         return {};
     };
-    options.push_back(
-        {"action", &self->action, "get|put", "get [FILE] reads them out of the device, put FILE writes them into it", true});
+    options.push_back({"action", &self->action, "get|put",
+                       "get [FILE] reads them out of the device, put FILE writes them into it, and asks first", true});
     options.push_back(
         {"file", &self->file, "[FILE]", "Where they are written to or come from (default: -, standard input and output)"});
     options.push_back({"--format", Option::Read{read_format}, "json|geojson|qgc",
                        "Of the file (default: put looks, get goes by its name: .geojson, .plan of QGroundControl, else json)"});
-    DeviceOptions::add(options, self->options);
+    DeviceOptions::add(options, self->options, "waypoint");
+    DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }
 

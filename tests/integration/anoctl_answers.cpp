@@ -1,0 +1,308 @@
+// What `anoctl` asks before it overwrites, and what it says when a device, a file or the gateway does not do as hoped.
+#include <support/asked_devices.hpp>
+#include <support/bytes.hpp>
+#include <support/fake_loader.hpp>
+#include <support/files.hpp>
+#include <support/process.hpp>
+#include <support/temp_dir.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+using AnoctlAnswers = DeviceGateway;
+using AnoctlOtherDevice = AnsweringDevice;
+
+json points(int number) {
+    json all = json::array();
+    for (int i = 0; i < number; ++i) all.push_back({{"lng", 116.4}, {"lat", 39.9 + i * 0.001}});
+    return {{"waypoints", all}};
+}
+
+TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
+    const std::string many = dir.write("many.json", points(4).dump()), one = dir.write("one.json", points(1).dump());
+    const Ran refused = anoctl({"waypoint", "put", many});
+    EXPECT_EQ(refused.exit, 2) << "nobody can be asked";
+    EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
+    ASSERT_EQ(anoctl({"waypoint", "put", many, "--yes"}).exit, 0);
+    const Ran put = anoctl({"waypoint", "put", one, "--yes"});
+    EXPECT_EQ(put.exit, 0) << put.output;
+    EXPECT_TRUE(contains(put.output, "the first is overwritten, and the last 3 stay as they are")) << put.output;
+    EXPECT_TRUE(contains(put.output, "until it has 4")) << put.output;
+    EXPECT_TRUE(contains(put.output, ": 1 waypoint written; 0xDC has 4, the last 3 are its old ones\n")) << put.output;
+    EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 4u);
+    const Ran wrong = anoctl({"waypoint", "put", dir.write("wrong.json", "{\"way\": 1}"), "--yes"});
+    EXPECT_EQ(wrong.exit, 2);
+    EXPECT_TRUE(contains(wrong.output, "wrong.json: it is none of the forms of waypoints")) << wrong.output;
+}
+
+TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoints_it_has) {
+    hear_of_another();
+    fake.instead = [this](ano::FrameView frame) {
+        return fake.waypoints.size() >= 2 && frame.id() == 0x61 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    const Ran put = asked({"waypoint", "put", dir.write("way.json", points(4).dump()), "--yes"});
+    EXPECT_EQ(put.exit, 1);
+    EXPECT_TRUE(contains(put.output, "write of waypoint 2")) << put.output;
+    EXPECT_TRUE(contains(put.output, ": 2 of 4 waypoints were written\n")) << put.output;
+}
+
+TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
+    hear_of_another();
+    fake.instead = [](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() != 0x60 && frame.id() != 0xE1) return std::nullopt;
+        return std::vector<Bytes>{frame_of_another()};
+    };
+    fake.make_parameters(1);
+    const Ran commands = asked({"command", "list"});
+    EXPECT_EQ(commands.exit, 0) << commands.output;
+    EXPECT_EQ(commands.output, "0xDD has no commands\n");
+    const Ran way = asked({"waypoint", "get"});
+    EXPECT_EQ(way.exit, 1);
+    EXPECT_EQ(
+        way.output,
+        "anoctl: 0xDD is heard, but did not answer the question for its number of waypoints, sent 5 times; it probably keeps "
+        "none\n");
+    const Ran set = asked({"param", "set", "PAR_0", "7"});
+    EXPECT_EQ(set.exit, 1);
+    EXPECT_TRUE(contains(set.output,
+                         "0xDD is heard, but did not acknowledge: write of PAR_0, sent 5 times; it probably takes no such value"))
+        << set.output;
+}
+
+TEST_F(AnoctlAnswers, nothing_is_written_when_one_of_several_is_wrong) {
+    ASSERT_EQ(anoctl({"param", "set", "SIM_TURN", "1"}).exit, 0);
+    const Ran name = anoctl({"param", "set", "SIM_TURN=2", "SIM_HEIGT=3"});
+    EXPECT_EQ(name.exit, 1);
+    EXPECT_TRUE(contains(name.output, "no parameter is called 'SIM_HEIGT' (did you mean 'SIM_HEIGHT'?)")) << name.output;
+    const Ran range = anoctl({"param", "set", "SIM_TURN=2", "SIM_HEIGHT=99999999999"});
+    EXPECT_EQ(range.exit, 1);
+    EXPECT_TRUE(contains(range.output, "SIM_HEIGHT: '99999999999' is out of range, ")) << range.output;
+    EXPECT_TRUE(contains(range.output, " to ")) << range.output;
+    EXPECT_EQ(anoctl({"param", "set", "SIM_TURN=2", "SIM_TURN=3"}).exit, 1);
+    EXPECT_EQ(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=1\n");
+    EXPECT_TRUE(contains(anoctl({"param", "get", "SIM_TRN"}).output, "(did you mean 'SIM_TURN'?)"));
+}
+
+TEST_F(AnoctlOtherDevice, has_a_name_in_every_list_and_is_found_by_it_whatever_the_case) {
+    hear_of_another();
+    Process several{ANOCTL, {"param", "get", "SIM_TURN", "--control", socket}};
+    EXPECT_EQ(until_ended(several), 2);
+    EXPECT_TRUE(contains(several.output(), "choose one by --device: 0xDC SimFC, 0xDD fake\n")) << several.output();
+    const Ran named = anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"});
+    EXPECT_EQ(named.exit, 0) << named.output;
+    fake.name = "SIMFC";    // now two are called so, and none of them as it is typed
+    Process scan{ANOCTL, {"devices", "--scan", "--control", socket}};
+    EXPECT_EQ(until_ended(scan), 0);
+    EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"}).exit, 2);
+    EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "SimFC"}).exit, 0);
+}
+
+TEST_F(AnoctlOtherDevice, is_listened_to_by_its_name) {
+    hear_of_another();
+    Process scan{ANOCTL, {"devices", "--scan", "--control", socket}};
+    ASSERT_EQ(until_ended(scan), 0);
+    Process log{ANOCTL, {"log", "--device", "FAKE", "--control", socket}};
+    EXPECT_TRUE(wait_until([&] {
+        peer.send(gateway.port("peer"), frame(0xDE, 0xFE, 0xA0, {0, 'y'}));
+        peer.send(gateway.port("peer"), frame(0xDD, 0xFE, 0xA0, {0, 'x'}));
+        return contains(log.output(), " 0xDD x\n");
+    })) << log.output();
+    EXPECT_FALSE(contains(log.output(), "0xDE")) << log.output();
+}
+
+TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
+    const std::string file = dir.write(
+        "calibration-0xDC-accelerometer.json",
+        R"({"device": {"address": "0xDC", "name": "SimFC", "dev_id": 220}, "parameters": {"CAL_AOFF_X": 2.5}})");
+    const Ran import = anoctl({"param", "import", file, "--yes"});
+    EXPECT_EQ(import.exit, 0) << import.output;
+    EXPECT_TRUE(contains(import.output, "1 parameter written")) << import.output;
+    EXPECT_TRUE(contains(import.output, "when it is saved, remove " + file)) << import.output;
+    EXPECT_FALSE(contains(import.output, "the file is of")) << import.output;
+    EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=2.5\n");
+}
+
+TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_asked) {
+    const std::string file = dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
+    const Ran import = anoctl({"param", "import", file, "--yes"});
+    EXPECT_EQ(import.exit, 0) << import.output;
+    EXPECT_TRUE(contains(import.output, "anoctl: the file is of Other, device type 1, this is SimFC")) << import.output;
+    EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
+}
+
+TEST_F(AnoctlAnswers, files_are_replaced_only_when_somebody_says_so) {
+    const std::string old = dir.write("old.json", "old"), plan = dir.write("old.plan", "old");
+    const std::vector<std::vector<std::string>> commands{{"param", "export", old}, {"waypoint", "get", plan}};
+    for (std::vector<std::string> command : commands) {
+        const std::string file = command.back();
+        const Ran refused = anoctl(command);
+        EXPECT_EQ(refused.exit, 2) << refused.output;
+        EXPECT_TRUE(contains(refused.output, file + " is there already")) << refused.output;
+        EXPECT_EQ(text_of(file), "old");
+        command.emplace_back("--yes");
+        EXPECT_EQ(anoctl(command).exit, 0);
+        EXPECT_NE(text_of(file), "old");
+    }
+    const std::string link = dir / "link.json";
+    std::filesystem::create_symlink(dir.write("behind.json", "old"), link);
+    EXPECT_EQ(anoctl({"param", "export", link, "--yes"}).exit, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(link));
+    EXPECT_NE(text_of(dir / "behind.json"), "old");
+    const Ran csv = anoctl({"param", "export", dir / "new.csv"}), kml = anoctl({"waypoint", "get", dir / "new.kml"});
+    EXPECT_EQ(csv.exit, 2);
+    EXPECT_TRUE(contains(csv.output, "'.csv' is no form of parameters; .json is")) << csv.output;
+    EXPECT_EQ(kml.exit, 2);
+    EXPECT_TRUE(contains(kml.output, "'.kml' is no form of waypoints; .json, .geojson and .plan")) << kml.output;
+}
+
+TEST_F(AnoctlAnswers, what_differs_is_told_to_programs_as_diff_tells_it) {
+    const std::string file = dir / "backup.json";
+    ASSERT_EQ(anoctl({"param", "export", file}).exit, 0);
+    EXPECT_EQ(anoctl({"param", "diff", file}).exit, 0);
+    EXPECT_EQ(anoctl({"param", "diff", file, "--json"}).output, "");
+    ASSERT_EQ(anoctl({"param", "set", "SIM_TURN", "17"}).exit, 0);
+    const Ran differs = anoctl({"param", "diff", file, "--json"});
+    EXPECT_EQ(differs.exit, 1);
+    const auto rows = lines_of(differs.output);
+    ASSERT_EQ(rows.size(), 1u) << differs.output;
+    EXPECT_EQ(rows[0].at("name"), "SIM_TURN");
+    const Ran all = anoctl({"param", "diff", file, "--json", "--all"});
+    EXPECT_EQ(all.exit, 1);
+    EXPECT_GT(lines_of(all.output).size(), 20u);
+    EXPECT_EQ(anoctl({"param", "diff", file, "--device", "Nobody"}).exit, 2) << "that could not be found out";
+}
+
+TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
+    hear_of_another();
+    fake.parameters = {{8, "A", "", {0, 0, 0xC0, 0x7F}}, {8, "B", "", {0, 0, 0x80, 0xFF}}, {8, "C", "", {0, 0, 0x80, 0x3F}}};
+    const Ran get = asked({"param", "get", "--all"});
+    EXPECT_EQ(get.output, "A=nan\nB=-inf\nC=1\n");
+    EXPECT_TRUE(contains(asked({"param", "list"}).output, "f32   nan\n"));
+    const Ran exported = asked({"param", "export", dir / "f.json"});
+    EXPECT_TRUE(contains(exported.output, "inf and nan are null in the file, and import leaves them out: A, B\n"))
+        << exported.output;
+    EXPECT_TRUE(json::parse(text_of(dir / "f.json")).at("parameters").at("A").is_null());
+    const Ran diff = asked({"param", "diff", dir / "f.json"});
+    EXPECT_EQ(diff.exit, 0) << diff.output;
+    EXPECT_TRUE(contains(diff.output, "without a value in the file: A, B\n")) << diff.output;
+}
+
+TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
+    hear_of_another();
+    Process first{ANOCTL, {"param", "save", "--device", "0xDD", "--control", socket}};
+    ASSERT_TRUE(wait_until([&] { return contains(anoctl({"devices", "--jobs"}).output, "running"); })) << first.output();
+    const Ran second = anoctl({"param", "save", "--device", "0xDD"});
+    EXPECT_EQ(second.exit, 1);
+    const std::string who = "anoctl param, process " + std::to_string(first.pid());
+    EXPECT_TRUE(contains(second.output, who + ") has 0xDD; anoctl devices --jobs shows what it does")) << second.output;
+    const auto jobs = lines_of(anoctl({"devices", "--jobs", "--json"}).output);
+    ASSERT_FALSE(jobs.empty());
+    const std::string number = jobs.back().at("id").dump();
+    EXPECT_TRUE(contains(second.output, "anoctl devices --cancel " + number + " ends it")) << second.output;
+    const Ran cancel = anoctl({"devices", "--cancel", number});
+    EXPECT_EQ(cancel.exit, 0);
+    EXPECT_TRUE(contains(cancel.output, "job " + number + " (action of " + who + "): cancelled")) << cancel.output;
+    EXPECT_EQ(first.wait(), 1);
+    EXPECT_TRUE(contains(first.output(), "anoctl: somebody else cancelled it")) << first.output();
+    EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "it was over: cancelled"));
+    EXPECT_EQ(anoctl({"devices", "--cancel", "999"}).exit, 1);
+    EXPECT_EQ(anoctl({"devices", "--cancel", "x"}).exit, 2);
+}
+
+TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out) {
+    hear_of_another();
+    fake.make_parameters(1);
+    bool is_asked_to_write = false;
+    fake.instead = [&](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() != 0xE1) return std::nullopt;
+        is_asked_to_write = true;
+        return std::vector<Bytes>{};
+    };
+    std::string said;
+    for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before it hears the signal
+        is_asked_to_write = false;
+        Process set{ANOCTL, {"param", "set", "PAR_0", "7", "--device", "0xDD", "--control", socket}};
+        bool is_told = false;
+        const int exit = until_ended(set, [&] {
+            if (is_asked_to_write && !std::exchange(is_told, true)) set.signal(SIGINT);
+        });
+        said = set.output();
+        EXPECT_EQ(exit, contains(said, "cancelled") ? 130 : 1) << said;
+    }
+    EXPECT_TRUE(contains(said, "anoctl: cancelled: PAR_0 may have been written\n")) << said;
+}
+
+TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
+    hear_of_another();
+    FakeLoader loader;
+    fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
+    Process flash{ANOCTL,
+                  {"flash", dir.write("new.bin", std::string(60'000, 'x')), "--device", "0xDD", "--yes", "--control", socket}};
+    bool is_told = false;
+    EXPECT_EQ(until_ended(flash,
+                          [&] {
+                              if (loader.frames > 100 && !std::exchange(is_told, true)) gateway.signal(SIGTERM);
+                          }),
+              1)
+        << flash.output();
+    EXPECT_TRUE(contains(flash.output(), "anoctl: the gateway ended; outcome unknown")) << flash.output();
+    EXPECT_TRUE(contains(flash.output(), "the device is left in its loader: flash it again")) << flash.output();
+}
+
+TEST_F(AnoctlAnswers, streams_end_with_the_gateway) {
+    Process log{ANOCTL, {"log", "--control", socket}};
+    Process image{ANOCTL, {"image", dir / "pictures", "--control", socket}};
+    ASSERT_TRUE(wait_until([&] {
+        peer.send(gateway.port("peer"), frame(0xDD, 0xFE, 0xA0, {0, 'x'}));
+        return contains(log.output(), "0xDD x");
+    }));
+    gateway.signal(SIGTERM);
+    EXPECT_EQ(log.wait(), 1);
+    EXPECT_TRUE(contains(log.output(), "anoctl: the gateway ended")) << log.output();
+    EXPECT_EQ(image.wait(), 1);
+}
+
+TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_words) {
+    if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
+    const auto tmux = [&](const std::string& words) {
+        return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
+    };
+    ASSERT_EQ(tmux("-f /dev/null new-session -d -x 50 -y 40 -s t 'cd " + dir.path().string() + " && sh'"), 0);
+    std::string screen;
+    const auto shows = [&](const std::string& words) {
+        return wait_until([&] {
+            Process capture{"tmux", {"-S", dir / "tmux", "capture-pane", "-p", "-t", "t"}};
+            capture.wait();
+            screen = capture.output();
+            return contains(screen, words);
+        });
+    };
+    dir.write("a", "#!/bin/sh\nexec " ANOCTL " \"$@\" --control " + socket + "\n");
+    dir.write("x.json", "{}");
+    tmux("send-keys -t t 'clear; sh a param reset' Enter");
+    EXPECT_TRUE(shows("[y/N]")) << screen;
+    EXPECT_TRUE(contains(screen, "All parameters of 0xDC become what its maker\n    meant, those of its calibration")) << screen;
+    tmux("send-keys -t t 'n' Enter");
+    EXPECT_TRUE(shows("anoctl: nothing was changed")) << screen;
+    tmux("send-keys -t t 'clear; sh a param export x.json' Enter");
+    EXPECT_TRUE(shows("x.json is there already. Replace it? [y/N]")) << screen;
+    tmux("send-keys -t t 'n' Enter");
+    EXPECT_TRUE(shows("anoctl: nothing was read")) << screen;
+    EXPECT_EQ(text_of(dir / "x.json"), "{}");
+    tmux("kill-server");
+}
+
+}    // namespace

@@ -1,0 +1,39 @@
+#include "device_names.hpp"
+
+#include <anoctl/gateway_json.hpp>
+
+#include <nlohmann/json.hpp>
+
+namespace anoctl {
+
+using ano::Json;
+
+namespace {
+
+std::string in_lower_case(std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+}
+
+}    // namespace
+
+Json with_name(const Json& devices, const std::string& name) {
+    Json named = Json::array(), alike = Json::array();
+    for (const Json& device : devices) {
+        const std::string its = text_at(device, "name");
+        if (its == name) named.push_back(device);
+        if (in_lower_case(its) == in_lower_case(name)) alike.push_back(device);
+    }
+    return named.empty() ? alike : named;
+}
+
+std::vector<std::string> left_behind(const Json& device) {
+    std::vector<std::string> all;
+    if (text_at(device, "in_loader") == "true")
+        all.emplace_back("an upgrade did not end: it was left in its loader, anoctl flash FILE gives it its firmware");
+    if (const std::string kept = names_at(device, "kept"); !kept.empty())
+        all.push_back("a calibration did not end: the old values are kept (" + kept + ") and written back when that can be done");
+    return all;
+}
+
+}    // namespace anoctl

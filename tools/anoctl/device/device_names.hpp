@@ -1,0 +1,18 @@
+// Devices by what they call themselves, and what is to be said of one.
+#pragma once
+#include <ano_json/frame_json.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace anoctl {
+
+/// Those of `devices` (as GET /devices has them) that are called `name`; where none is, those that are but for upper and lower case.
+ano::Json with_name(const ano::Json& devices, const std::string& name);
+
+/// What an upgrade or a calibration that did not end left behind, a clause each.
+std::vector<std::string> left_behind(const ano::Json& device);
+
+}    // namespace anoctl

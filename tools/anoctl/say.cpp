@@ -1,0 +1,33 @@
+#include "say.hpp"
+
+#include "table.hpp"
+
+#include <ostream>
+#include <string>
+
+namespace anoctl {
+namespace {
+
+constexpr std::size_t hanging_indent = 4;    // of the lines behind the first
+
+std::size_t width_of(bool is_terminal, const Streams& streams) { return is_terminal ? streams.width : 0; }
+
+}    // namespace
+
+void say(Streams& streams, std::string_view text) {
+    streams.out << wrapped(text, width_of(streams.terminal, streams), hanging_indent) << '\n';
+}
+
+void tell(Streams& streams, std::string_view text) {
+    streams.out.flush();
+    streams.err << wrapped("anoctl: " + std::string{text}, width_of(streams.err_is_terminal, streams), hanging_indent)
+                << std::endl;
+}
+
+void ask(Streams& streams, std::string_view question) {
+    streams.out.flush();
+    streams.err << wrapped(std::string{question} + " [y/N]", width_of(streams.err_is_terminal, streams), hanging_indent) << ' '
+                << std::flush;
+}
+
+}    // namespace anoctl
