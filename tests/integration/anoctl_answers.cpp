@@ -135,6 +135,14 @@ TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
     EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=2.5\n");
 }
 
+TEST_F(AnoctlAnswers, what_the_device_refuses_is_not_counted_as_written) {
+    const std::string file = dir.write("refused.json", R"({"SIM_SERIAL": 1})");
+    const Ran import = anoctl({"param", "import", file, "--yes"});
+    EXPECT_EQ(import.exit, 1);
+    EXPECT_TRUE(contains(import.output, "SIM_SERIAL: 687194767361 -> 687194767361, failed: 0xDC is heard, ")) << import.output;
+    EXPECT_TRUE(contains(import.output, "no parameter was written\n")) << import.output;
+}
+
 TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_asked) {
     const std::string file = dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     const Ran import = anoctl({"param", "import", file, "--yes"});

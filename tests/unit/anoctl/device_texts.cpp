@@ -136,10 +136,11 @@ TEST(ParameterFile, shows_what_changes) {
                         {{"name", "B"}, {"was", 1.5}, {"written", 2}, {"state", "differs"}},
                         {{"name", "C"}, {"was", 1}, {"written", 9}, {"stored", 5}, {"state", "clamped"}},
                         {{"name", "D"}, {"written", 9}, {"state", "failed"}, {"what", "no parameter is called D"}},
+                        {{"name", "F"}, {"was", 1}, {"written", 2}, {"stored", 2}, {"state", "not_undone"}},
                         {{"name", "E"}, {"was", "a"}, {"written", "b\x1b"}, {"stored", "b\x1b"}, {"state", "written"}}}}};
-    EXPECT_EQ(difference_lines(answer),
-              (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, clamped: 9 was asked for",
-                                        "D: 9, failed: no parameter is called D", "E: \"a\" -> \"b\\u001b\""}));
+    EXPECT_EQ(difference_lines(answer), (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, clamped: 9 was asked for",
+                                                                  "D: 9, failed: no parameter is called D",
+                                                                  "F: 1 -> 2, not undone", "E: \"a\" -> \"b\\u001b\""}));
     EXPECT_EQ(rows_with(answer, "failed"), 1u);
 }
 

@@ -57,11 +57,13 @@ private:
             {"ADDRESS", "NAME", " HARDWARE", " SOFTWARE", " PROTOCOL", " PARAMETERS", "LINK", "PEER", " HEARD", " RATE", " JOB"}};
         bool have_names = true;
         for (const Json& device : found) {
-            const std::string rate = text_at(device, "rate"), name = text_at(device, "name");
+            const std::string rate = text_at(device, "rate"), name = text_at(device, "name"), link = text_at(device, "link");
+            std::string peer = text_at(device, "peer");
+            if (peer == link) peer.clear();    // a link with one end has no other name for it
             have_names = have_names && !name.empty();
             table.row({text_at(device, "address"), name, text_at(device, "hw"), text_at(device, "sw"), text_at(device, "pt"),
-                       text_at(device, "parameters"), text_at(device, "link"), text_at(device, "peer"), age_of(device),
-                       rate.empty() ? rate : rate + "/s", text_at(device, "job")});
+                       text_at(device, "parameters"), link, peer, age_of(device), rate.empty() ? rate : rate + "/s",
+                       text_at(device, "job")});
             for (const std::string& words : left_behind(device)) table.note("    " + words);
         }
         if (table.empty()) tell(streams, std::string{"no device is there"} + (scan ? "" : "; --scan asks everybody"));

@@ -275,8 +275,9 @@ private:
             for (const Json& row : at(came, "parameters"))
                 if (const std::string state = text_at(row, "state"); state != "unchanged" && state != "written")
                     for (const std::string& line : difference_lines(Json{{"parameters", Json::array({row})}})) say(streams, line);
-            say(streams, plural(rows_with(came, "written") + rows_with(came, "clamped"), "parameter") +
-                             " written; anoctl param save keeps them over a restart");
+            const std::size_t written = rows_with(came, "written") + rows_with(came, "clamped");
+            say(streams, written == 0 ? "no parameter was written"
+                                      : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
         }
         if (!why.empty()) throw Failure{why};
         if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own

@@ -117,6 +117,7 @@ std::vector<std::string> difference_lines(const Json& answer) {
         if (row.contains("was")) line += value_text(row["was"]) + " -> ";
         line += value_text(row.contains("stored") ? row["stored"] : row["written"]);
         if (state == "clamped") line += ", clamped: " + value_text(row["written"]) + " was asked for";
+        else if (state == "not_undone") line += ", not undone";
         else if (state != "differs" && state != "written") line += ", " + state;
         if (const std::string what = text_at(row, "what"); !what.empty()) line += ": " + what;
         lines.push_back(without_controls(line));
