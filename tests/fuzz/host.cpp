@@ -1,12 +1,18 @@
-// Frames from outside, at any time, into every task of a host. The first byte chooses the task; then come steps of two bytes: how long
+// Frames from outside, at any time, into every task of a host. The first byte chooses the task (7: a calibration of the accelerometer, 15: of
+// the compass; else support::task_of()); then come steps of two bytes: how long
 // until then (4 ms each), and what happens: 0xFF, the device answers what it heard last; else a frame with this id follows, one byte
 // for its length and then its DATA. Behind the end the device is silent. A task that does not end then has failed.
+#include <host/calibration.hpp>
 #include <support/fake_loader.hpp>
 #include <support/host_tasks.hpp>
+
+#include <algorithm>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
+#include <optional>
 #include <span>
 
 namespace {
@@ -17,9 +23,13 @@ struct Host {
     ano::host::Device device{0xDC};
     ano::TimePoint now = ano::TimePoint{} + std::chrono::hours{1};
     support::Bytes last;
+    ano::host::Calibration* calibration = nullptr;    // while it is the task
 
     Host() {
         fake.make_parameters(12);
+        for (const auto sensor : {ano::host::Sensor::accelerometer, ano::host::Sensor::compass})
+            for (const std::string& name : ano::host::calibration_names(sensor))
+                fake.parameters.push_back({8, name, "", {0, 0, 0x80, 0x3F}});
         fake.commands.resize(3);
         fake.waypoints.resize(4, support::Bytes(22));
         fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
@@ -38,11 +48,34 @@ struct Host {
     }
     void answer() {
         if (last.empty()) return;
-        for (const support::Bytes& answer : fake.take(ano::FrameView{last})) device.take(ano::FrameView{answer}, now);
+        for (const support::Bytes& answer : fake.take(ano::FrameView{last})) hear(answer);
+    }
+    void hear(const support::Bytes& frame) {
+        device.take(ano::FrameView{frame}, now);
+        if (calibration != nullptr) calibration->hear(ano::FrameView{frame}, now);
+    }
+    std::unique_ptr<ano::host::Task> begin(std::uint8_t kind) {
+        if (kind % 8 != 7) return support::task_of(kind, device, now);
+        const auto sensor = kind % 16 == 7 ? ano::host::Sensor::accelerometer : ano::host::Sensor::compass;
+        auto task = std::make_unique<ano::host::Calibration>(device, sensor);
+        calibration = task.get();
+        task->start(now);
+        return task;
+    }
+    // What the owner of a calibration does.
+    void look() {
+        if (calibration == nullptr) return;
+        calibration->look(now);
+        if (calibration->step() == ano::host::Calibration::Step::keep) calibration->kept(now);
+    }
+    std::optional<ano::TimePoint> due() const {
+        const auto first = device.due(), second = calibration != nullptr ? calibration->due() : std::nullopt;
+        return first && second ? std::min(first, second) : first ? first : second;
     }
     // The rest of the steps.
     std::span<const std::uint8_t> step(std::span<const std::uint8_t> in) {
         now += std::chrono::milliseconds{4 * in[0]};
+        look();
         send();
         if (in[1] == 0xFF) {
             answer();
@@ -52,7 +85,7 @@ struct Host {
         const std::size_t size = std::min<std::size_t>(in[2], in.size() - 3);
         const support::Bytes frame = support::frame(0xDC, 0xFE, in[1],
                                                     {in.begin() + 3, in.begin() + 3 + static_cast<std::ptrdiff_t>(size)});
-        device.take(ano::FrameView{frame}, now);
+        hear(frame);
         return in.subspan(3 + size);
     }
 };
@@ -62,14 +95,16 @@ struct Host {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     if (size == 0) return 0;
     Host host;
-    const auto task = support::task_of(bytes[0], host.device, host.now);
+    const auto task = host.begin(bytes[0]);
     std::span<const std::uint8_t> in{bytes + 1, size - 1};
     while (in.size() >= 2 && !task->end()) in = host.step(in);
     const ano::TimePoint silent_since = host.now;
+    host.look();
     for (host.send(); !task->end(); host.send()) {
-        const auto due = host.device.due();
+        const auto due = host.due();
         if (!due || *due - silent_since > std::chrono::hours{1}) std::abort();
         host.now = std::max(host.now, *due);
+        host.look();
     }
     return 0;
 }
