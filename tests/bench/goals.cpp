@@ -21,7 +21,7 @@ constexpr Goals all[]{
     {"packed", bench::measure_packed},       {"pty", bench::measure_pty},           {"broadcast", bench::measure_broadcast},
     {"latency", bench::measure_latency},     {"ports", bench::measure_ports},       {"line", bench::measure_line},
     {"idle", bench::measure_idle},           {"calls", bench::measure_calls},       {"watchers", bench::measure_watchers},
-    {"simulated", bench::measure_simulated},
+    {"simulated", bench::measure_simulated}, {"devices", bench::measure_devices},
 };
 
 int usage(const char* program) {

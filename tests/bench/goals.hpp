@@ -22,5 +22,6 @@ void measure_idle(Run& run);
 void measure_calls(Run& run);
 void measure_watchers(Run& run);
 void measure_simulated(Run& run);
+void measure_devices(Run& run);
 
 }    // namespace bench

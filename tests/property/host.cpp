@@ -69,7 +69,7 @@ TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_by
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
     Device device{0xDC};
     FirmwareImage image;
-    const Bytes bytes(std::size_t{256} << 10, 0x5A);
+    const support::Bytes bytes(std::size_t{256} << 10, 0x5A);
     image.bytes = bytes;
     image.crc = ano::crc16_of(bytes);
     Firmware upgrade{device, image};

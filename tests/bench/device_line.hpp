@@ -1,0 +1,63 @@
+// A device at the end of a real line, a pseudo-terminal or UDP, that is as slow and as bad as wanted.
+#pragma once
+#include <ano/parser.hpp>
+#include <support/fake_device.hpp>
+#include <support/fake_loader.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace bench {
+
+/// Each way a frame takes the time of its bytes at the rate of the line, then `delay`; or it is lost. Driven by a thread of its own.
+class DeviceLine {
+public:
+    enum class Wire { pty, udp };
+    DeviceLine(Wire wire, support::LineFaults faults, std::size_t parameters);
+    ~DeviceLine();
+    DeviceLine(const DeviceLine&) = delete;
+    DeviceLine& operator=(const DeviceLine&) = delete;
+
+    /// LINK for a gateway.
+    std::string link() const { return link_; }
+    /// Bytes of frames that came to it, and of answers, so far.
+    std::pair<std::uint64_t, std::uint64_t> bytes() const { return {there_.bytes, back_.bytes}; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Way {
+        Clock::time_point free_at{};
+        std::atomic<std::uint64_t> bytes{0};
+    };
+    struct Event {
+        bool to_device;
+        support::Bytes frame;
+    };
+
+    void run();
+    void read();
+    void put(bool to_device, const support::Bytes& frame);
+    void arrive(const Event& event);
+    void say_hello();
+
+    support::LineFaults faults_;
+    support::FakeDevice fake_;
+    support::FakeLoader loader_;
+    support::Random random_{1};
+    int fd_ = -1, other_end_ = -1;
+    std::string link_;
+    std::vector<std::uint8_t> sender_;    // of UDP: where to answer
+    ano::FrameParser parser_{{}};
+    Way there_, back_;
+    std::multimap<Clock::time_point, Event> events_;
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}    // namespace bench
