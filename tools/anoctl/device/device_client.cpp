@@ -162,8 +162,10 @@ private:
             const std::string end = error.starts_with("cancelled") ? error : "cancelled";
             throw Interrupted{end + what_is_half_done()};
         }
-        const bool is_over = state != "running" && state != "waiting", was_stopped = error.starts_with("the gateway ends");
-        if (has_job_ && (was_stopped || (!is_over && outcome_->answer.status / 100 != 4)))
+        if (const std::string rest = half_done(job_); error.starts_with(gateway_ends))
+            throw Failure{"the gateway ended" + (rest.empty() ? error.substr(gateway_ends.size()) : ": " + rest)};
+        const bool is_over = state != "running" && state != "waiting";
+        if (has_job_ && !is_over && outcome_->answer.status / 100 != 4)
             throw Failure{"the gateway ended; outcome unknown" + what_is_half_done()};
         if (!error.empty() && job_.contains("result")) throw JobFailure{error, job_["result"].dump()};
         if (state == "cancelled") throw Failure{"somebody else cancelled it" + what_is_half_done()};
@@ -177,9 +179,9 @@ private:
     std::string what_is_half_done() const {
         const std::string rest = half_done(job_), error = text_at(job_, "error");
         if (!rest.empty()) return ": " + rest;
-        const bool says_more = !error.empty() && !error.starts_with("cancelled") && !error.starts_with("the gateway ends");
-        return says_more ? ": " + error : rest;
+        return error.empty() || error.starts_with("cancelled") ? rest : ": " + error;
     }
+    static constexpr std::string_view gateway_ends = "the gateway ends";    // in front of what the service says at its end
 
     Loop& loop_;
     Streams& streams_;
