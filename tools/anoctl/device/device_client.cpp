@@ -23,6 +23,7 @@
 #include <csignal>
 #include <optional>
 #include <ostream>
+#include <string_view>
 #include <utility>
 #include <variant>
 
