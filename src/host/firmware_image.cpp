@@ -69,7 +69,7 @@ FirmwareBytes FirmwareBytes::behind(std::size_t n) const {
 FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc) {
     if (file.empty()) return {std::nullopt, "the file is empty"};
     if (file.size() > FirmwareImage::max_bytes) return {std::nullopt, "the file is larger than 64 MiB"};
-    const FirmwareFile unreadable{std::nullopt, "the file can't be read"};
+    FirmwareFile unreadable{std::nullopt, "the file can't be read"};
     Header header{};
     if (!file.read(0, std::span{header}.first(std::min(header.size(), file.size())))) return unreadable;
     if (begins_with_magic(header)) return of_bia(file, header);

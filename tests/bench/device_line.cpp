@@ -43,7 +43,8 @@ DeviceLine::DeviceLine(Wire wire, support::LineFaults faults, std::size_t parame
         socklen_t size = sizeof address;
         auto* const generic = reinterpret_cast<sockaddr*>(&address);
         must(::bind(fd_, generic, size) == 0 && ::getsockname(fd_, generic, &size) == 0, "a UDP socket");
-        link_ = "udp:127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + ",hello=on,name=line";
+        port_ = ntohs(address.sin_port);
+        link_ = "udp:127.0.0.1:" + std::to_string(port_) + ",hello=on,name=line";
     }
     thread_ = std::thread{[this] { run(); }};
 }

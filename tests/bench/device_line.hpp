@@ -24,6 +24,8 @@ public:
     DeviceLine(const DeviceLine&) = delete;
     DeviceLine& operator=(const DeviceLine&) = delete;
 
+    /// Of UDP.
+    std::uint16_t port() const { return port_; }
     /// LINK for a gateway.
     std::string link() const { return link_; }
     /// Bytes of frames that came to it, and of answers, so far.
@@ -51,6 +53,7 @@ private:
     support::FakeLoader loader_;
     support::Random random_{1};
     int fd_ = -1, other_end_ = -1;
+    std::uint16_t port_ = 0;
     std::string link_;
     std::vector<std::uint8_t> sender_;    // of UDP: where to answer
     ano::FrameParser parser_{{}};

@@ -4,13 +4,19 @@
 #include "goals.hpp"
 #include "traffic_ends.hpp"
 
+#include <ano/address.hpp>
+#include <support/bytes.hpp>
 #include <support/http.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <thread>
 
@@ -61,6 +67,32 @@ Took took(Run& run, DeviceLine::Wire wire, support::LineFaults faults, std::size
     return {seconds, line.bytes().first - before.first, line.bytes().second - before.second};
 }
 
+// Descriptions and values one by one, each asked again when a second has brought no answer: the seconds for so many parameters, by
+// those for the first of them.
+double one_by_one(support::LineFaults faults, std::size_t parameters) {
+    constexpr std::uint16_t asked = 15;
+    DeviceLine line{DeviceLine::Wire::udp, faults, parameters};
+    Socket host;
+    host.connect(line.port());
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::uint16_t id = 0; id < asked; ++id)
+        for (const std::uint8_t what : {std::uint8_t{2}, std::uint8_t{3}}) {    // value, description
+            const auto question = support::frame(
+                ano::address::host, ano::address::flight_controller, 0xE0,
+                {what, static_cast<std::uint8_t>(id & 0xFF), static_cast<std::uint8_t>(id >> 8)});
+            bool is_answered = false;
+            for (int tries = 0; tries < 50 && !is_answered; ++tries) {
+                host.send(question);
+                pollfd answer{host.fd(), POLLIN, 0};
+                if (::poll(&answer, 1, 1000) <= 0) continue;
+                std::uint8_t bytes[256];
+                is_answered = ::recv(host.fd(), bytes, sizeof bytes, 0) > 0;
+            }
+            must(is_answered, "an answer");
+        }
+    return Seconds(std::chrono::steady_clock::now() - begin).count() * static_cast<double>(parameters) / asked;
+}
+
 }    // namespace
 
 void measure_devices(Run& run) {
@@ -70,6 +102,8 @@ void measure_devices(Run& run) {
     const double lossy = took(run, Wire::udp, {.delay = 100ms, .loss = 0.1}, 300, read).seconds;
     run.table.compare("300 parameters, 200 ms there and back, 10 % lost each way, s, beside the same without loss", {lossy},
                       {clean}, at_most(2.5));
+    run.table.compare("the same one by one, each waited for a second, s, beside it",
+                      {one_by_one({.delay = 100ms, .loss = 0.1}, 300)}, {lossy}, at_least(10));
     const Took serial = took(run, Wire::pty, {.baud = 115200}, 300, read);
     const double wire = static_cast<double>(std::max(serial.bytes_there, serial.bytes_back)) * 10 / 115200;
     run.table.compare("300 parameters at 115200 baud, s, beside the time of their bytes", {serial.seconds}, {wire}, at_most(1.3));
