@@ -20,7 +20,7 @@ std::vector<std::string> Notes::names(std::uint8_t address) const {
     return names;
 }
 
-void Notes::keep(const std::string& name, std::string text, std::function<void(std::string fault)> done) {
+void Notes::keep(const std::string& name, const std::string& text, std::function<void(std::string fault)> done) {
     net_.keep(name, text, [all = all_, name, text, done = std::move(done)](std::string fault) {
         if (fault.empty()) (*all)[name] = text;
         done(std::move(fault));

@@ -25,7 +25,7 @@ public:
     std::vector<std::string> names(std::uint8_t address) const;
     const std::map<std::string, std::string>& all() const noexcept { return *all_; }
     /// `done` may be called at once, with why it can't be kept or nothing.
-    void keep(const std::string& name, std::string text, std::function<void(std::string fault)> done);
+    void keep(const std::string& name, const std::string& text, std::function<void(std::string fault)> done);
     /// Also one that another program kept.
     void forget(const std::string& name);
 

@@ -79,7 +79,7 @@ private:
 /// One task after the other.
 class TaskWork : public Work {
 public:
-    explicit TaskWork(WorkPlace place) : place_{place} {}
+    explicit TaskWork(const WorkPlace& place) : place_{place} {}
 
     void run(ano::TimePoint now) final;
     void cancel(ano::TimePoint now) override;

@@ -127,11 +127,11 @@ bool Session::puts_body() {
     if (size <= held) return false;
     if (!keeper_) keeper_ = owner_.keeper();
     if (!keeper_) return false;
-    keeper_->put(reader_->take_body(), [self = shared_from_this()](std::string fault) { self->put_body(std::move(fault)); });
+    keeper_->put(reader_->take_body(), [self = shared_from_this()](const std::string& fault) { self->put_body(fault); });
     return true;
 }
 
-void Session::put_body(std::string fault) {
+void Session::put_body(const std::string& fault) {
     if (!stream_) return;
     if (!fault.empty()) return refuse(error(507, fault));
     expect_progress();

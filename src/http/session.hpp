@@ -69,7 +69,7 @@ private:
     void input_ended();
     void hear();
     bool puts_body();
-    void put_body(std::string fault);
+    void put_body(const std::string& fault);
     void answer(Request request);
     void await_answer(std::shared_ptr<void> needed);
     void send(Response response, bool head_only);
