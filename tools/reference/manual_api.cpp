@@ -34,6 +34,7 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     page.item("422", "", "The configuration has faults: \"faults\" lists them");
     page.item("429", "", "Too early, or too many wrong tokens: \"wait_s\" or the header Retry-After says how long to wait");
     page.item("503", "", "All places are taken: header Retry-After");
+    page.item("507", "", "There is no room on the disk for so large a body");
     page.end_list();
     page.section("ERRORS OF LINKS");
     page.text(

@@ -123,7 +123,7 @@ TEST_F(Writes, silence_behind_a_write_says_that_it_may_be_done) {
     fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC does not answer: write of U8, which may be done");
+    EXPECT_EQ(task->end()->what, "0xDC does not answer: write of U8, which may be done, sent 5 times");
 }
 
 TEST_F(Writes, an_empty_text_is_written_as_it_is) {
