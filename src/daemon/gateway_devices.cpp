@@ -45,7 +45,7 @@ void GatewayDevices::remember_notes() {
     if (folder.empty()) return;
     for (const auto& entry : std::filesystem::directory_iterator{folder, ec}) {
         const std::string name = entry.path().filename().string();
-        if (!is_note(name)) continue;
+        if (!is_note(name) || !entry.is_regular_file(ec)) continue;    // others may never end
         std::string text = read_file(entry.path().string(), max_note, ec);
         if (!ec) {
             spdlog::info("{}/{}: {}", folder, name,

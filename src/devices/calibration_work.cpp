@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -73,7 +74,9 @@ std::optional<ano::host::CalibrationValues> values_in_note(const std::string& te
     for (const std::string& name : ano::host::calibration_names(sensor)) {
         const Json value = note["parameters"].value(name, Json{});
         if (!value.is_number()) return std::nullopt;
-        values.emplace_back(name, double{value.get<float>()});
+        const double number = value.get<double>();
+        if (std::abs(number) > std::numeric_limits<float>::max()) return std::nullopt;
+        values.emplace_back(name, double{static_cast<float>(number)});
     }
     return values;
 }

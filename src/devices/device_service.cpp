@@ -304,21 +304,22 @@ void DeviceService::remember(std::string name, std::string text) {
     notes_.remember(std::move(name), std::move(text));
 }
 
-// By jobs like others: who flies, or is busy, has them later.
+// By jobs like others: who flies, or is busy, has them later. Each note has a time of its own, or one that can't be used would keep the
+// others back.
 void DeviceService::write_back(TimePoint now) {
     write_back_at_.reset();
     const auto all = notes_.all();
     for (const auto& [name, text] : all) {
         const auto address = address_of_note(name);
         if (!address || !sensor_of_note(name)) continue;
-        const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
-        const TimePoint next = now + (may_be_there ? between_write_backs : until_heard);
-        write_back_at_ = std::min(write_back_at_.value_or(next), next);
-        if (!may_be_there) continue;
-        JobOrder order{JobKind::calibration, Deed::ground, *address, false, "the gateway", [name = name](const WorkPlace& place) {
-                           return write_old_values_back(place, name);
-                       }};
-        (void)begin(std::move(order), now);
+        TimePoint& due = write_back_due_[name];
+        if (now >= due) {
+            const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
+            due = now + (may_be_there ? between_write_backs : until_heard);
+            const auto work = [name = name](const WorkPlace& place) { return write_old_values_back(place, name); };
+            if (may_be_there) (void)begin({JobKind::calibration, Deed::ground, *address, false, "the gateway", work}, now);
+        }
+        write_back_at_ = std::min(write_back_at_.value_or(due), due);
     }
 }
 

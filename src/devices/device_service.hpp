@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -146,6 +147,7 @@ private:
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};
     std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // one more owner for each
+    std::map<std::string, ano::TimePoint> write_back_due_;              // of each note, when it was tried
     std::optional<ano::TimePoint> write_back_at_;                       // nothing: there is nothing to write back
     bool runs_ = false;
     bool stopped_ = false;

@@ -115,6 +115,8 @@ private:
             next(std::move(one)).read_numbered({id_}, now);
             return;
         }
+        if (id_ >= one_->descriptions().size())
+            return finish(work_fault(502, "the device changed while it was asked: it no longer has " + name_));
         finish(with_result(end_of(*task.end()), parameter_json(one_->descriptions()[id_], one_->value(id_), true)));
     }
 

@@ -273,6 +273,16 @@ TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
     EXPECT_EQ(value(), before);
 }
 
+TEST_F(CutOff, notes_that_can_not_be_used_are_tried_once_a_minute) {
+    for (const char* name : {"calibration-0xDC-accelerometer.json", "calibration-0xDC-compass.json"})
+        again.service.remember(name, R"({"parameters": {"CAL_AEM1_X": 1e300}})");
+    again.pass(150s);
+    const std::size_t tries = again.ask("GET", "/jobs").json.at("jobs").size();
+    EXPECT_GE(tries, 2u);
+    EXPECT_LE(tries, 6u);
+    EXPECT_EQ(value(), Bytes(4));
+}
+
 TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
     again.service.remember("calibration-0xDC-accelerometer.json", net.kept.begin()->second);
     const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");

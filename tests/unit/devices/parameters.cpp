@@ -34,6 +34,17 @@ TEST_F(ParameterRoutes, all_are_read_with_their_values) {
     EXPECT_EQ(all.at("parameters")[3].at("value"), "9007199254740993") << "beyond 2^53";
 }
 
+TEST_F(ParameterRoutes, one_of_a_device_that_has_fewer_meanwhile_is_told_as_gone) {
+    int asked = 0;
+    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = static_cast<std::uint16_t>(++asked <= 2 ? 5 : 1);
+        return std::nullopt;
+    };
+    const auto [status, answer] = net.ask("GET", "/devices/0xDC/parameters/I16");
+    EXPECT_EQ(status, 502u);
+    EXPECT_EQ(answer.at("error"), "the device changed while it was asked: it no longer has I16");
+}
+
 TEST_F(ParameterRoutes, without_values_only_descriptions_are_read) {
     const json all = net.ask("GET", "/devices/220/parameters?values=0").json;
     EXPECT_EQ(all.at("parameters")[0], json::parse(R"({"id": 0, "name": "U8", "type": "u8", "text": "a byte"})"));
