@@ -108,7 +108,7 @@ std::optional<Response> Admission::refusal(const Request& request) const {
         return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
         return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");
-    if (!request.body.empty() && !is_plain_data(request.header("Content-Type")))
+    if ((!request.body.empty() || request.stored) && !is_plain_data(request.header("Content-Type")))
         return error(415, "a body is application/json or application/octet-stream: say which in Content-Type");
     return std::nullopt;
 }

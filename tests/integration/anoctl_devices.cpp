@@ -194,6 +194,7 @@ TEST_F(AnoctlFlash, firmware_is_written_and_checked) {
     EXPECT_EQ(refused.exit, 2);
     EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
     EXPECT_EQ(anoctl({"flash", dir.write("empty.bin", ""), "--device", "0xDD", "--yes"}).exit, 2);
+    EXPECT_EQ(anoctl({"flash", dir.write("backup.json", "{}"), "--device", "0xDD", "--yes"}).exit, 2) << "no firmware";
     EXPECT_EQ(anoctl({"flash", dir.write("no.bia", "hello"), "--device", "0xDD", "--yes"}).exit, 2) << "no header of a .bia";
     Process process{ANOCTL, flash(file)};
     EXPECT_EQ(until_ended(process), 0) << process.output();

@@ -81,6 +81,7 @@ TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
     EXPECT_EQ(whole["parameters"]["PID_P"], 1.5);
     EXPECT_EQ(parsed_parameter_file(R"({"A": 1})", "f")["parameters"]["A"], 1);
     EXPECT_NE(thrown<UsageError>([] { parsed_parameter_file("{", "f"); }).find("f: it is not JSON: "), std::string::npos);
+    EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("{}", "f"); }), "f: there are no parameters in it");
     EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file("[1]", "f"); }),
               "f: it is no file of parameters: {\"parameters\": {NAME: value}}");
     EXPECT_EQ(thrown<UsageError>([] { parsed_parameter_file(R"({"A": [1]})", "f"); }),

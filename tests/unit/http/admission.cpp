@@ -1,6 +1,10 @@
 #include <http/admission.hpp>
+#include <http/large_body.hpp>
 
 #include <gtest/gtest.h>
+
+#include <memory>
+#include <span>
 
 namespace anogate::http {
 namespace {
@@ -130,6 +134,18 @@ TEST(Admission, what_a_form_can_send_is_refused) {
         EXPECT_EQ(sent({{"Content-Type", type}}), -415) << type;
     EXPECT_EQ(sent({}), -415);
     EXPECT_EQ(sent({}, {}), control) << "curl -d by the socket";
+}
+
+TEST(Admission, a_body_in_a_file_says_what_it_is_as_well) {
+    struct Stored final : StoredBody {
+        std::uint64_t size() const override { return 70'000; }
+        bool read(std::uint64_t, std::span<std::uint8_t>) const override { return true; }
+    };
+    for (const std::string type : {"text/plain", "application/octet-stream"}) {
+        Request request = asked({{"Host", "vehicle:8088"}, {"Authorization", "Bearer " + acts}, {"Content-Type", type}});
+        request.stored = std::make_shared<Stored>();
+        EXPECT_EQ(judged(request), type == "text/plain" ? -415 : control) << type;
+    }
 }
 
 TEST(Admission, ten_wrong_tokens_of_an_address_bar_it_for_a_minute) {

@@ -33,6 +33,8 @@ struct Flash {
         if (!has_header && file.ends_with(".bia"))
             throw UsageError{file +
                              ": it does not begin as a .bia does; what is no .bia but firmware all the same is called .bin"};
+        if (!has_header && file != "-" && !file.ends_with(".bin") && !file.ends_with(".BIN"))
+            throw UsageError{file + ": it is no .bia, and only firmware called .bin is taken as it is"};
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("flash");
         const std::string size = bytes_text(static_cast<double>(request.body.size()));

@@ -65,6 +65,7 @@ Json parsed_parameter_file(const std::string& text, const std::string& path) {
     if (file.is_object() && !file.contains("parameters")) file = Json{{"parameters", file}};
     if (!file.is_object() || !file["parameters"].is_object())
         throw UsageError{path + ": it is no file of parameters: {\"parameters\": {NAME: value}}"};
+    if (file["parameters"].empty()) throw UsageError{path + ": there are no parameters in it"};
     if (const Json whose = file.value("device", Json{}); whose.is_object())
         for (const auto& [key, value] : whose.items()) file[key == "address" ? "device" : key] = value;
     for (const auto& [name, value] : file["parameters"].items())
