@@ -540,7 +540,7 @@ protected:
     }
     /// What closed it is told to the client, then it ends, and its user is gone.
     bool ends_with(Client& client, const std::string& bytes) {
-        return says(client, bytes) && until([&] { return client.is_closed(); }) && echo.gone && client.heard().empty();
+        return says(client, bytes) && until([&] { return client.is_closed() && echo.gone; }) && client.heard().empty();
     }
 };
 
