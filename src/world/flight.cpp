@@ -88,6 +88,7 @@ bool Flight::fly(std::vector<RoutePoint> route) {
     if (route.empty() || !begin(Task::route)) return false;
     route_ = std::move(route);
     next_ = 0;
+    stayed_ = 0;
     return true;
 }
 
@@ -171,12 +172,27 @@ Motors Flight::by_task(double dt) {
     return pilot_.go(body_, place_, speed, settings_.gains, dt);
 }
 
+// Whether it looks where it is to look. Beside the point the direction to it says nothing: there it keeps its own.
+bool Flight::faces(const RoutePoint& point, double dt) noexcept {
+    constexpr double beside = 1;    // m
+    const Vector way = place_ - body_.position();
+    if (!point.yaw && std::hypot(way.x, way.y) < beside) return true;
+    const double yaw = point.yaw ? *point.yaw : std::atan2(way.y, way.x);
+    pilot_.turn_towards(yaw, dt);
+    return std::abs(wrapped(yaw - body_.angles().yaw)) < 2 * degree;
+}
+
 Motors Flight::on_route(double dt) {
     const RoutePoint& point = route_[next_];
     place_ = point.there;
-    if ((place_ - body_.position()).length() < near && ++next_ == route_.size()) end();
+    const bool looks_there = faces(point, dt);
+    if (looks_there && (place_ - body_.position()).length() < near) stayed_ += dt;
     const double speed = point.speed > 0 ? point.speed : settings_.speed / 100.0;
-    return pilot_.go(body_, place_, speed, settings_.gains, dt);
+    const Motors motors = pilot_.go(body_, place_, speed, settings_.gains, dt);
+    if (stayed_ <= point.stay) return motors;
+    stayed_ = 0;
+    if (++next_ == route_.size()) end();
+    return motors;
 }
 
 // In a hover: what the sticks and 0x41 say, as far as the mode lets them.

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -40,9 +41,12 @@ struct Steering {
     Vector velocity;    // forward, left, up
 };
 
+/// One point of a route.
 struct RoutePoint {
-    Vector there;
-    double speed = 0;
+    Vector there;                   // from home
+    double speed = 0;               // m/s; 0: as set
+    std::optional<double> yaw{};    // to the left of north; none: towards the point
+    double stay = 0;                // s, once it is there
 };
 
 class Flight {
@@ -94,6 +98,7 @@ private:
     Motors by_task(double dt);
     Motors at_its_place(double dt);
     Motors on_route(double dt);
+    bool faces(const RoutePoint& point, double dt) noexcept;
     Motors leaning(Angles lean, double throttle, double climb, double dt);
     Motors at_velocity(Vector of_the_nose, double dt);
     bool begin(Task task);
@@ -120,6 +125,7 @@ private:
     double aimed_yaw_ = 0;
     std::vector<RoutePoint> route_;
     std::size_t next_ = 0;
+    double stayed_ = 0;    // s, at the point that is next
     Sticks sticks_;
     Steering steering_;
     double sticks_age_ = input_lasts, steering_age_ = input_lasts;

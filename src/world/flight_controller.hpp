@@ -45,6 +45,7 @@ private:
     void add_waypoints();
     bool fly_waypoints(std::uint8_t first);
     Vector place_of(const device::Waypoint& waypoint) const noexcept;
+    RoutePoint route_point(const device::Waypoint& waypoint) const noexcept;
 
     void add_streams();
     void altitude();

@@ -131,10 +131,20 @@ Vector FlightController::place_of(const device::Waypoint& w) const noexcept {
             w.alt / 100.0};
 }
 
+// What a function does is the device's own matter (protocol text, section 4): here 1 stays cmd1 seconds, any other passes by.
+RoutePoint FlightController::route_point(const device::Waypoint& w) const noexcept {
+    constexpr std::uint16_t to_the_target = 400;
+    constexpr std::uint8_t stay = 1;
+    RoutePoint point{.there = place_of(w), .speed = w.spd / 100.0};
+    if (w.yaw != to_the_target) point.yaw = wrapped(-w.yaw * degree);
+    if (w.fun == stay) point.stay = w.cmd[0];
+    return point;
+}
+
 bool FlightController::fly_waypoints(std::uint8_t first) {
     const auto& all = device().waypoints();
     std::vector<RoutePoint> route;
-    for (std::size_t n = first; n < all.count(); ++n) route.push_back({place_of(all[n]), all[n].spd / 100.0});
+    for (std::size_t n = first; n < all.count(); ++n) route.push_back(route_point(all[n]));
     return flight_.fly(std::move(route));
 }
 

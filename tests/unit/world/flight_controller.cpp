@@ -23,7 +23,7 @@ struct FlyingFc : support::Simulated<FlightController> {
 
     const Flight& flight() const { return device.flight(); }
     Vector place() const { return flight().body().position(); }
-    bool is_at(Vector there) const { return (place() - there).length() < 0.3; }
+    bool is_at(Vector there, double within = 0.3) const { return (place() - there).length() < within; }
     void fly_to(double height) {
         ASSERT_TRUE(command(1, static_cast<std::uint16_t>(height * 100)));
         ASSERT_TRUE(run_until([&] { return flight().task() == Flight::Task::hover; }));
@@ -142,24 +142,56 @@ TEST(FlightController, goes_to_a_place_turns_and_returns_home) {
     EXPECT_TRUE(fc.is_at({0, 0, 0}));
 }
 
+struct Looks {
+    int yaw = 400, fun = 0, seconds = 0;
+};
+
+void put(FlyingFc& fc, std::uint8_t num, double lng, double lat, int alt, Looks looks = {}) {
+    ano::Draft<"waypoint"> w;
+    EXPECT_TRUE(w.set<"num">(num) && w.set<"lng">(lng) && w.set<"lat">(lat) && w.set<"alt">(alt) && w.set<"spd">(500));
+    EXPECT_TRUE(w.set<"yaw">(looks.yaw) && w.set<"fun">(looks.fun) && w.set<"cmd1">(looks.seconds));
+    Bytes bytes(64);
+    bytes.resize(w.encode(bytes, 0xFE, 0xDC));
+    EXPECT_TRUE(fc.does(0x61, Bytes(bytes.begin() + 6, bytes.end() - 2)));
+}
+
 TEST(FlightController, flies_its_waypoints) {
     FlyingFc fc;
-    const auto put = [&](std::uint8_t num, double lng, double lat, int alt) {
-        ano::Draft<"waypoint"> w;
-        EXPECT_TRUE(w.set<"num">(num) && w.set<"lng">(lng) && w.set<"lat">(lat) && w.set<"alt">(alt) && w.set<"spd">(500));
-        Bytes bytes(64);
-        bytes.resize(w.encode(bytes, 0xFE, 0xDC));
-        EXPECT_TRUE(fc.does(0x61, Bytes(bytes.begin() + 6, bytes.end() - 2)));
-    };
     EXPECT_EQ(fc.answers(0x60, {0xFF}), (std::vector<Bytes>{frame(0xDC, 0xFE, 0x60, {1})}));
-    put(1, 116.3, 39.9001, 500);       // 11 m to the north
-    put(2, 116.2999, 39.9001, 500);    // 8.5 m to the west
+    put(fc, 1, 116.3, 39.9001, 500);       // 11 m to the north
+    put(fc, 2, 116.2999, 39.9001, 500);    // 8.5 m to the west
     fc.fly_to(2);
     EXPECT_FALSE(fc.command(12, std::uint8_t{3})) << "there is none";
     ASSERT_TRUE(fc.command(12, std::uint8_t{1}));
     ASSERT_TRUE(fc.run_until([&] { return fc.is_at({11.13, 0, 5}); }));
     ASSERT_TRUE(fc.run_until([&] { return fc.flight().task() == Flight::Task::hover; }));
     EXPECT_TRUE(fc.is_at({11.13, 8.54, 5})) << fc.place().x << ' ' << fc.place().y << ' ' << fc.place().z;
+}
+
+TEST(FlightController, looks_at_the_next_waypoint_or_where_that_says) {
+    FlyingFc fc;
+    put(fc, 1, 116.2999, 39.9, 200);                 // 8.5 m to the west
+    put(fc, 2, 116.2998, 39.9, 200, {.yaw = 90});    // and on, looking back to the east
+    fc.fly_to(2);
+    ASSERT_TRUE(fc.command(12, std::uint8_t{1}));
+    const auto yaw = [&] { return fc.flight().body().angles().yaw / degree; };
+    ASSERT_TRUE(fc.run_until([&] { return fc.is_at({0, 7, 2}, 1); }));
+    EXPECT_NEAR(yaw(), 90, 5) << "west, to the left of north";
+    ASSERT_TRUE(fc.run_until([&] { return fc.flight().task() == Flight::Task::hover; }));
+    EXPECT_TRUE(fc.is_at({0, 17.1, 2}));
+    EXPECT_NEAR(yaw(), -90, 3);
+}
+
+TEST(FlightController, stays_at_a_waypoint_as_long_as_that_says) {
+    FlyingFc fc;
+    put(fc, 1, 116.3, 39.9, 200, {.fun = 1, .seconds = 20});    // above home
+    put(fc, 2, 116.3, 39.9001, 200);
+    fc.fly_to(2);
+    ASSERT_TRUE(fc.command(12, std::uint8_t{1}));
+    fc.run_for(19s);
+    EXPECT_TRUE(fc.is_at({0, 0, 2}));
+    ASSERT_TRUE(fc.run_until([&] { return fc.flight().task() == Flight::Task::hover; }));
+    EXPECT_TRUE(fc.is_at({11.13, 0, 2}));
 }
 
 TEST(FlightController, follows_the_sticks) {
