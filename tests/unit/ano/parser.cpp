@@ -864,6 +864,43 @@ TEST(FrameParser, sees_no_frame_of_the_previous_version_in_the_data_of_a_good_on
     EXPECT_EQ(line.counters().v7_frames, 0u);
 }
 
+TEST(FrameParser, sees_no_frame_of_the_previous_version_around_a_good_one) {
+    const Bytes one = v7_frame(0x03, {1, 2, 3, 4, 5, 6});
+    for (std::size_t cut = 1; cut < one.size(); ++cut) {
+        Line line;
+        line.put(begin_of(one, cut) + numbered(1) + rest_of(one, cut));
+        EXPECT_EQ(line.frames, Frames{numbered(1)});
+        EXPECT_EQ(line.counters().v7_frames, 0u) << cut;
+    }
+}
+
+// Crafted input must not cost more for being looked at twice.
+TEST(FrameParser, looks_for_the_previous_version_only_in_the_first_bytes_of_a_long_piece) {
+    const Bytes one = v7_frame(0x03, {1, 2, 3, 4, 5, 6});
+    Line line;
+    line.put(Bytes(1000, 0x11) + one);
+    EXPECT_EQ(line.counters().v7_frames, 0u);
+    line.put(Bytes(60, 0x11) + begin_of(one, 4) + Bytes(1000, 0x11));
+    line.put(rest_of(one, 4));
+    EXPECT_EQ(line.counters().v7_frames, 0u) << "what was not looked at stood between";
+    line.put(one);
+    EXPECT_EQ(line.counters().v7_frames, 1u);
+}
+
+// --- Padding
+
+TEST(FrameParser, zeros_are_padding_only_right_behind_a_frame) {
+    Line line{{.zero_padding = true}};
+    line.put(numbered(1) + Bytes(5));
+    EXPECT_EQ(line.counters().skipped_bytes, 0u);
+    line.put(Bytes{1});
+    line.put(Bytes(3));
+    line.put(numbered(2));
+    EXPECT_EQ(line.frames.size(), 2u);
+    EXPECT_EQ(line.counters().skipped_bytes, 4u);
+    EXPECT_EQ(line.counters().bytes_in, 2 * numbered(1).size() + 4);
+}
+
 // --- Resources
 
 TEST(FrameParser, allocates_nothing_after_construction) {

@@ -145,6 +145,29 @@ TEST_F(Forwarding, what_came_stale_counts_for_no_limit) {
     EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "offered 1"}));
 }
 
+TEST_F(Forwarding, what_waited_to_be_read_is_as_much_older_in_the_queue) {
+    Channel& device = add();
+    Channel& ground = add();
+    device.arrived_at = now - 700ms;
+    forwarder.receive(device, ano::FrameView{telemetry}, now);
+    now += 400ms;
+    EXPECT_EQ(taken(ground), Frames{}) << "telemetry is of use for a second";
+    EXPECT_EQ(ground.sent().stale, 1u);
+}
+
+// Where a stranger took a host's place only a host's words are worth a question.
+TEST_F(Forwarding, a_channel_knows_whether_a_host_spoke_to_it) {
+    Channel& a = add();
+    Channel& b = add();
+    receive(a, telemetry);
+    EXPECT_FALSE(b.hosts_spoke);
+    receive(a, frame(host, all, 0xE0, {0, 0, 0}));
+    EXPECT_TRUE(b.hosts_spoke);
+    EXPECT_FALSE(a.hosts_spoke);
+    receive(a, telemetry);
+    EXPECT_TRUE(b.hosts_spoke) << "for good";
+}
+
 TEST_F(Forwarding, a_filter_counts_what_it_keeps_from_leaving) {
     Channel& device = add();
     Channel& ground = add_with([](ForwarderLink& link) {
@@ -293,6 +316,42 @@ TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
     EXPECT_EQ(told(a, probe), (Lines{"received 0", "dropped 0 looped"})) << "its answer goes no further";
     EXPECT_TRUE(forwarder.rings().ring(a.id, now) && forwarder.rings().ring(b.id, now));
     EXPECT_EQ(told(b, order), (Lines{"received 1", "dropped 1 looped"}));
+}
+
+TEST_F(Forwarding, a_copy_that_waited_to_be_read_ends_however_late_that_is) {
+    Channel& a = add();
+    Channel& b = add();
+    add();
+    receive(a, telemetry);
+    diary.take();
+    b.arrived_at = now + 50ms;
+    now += 10s;
+    forwarder.receive(b, ano::FrameView{telemetry}, now);
+    EXPECT_EQ(diary.take(), (Lines{"received 1", "said 1", "dropped 1 looped"}));
+}
+
+TEST_F(Forwarding, what_is_withheld_for_good_is_counted_with_the_next_of_its_channel) {
+    Channel& a = add();
+    add();
+    for (std::uint32_t i = 0; i < LoopGuard::repeats; ++i, now += 10ms) receive(a, telemetry);
+    EXPECT_EQ(told(a, telemetry), Lines{"received 0"});
+    EXPECT_EQ(a.routed.looped, 0u);
+    now += 10s;
+    receive(a, frame(fc, all, 0x04, {1}));
+    EXPECT_EQ(a.routed.looped, 1u);
+}
+
+TEST_F(Forwarding, a_copy_that_ends_says_that_its_source_is_still_there) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    add();
+    Channel& radio = add_with(grouped);
+    Channel& wifi = add_with(grouped);
+    receive(radio, telemetry);
+    receive(wifi, frame(fc, all, 0x04, {1}));
+    now += 20s;
+    receive(radio, frame(fc, all, 0x04, {2}));
+    EXPECT_EQ(told(wifi, frame(fc, all, 0x04, {2})).back(), "dropped 2 duplicate");
+    EXPECT_EQ(forwarder.router().heard_at(fc, wifi.id), now);
 }
 
 TEST_F(Forwarding, anothers_probe_goes_on_as_it_is) {

@@ -103,9 +103,13 @@ TEST_F(Tunnelled, a_tunnel_frame_out_of_a_tunnel_frame_does_not_leave_by_it_agai
     EXPECT_EQ(port.nested, 0) << "it would not go back there anyway";
     Channel& second = *forwarder.open_channel(way.link, "peer", now);
     forwarder.link_up(way.link, now);
-    EXPECT_EQ(told(way, around(0xDD, all, command)), (Lines{"received 2", "offered 0", "offered 1"}));
+    now += 1ms;
+    const Bytes nested = around(0xDD, all, command);
+    EXPECT_EQ(told(way, nested), (Lines{"received 2", "offered 0", "offered 1"}));
     EXPECT_EQ(port.nested, 1);
     EXPECT_EQ(second.sent().offered, 0u);
+    EXPECT_EQ(told(second, nested), (Lines{"received 3", "offered 0", "offered 1", "said 2"}))
+        << "it did not go there, so it comes for the first time";
 }
 
 // Nothing of what could not be wrapped is counted as if it had left, and what is sent is one frame for all channels.

@@ -107,6 +107,47 @@ TEST(Router, what_was_heard_by_the_program_before_leads_where_it_did) {
     EXPECT_TRUE(after.router->learned(0xDC, after.now).links.empty()) << "30 s since it was heard";
 }
 
+TEST(Router, who_was_heard_before_is_as_old_as_that) {
+    Net net;
+    net.now += 1min;
+    net->restore(0xDC, channel(1), net.now - 10s);
+    EXPECT_EQ(net->heard_at(0xDC, channel(1)), net.now - 10s);
+}
+
+TEST(Router, a_channel_that_is_closed_leaves_nothing_to_the_next_of_its_number) {
+    Net net;
+    net.route(1, 0xDC, 0xFE);
+    net->went_down(channel(1));
+    net.route(2, 0xDC, 0xFE);    // it moved
+    net->restore_first(0xDC, channel(1));
+    EXPECT_TRUE(net->was_first(0xDC, channel(1)));
+    EXPECT_TRUE(net->are_all_down(channels({1})));
+    net->close(channel(1));
+    net->open(channel(1), link(1));
+    EXPECT_FALSE(net->was_first(0xDC, channel(1)));
+    EXPECT_FALSE(net->are_all_down(channels({1})));
+}
+
+TEST(Router, a_host_by_the_only_other_channel_needs_no_guard_once_the_third_is_closed) {
+    Net net{{}, {{}, {}, {}}};
+    net.route(1, 0xFE, 0xFF);
+    EXPECT_EQ(net.route(0, 0xDC, 0xFE).guarded, channels({1}));
+    net->close(channel(2));
+    EXPECT_EQ(net.route(0, 0xDC, 0xFE).guarded, ChannelSet{});
+}
+
+TEST(Router, of_two_new_conflicts_the_second_is_told_too) {
+    Net net;
+    net->note_conflict(0xDC, links({0, 1}), std::nullopt, net.now);
+    net->note_conflict(0xDD, links({0, 1}), std::nullopt, net.now);
+    Conflict conflict;
+    ASSERT_TRUE(net->take_new_conflict(conflict));
+    EXPECT_TRUE(net.route(2, 0x10, 0xFF).new_conflict);
+    ASSERT_TRUE(net->take_new_conflict(conflict));
+    EXPECT_EQ(conflict.address, 0xDD);
+    EXPECT_FALSE(net.route(2, 0x10, 0xFF).new_conflict);
+}
+
 TEST(Router, nobody_and_everybody_are_not_restored) {
     Net net;
     net.router->restore(0x00, ChannelId{0}, net.now);
