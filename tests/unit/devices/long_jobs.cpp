@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace {
 
@@ -211,7 +212,8 @@ TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
 
 struct CutOff : Calibrates {
     // The gateway ended while the device was turned; it has half of other values since.
-    CutOff() {
+    explicit CutOff(const Bytes& first_value = {}) {
+        if (!first_value.empty()) before = fake.parameters[0].value = first_value;
         net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
         net.until([&] { return state() == "waiting"; });
         net.ask("POST", "/jobs/1/next");
@@ -256,6 +258,31 @@ TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
     again.pass(3min);
     EXPECT_FALSE(again.listens) << "nothing is left to do";
+}
+
+struct CutOffWithoutNumbers : CutOff {
+    CutOffWithoutNumbers() : CutOff{{0x01, 0x00, 0x80, 0x7F}} {}    // a signalling NaN
+};
+
+TEST_F(CutOffWithoutNumbers, they_are_written_back_bit_by_bit) {
+    start();
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    EXPECT_EQ(value(), before);
+}
+
+TEST_F(CutOffWithoutNumbers, a_note_without_their_bytes_is_read_as_well) {
+    json note = json::parse(net.kept.begin()->second);
+    EXPECT_EQ(note.erase("bytes"), 1u);
+    EXPECT_EQ(note.at("parameters").at("CAL_AOFF_X"), "nan");
+    note["parameters"]["CAL_AOFF_Y"] = "-inf";
+    note["parameters"]["CAL_AOFF_Z"] = 0.1f;
+    again.kept.begin()->second = note.dump();
+    again.service.remember(again.kept.begin()->first, note.dump());
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    const auto stored = [&](std::size_t i) { return ano::load<float>(again.fakes[0]->parameters[i].value.data()); };
+    EXPECT_TRUE(std::isnan(stored(0)));
+    EXPECT_EQ(stored(1), -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(stored(2), 0.1f);
 }
 
 TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
