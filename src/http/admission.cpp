@@ -108,7 +108,8 @@ std::optional<Response> Admission::refusal(const Request& request) const {
         return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
         return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");
-    if ((!request.body.empty() || request.stored) && !is_plain_data(request.header("Content-Type")))
+    const bool is_told = request.body_to_come > 0 && request.body_to_come != in_chunks;
+    if ((!request.body.empty() || request.stored || is_told) && !is_plain_data(request.header("Content-Type")))
         return error(415, "a body is application/json or application/octet-stream: say which in Content-Type");
     return std::nullopt;
 }
@@ -117,6 +118,7 @@ tl::expected<Access, Response> Admission::judge(const Request& request, ano::Tim
     const bool passed_on = is_passed_on(request);
     if (request.door.is_network)
         if (auto no = refusal(request)) return tl::unexpected{std::move(*no)};
+    if (request.judged) return *request.judged;
     if (!request.door.needs_token && !passed_on) return Access::control;
     const std::string_view token = token_of(request);
     if (token.empty()) return Access::open;

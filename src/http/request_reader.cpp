@@ -103,9 +103,11 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         return used;
     }
     if (body_limit_) {
-        const auto most = body_limit_(head());
+        Request known = head();
+        known.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
+        const auto most = body_limit_(known);
         if (!most) {
-            fault_ = {503, "other large bodies are on their way: ask again later"};
+            fault_ = {403, "this body is not taken"};
             return used;
         }
         limits_.body = *most;

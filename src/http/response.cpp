@@ -21,6 +21,7 @@ constexpr std::pair<unsigned, std::string_view> reasons[] = {
     {403, "Forbidden"},
     {404, "Not Found"},
     {405, "Method Not Allowed"},
+    {408, "Request Timeout"},
     {409, "Conflict"},
     {413, "Payload Too Large"},
     {415, "Unsupported Media Type"},
@@ -71,6 +72,7 @@ std::string_view what_of(unsigned status) noexcept {
     case 409:
     case 429:
     case 503: return "busy";
+    case 408:
     case 504: return "timeout";
     default: return "invalid";
     }
@@ -91,9 +93,11 @@ Response needs_token(std::string_view words) {
 
 Response try_again(std::string_view words) {
     Response response = error(503, words);
-    response.headers.push_back({"Retry-After", "1"});
+    response.headers.push_back(retry_after());
     return response;
 }
+
+Field retry_after() { return {"Retry-After", "1"}; }
 
 Response later(Later promise) {
     Response response;

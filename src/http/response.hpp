@@ -41,6 +41,8 @@ Response needs_token(std::string_view words);
 
 /// 503: it may be asked again in a second.
 Response try_again(std::string_view words);
+/// The header that says so.
+Field retry_after();
 
 /// Why a WebSocket can't be made of this request, as the answer to it; its status is 200 when it can.
 Response web_socket_fault(const Request& request);
