@@ -220,6 +220,7 @@ std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
     if (job.is_over() || !job.work || !job.work->is_waiting()) return does_not_wait;
     if (auto refused = refusal(job.order, now)) return refused;    // it may have taken off since the job began
     if (!job.work->go_on(now)) return does_not_wait;
+    look(job, now);
     net_.wake(now);
     return std::nullopt;
 }

@@ -167,7 +167,9 @@ http::Response job_at_its_end(const std::shared_ptr<Job>& job) {
 http::Response answer_of(const NotBegun& refused) {
     Json json{{"error", refused.error}, {"what", refused.what}};
     if (refused.has_it) json["job"] = refused.has_it->id;
-    return line_answer(refused.status, ano::json_line(json));
+    http::Response response = line_answer(refused.status, ano::json_line(json));
+    if (refused.status == 503) response.headers.push_back(http::retry_after());
+    return response;
 }
 
 }    // namespace anogate

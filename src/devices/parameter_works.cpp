@@ -152,6 +152,7 @@ private:
         result["written"] = value_json(write_->written(), info.type);
         result["stored"] = value_json(*write_->stored(), info.type);
         result["clamped"] = write_->is_clamped();
+        result["acknowledged"] = write_->was_acknowledged();
         finish(with_result(end_of(end), result));
     }
 

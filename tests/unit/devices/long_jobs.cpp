@@ -112,6 +112,19 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("in_loader"));
 }
 
+TEST_F(LongJobs, one_for_which_there_is_no_place_may_be_asked_for_again) {
+    net.add(0xDD);
+    net.add(0xDE);
+    const auto ask = [&](const std::string& device) {
+        return net.routes.answer(SimulatedNet::request("POST", "/devices/" + device + "/firmware", "x"));
+    };
+    EXPECT_EQ(ask("0xDC").status, 202u);
+    EXPECT_EQ(ask("0xDD").status, 202u);
+    const auto third = ask("0xDE");
+    EXPECT_EQ(third.status, 503u);
+    EXPECT_EQ(anogate::http::field_value(third.headers, "Retry-After"), "1");
+}
+
 struct Calibrates : LongJobs {
     Calibrates() {
         double value = 0.5;
@@ -149,7 +162,10 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_EQ(net.kept.begin()->first, "calibration-0xDC-accelerometer.json");
     net.pass(1min);
     EXPECT_EQ(state(), "waiting");
-    EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+    const auto next = net.ask("POST", "/jobs/1/next");
+    EXPECT_EQ(next.status, 200u);
+    EXPECT_EQ(next.json.at("state"), "running");
+    EXPECT_EQ(next.json.at("message"), "the device is told to forget them");
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 409u) << "it goes on already";
     net.pass(1s);
     lie(0);
@@ -362,6 +378,15 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
     EXPECT_EQ(fake.parameters[0].value, before);
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+}
+
+TEST(Notes, are_files_of_exactly_their_names) {
+    for (const char* name : {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json"})
+        EXPECT_TRUE(anogate::is_note(name)) << name;
+    for (const char* name : {"calibration-0xDC\n2026 all is well-accelerometer.json", "calibration-0xDC-\x1B[2J-compass.json",
+                             "calibration-0xdc-compass.json", "calibration-0xDC-gyroscope.json", "firmware-0xDC-old.json",
+                             "firmware-0x\n.json", "firmware-0xDC.json.tmp", "firmware-0xDC", ""})
+        EXPECT_FALSE(anogate::is_note(name)) << name;
 }
 
 TEST_F(Calibrates, only_what_there_is_to_calibrate) {
