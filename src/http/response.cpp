@@ -130,11 +130,19 @@ std::string head_of(const Response& response, const Sending& sending) {
     if (sending.version == 10 && sending.keep_alive) add(head, "Connection", "keep-alive");
     if (sending.version != 10 && !sending.keep_alive) add(head, "Connection", "close");
     if (sending.chunked) add(head, "Transfer-Encoding", "chunked");
-    else if (!response.producer) add(head, "Content-Length", std::to_string(response.body.size()));
+    else if (!response.producer) add(head, "Content-Length", std::to_string(response.size()));
     return head + "\r\n";
 }
 
-std::string last_words(const Response& response) { return head_of(response, {.keep_alive = false}) + response.body; }
+std::string last_words(const Response& response) {
+    return head_of(response, {.keep_alive = false}) + response.body + (response.shared ? *response.shared : std::string{});
+}
+
+std::string Response::take_text() {
+    std::string text = std::exchange(body, {});
+    if (shared) text += *shared;
+    return text;
+}
 
 std::string chunk(std::string_view part) {
     std::array<char, 20> size{};

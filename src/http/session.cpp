@@ -14,6 +14,8 @@ constexpr std::size_t some_of_body = 1024;
 
 }    // namespace
 
+const std::shared_ptr<const std::string> Session::nothing_ = std::make_shared<const std::string>();
+
 Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits)
     : io_{io}, owner_{owner}, limits_{limits}, stream_{std::move(stream)}, deadline_{io}, user_{stream_->user()} {}
 
@@ -280,6 +282,7 @@ void Session::send(Response response, bool head_only) {
     head_ = head_of(response, sending_);
     if (!head_only) {
         body_ = std::move(response.body);
+        if (response.shared) shared_ = std::move(response.shared);
         producer_ = std::move(response.producer);
     }
     if (producer_)
@@ -290,20 +293,22 @@ void Session::send(Response response, bool head_only) {
 }
 
 void Session::write() {
-    const std::size_t of_head = std::min(written_, head_.size());
-    stream_->write_some({asio::buffer(head_) + of_head, asio::buffer(body_) + (written_ - of_head)},
-                        [self = shared_from_this()](error_code ec, std::size_t size) {
-                            if (!self->stream_) return;
-                            if (ec) return self->close();
-                            self->written_ += size;
-                            if (self->written_ < self->head_.size() + self->body_.size()) return self->write();
-                            self->wrote();
-                        });
+    const std::size_t of_head = std::min(written_, head_.size()), of_body = std::min(written_ - of_head, body_.size());
+    stream_->write_some(
+        {asio::buffer(head_) + of_head, asio::buffer(body_) + of_body, asio::buffer(*shared_) + (written_ - of_head - of_body)},
+        [self = shared_from_this()](error_code ec, std::size_t size) {
+            if (!self->stream_) return;
+            if (ec) return self->close();
+            self->written_ += size;
+            if (self->written_ < self->head_.size() + self->body_.size() + self->shared_->size()) return self->write();
+            self->wrote();
+        });
 }
 
 void Session::wrote() {
     head_.clear();
     body_.clear();
+    shared_ = nothing_;
     written_ = 0;
     if (producer_) return next_part();
     body_ = std::string{};    // who is idle holds no answer

@@ -118,7 +118,9 @@ private:
     std::optional<RequestReader> reader_;
 
     Sending sending_;
-    std::string head_, body_;    // what is being written
+    std::string head_, body_;    // what is being written, and behind it:
+    std::shared_ptr<const std::string> shared_ = nothing_;
+    static const std::shared_ptr<const std::string> nothing_;
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
     bool part_awaited_ = false;      // the producer has none for now

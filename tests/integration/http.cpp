@@ -518,6 +518,31 @@ TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
     EXPECT_LT(client.heard().size(), std::size_t{16 << 20});
 }
 
+TEST_P(HttpServer, many_have_one_text) {
+    auto all = std::make_shared<const std::string>(std::string(8 << 20, 'z') + "end");
+    server->routes().add("GET", "/shared", [&all](const Request&) {
+        Response response = text("begin");
+        response.shared = all;
+        return response;
+    });
+    std::vector<Client> clients;
+    for (int i = 0; i < 3; ++i) {
+        clients.push_back(connect(GetParam()));
+        clients.back().send(get("/shared") + get("/short?n=next"));
+    }
+    EXPECT_TRUE(until([&] { return all.use_count() == 4; })) << "who does not read holds no text of his own";
+    for (Client& client : clients) {
+        EXPECT_TRUE(until([&] { return client.has_heard("next"); }));
+        const std::string& heard = client.heard();
+        EXPECT_NE(heard.find("Content-Length: 8388616\r\n"), std::string::npos);
+        const std::size_t body = heard.find("\r\n\r\n") + 4;
+        EXPECT_EQ(heard.substr(body, 6), "beginz");
+        EXPECT_EQ(heard.substr(body + 8'388'616 - 4, 12), "zendHTTP/1.1");
+    }
+    EXPECT_EQ(all.use_count(), 1);
+    EXPECT_TRUE(answer("HEAD /shared HTTP/1.1\r\nConnection: close\r\n\r\n").ends_with("\r\n\r\n"));
+}
+
 TEST_P(HttpServer, streams_parts_as_they_come) {
     Client client = connect(GetParam());
     source.ready = 2;
