@@ -79,6 +79,7 @@ void Session::expect_progress() {
 // Who asked half a request may still read why nothing comes of it.
 void Session::lost_patience() {
     if (!stream_ || asking_ != Asking::half) return close();
+    if (is_kept_) return refuse(try_again("the disk is too slow for so large a body just now"));
     const std::string time = seconds_text(limits_.patience);
     refuse(error(
         408, room_for_body_.place ? "nothing more of the body came for " + time : "the request was not whole within " + time));

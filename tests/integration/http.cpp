@@ -508,6 +508,18 @@ TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
     EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "nothing more of the body came for 100 ms")) << slow.heard();
 }
 
+TEST_F(ImpatientHttpServer, says_that_the_disk_is_too_slow_where_it_is) {
+    keeping.waits = true;
+    Client client = connect();
+    const std::string part = post_of(1'000'000).substr(0, 300'000);
+    std::size_t sent = 0;
+    EXPECT_TRUE(until([&] {
+        if (sent < part.size()) sent += client.send(std::string_view{part}.substr(sent));
+        return client.is_closed();
+    }));
+    EXPECT_TRUE(is_told(client.heard(), "503 Service Unavailable", "the disk is too slow")) << client.heard();
+}
+
 TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
     Client client = connect(GetParam());
     client.send(get("/big"));
