@@ -46,6 +46,8 @@ public:
     bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
     /// Whether the write has left: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
+    /// False of a write that was sent: only reading it back told what became of it.
+    bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
 
 private:
     enum Step : std::uint32_t { read_before, write_value, read_back, read_again, ask_count, ask_description };

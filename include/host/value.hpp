@@ -22,8 +22,11 @@ using Misfit = std::string_view;
 /// missing. A text is appended as it is. Nothing is appended when it does not fit.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type);
 
-/// The value that `bytes` are; nothing when there are too few. Text is what stands before the first NUL.
+/// The value that `bytes` are; nothing when there are too few. append() makes the same bytes of it, also of a NaN. Text is what stands before the first NUL.
 std::optional<AnyValue> value_of(Bytes bytes, Type type);
+
+/// Whether both are the same bytes on the wire: a NaN is the same as one of the same bits, 0 is not -0. False where one does not fit.
+bool same_bytes(const AnyValue& a, const AnyValue& b, Type type);
 
 /// For people: 4, -0.25, "text".
 std::string words_of(const AnyValue& value);

@@ -1,3 +1,4 @@
+#include <ano_json/lower_case.hpp>
 #include <ano_json/syntax_fault.hpp>
 
 #include <nlohmann/json.hpp>
@@ -26,9 +27,7 @@ std::string word_at(std::string_view text, std::size_t at) {
     std::size_t begin = at, end = at;
     while (begin > 0 && is_letter(begin - 1)) --begin;
     while (end < text.size() && is_letter(end)) ++end;
-    std::string word{text.substr(begin, end - begin)};
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return word;
+    return lower_case(text.substr(begin, end - begin));
 }
 
 /// Words of other languages, and of our own command line.

@@ -8,9 +8,9 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace anogate {
 namespace {
@@ -57,26 +57,44 @@ Json sphere_json(const ano::host::CompassSphere& sphere) {
             {"samples", sphere.samples()}};
 }
 
-float number(const ano::host::AnyValue& value) {
-    return std::visit(
-        []<class T>(const T& one) {
-            if constexpr (std::is_same_v<T, std::string>) return 0.0f;
-            else return static_cast<float>(one);
-        },
-        value);
+// As on the wire, so that a NaN comes back as it was: {"CAL_AOFF_X": "0000c07f", …}
+Json bytes_json(const ano::host::CalibrationValues& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values) {
+        std::vector<std::uint8_t> bytes;
+        (void)ano::host::append(bytes, value, ano::Type::f32);
+        json[name] = ano::hex(bytes);
+    }
+    return json;
 }
 
-// What a note has; nothing where it is damaged.
+std::optional<ano::host::AnyValue> value_of_hex(const Json& json) {
+    const auto bytes = json.is_string() ? ano::from_hex(json.get_ref<const std::string&>()) : std::nullopt;
+    return bytes && bytes->size() == sizeof(float) ? ano::host::value_of(*bytes, ano::Type::f32) : std::nullopt;
+}
+
+// As value_json() tells it.
+std::optional<ano::host::AnyValue> value_told(const Json& json) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
+    if (json == "inf") return infinity;
+    if (json == "-inf") return -infinity;
+    if (!json.is_number() || std::abs(json.get<double>()) > std::numeric_limits<float>::max()) return std::nullopt;
+    return double{json.get<float>()};
+}
+
+// What a note has; nothing where it is damaged. Older ones have no "bytes".
 std::optional<ano::host::CalibrationValues> values_in_note(const std::string& text, Sensor sensor) {
     const Json note = Json::parse(text, nullptr, false);
-    if (!note.is_object() || !note.value("parameters", Json{}).is_object()) return std::nullopt;
+    const bool has_bytes = note.is_object() && note.contains("bytes");
+    const Json kept = note.is_object() ? note.value(has_bytes ? "bytes" : "parameters", Json{}) : Json{};
+    if (!kept.is_object()) return std::nullopt;
     ano::host::CalibrationValues values;
     for (const std::string& name : ano::host::calibration_names(sensor)) {
-        const Json value = note["parameters"].value(name, Json{});
-        if (!value.is_number()) return std::nullopt;
-        const double number = value.get<double>();
-        if (std::abs(number) > std::numeric_limits<float>::max()) return std::nullopt;
-        values.emplace_back(name, double{static_cast<float>(number)});
+        const Json one = kept.value(name, Json{});
+        auto value = has_bytes ? value_of_hex(one) : value_told(one);
+        if (!value) return std::nullopt;
+        values.emplace_back(name, *std::move(value));
     }
     return values;
 }
@@ -209,7 +227,8 @@ private:
         if (uses_kept()) return;
         const auto& device = place().device;
         const Json json{{"device", identity_json(device.address(), device.info())},
-                        {"parameters", values_json(calibration_->old_values())}};
+                        {"parameters", values_json(calibration_->old_values())},
+                        {"bytes", bytes_json(calibration_->old_values())}};
         place().notes.keep(keep_name(device.address(), sensor_), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n",
                            [kept = kept_, &net = place().net](std::string fault) {
                                kept->fault = std::move(fault);
@@ -254,7 +273,7 @@ void forget_written(const WorkPlace& place, const Json& values) {
         const auto kept = text != nullptr ? values_in_note(*text, sensor) : std::nullopt;
         const auto is_written = [&](const auto& one) {
             const auto value = values.contains(one.first) ? value_in(values[one.first], ano::Type::f32) : std::nullopt;
-            return value && number(*value) == number(one.second);
+            return value && ano::host::same_bytes(*value, one.second, ano::Type::f32);
         };
         if (kept && std::all_of(kept->begin(), kept->end(), is_written)) place.notes.forget(name);
     }

@@ -1,11 +1,13 @@
 #include <ano_json/text.hpp>
 #include <devices/command_works.hpp>
 #include <devices/device_json.hpp>
+#include <devices/rows_text.hpp>
 #include <host/commands.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <charconv>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -48,17 +50,21 @@ class ReadCommands final : public CommandWork {
 public:
     using CommandWork::CommandWork;
     std::string message() const override { return "reading commands"; }
+    std::optional<TimePoint> due() const override { return text_ ? std::optional{TimePoint{}} : std::nullopt; }
 
 private:
+    // A few rows at a time: the task has ended, so this is called until the work has.
     void done(const Task& task, TimePoint) override {
-        Json rows = Json::array();
-        for (const CommandInfo& info : commands().descriptions()) rows.push_back(command_json(info));
-        WorkEnd end = end_of(*task.end());
-        end.result =
-            Json{{"device", identity_json(place().device.address(), place().device.info())}, {"commands", std::move(rows)}}.dump(
-                -1, ' ', false, Json::error_handler_t::replace);
-        finish(std::move(end));
+        const auto& all = commands().descriptions();
+        const auto& device = place().device;
+        if (!text_) text_.emplace(Json{{"device", identity_json(device.address(), device.info())}}, "commands");
+        for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < all.size(); ++n) text_->add(command_json(all[told_++]));
+        if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
+        if (told_ == all.size()) finish(text_->ended(end_of(*task.end()), Json::object()));
     }
+
+    std::optional<RowsText> text_;
+    std::size_t told_ = 0;
 };
 
 class CallCommand final : public CommandWork {

@@ -220,6 +220,7 @@ std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
     if (job.is_over() || !job.work || !job.work->is_waiting()) return does_not_wait;
     if (auto refused = refusal(job.order, now)) return refused;    // it may have taken off since the job began
     if (!job.work->go_on(now)) return does_not_wait;
+    look(job, now);
     net_.wake(now);
     return std::nullopt;
 }
@@ -349,7 +350,9 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     job.message = end.error;
     if (end.status < 300) job.progress.done = job.progress.total;
     if (end.status < 300 && job.order.result) end.result = job.order.result();
-    if (!end.result.empty()) end.result = exact_json(end.result);
+    if (!end.result.empty() && !end.is_exact) end.result = exact_json(end.result);
+    if (!end.result.empty()) job.result = std::make_shared<const std::string>(std::move(end.result.append("\n")));
+    end.result.clear();
     // In its loader it would have no parameters and no commands.
     if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware &&
         notes_.find(loader_note(*job.order.address)) != nullptr)
@@ -368,9 +371,9 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
 // Who waits for one of them has it all the same.
 void DeviceService::forget_results() {
     std::size_t kept = 0;
-    for (const auto& job : jobs_) kept += job->end ? job->end->result.size() : 0;
+    for (const auto& job : jobs_) kept += job->result ? job->result->size() : 0;
     for (auto at = jobs_.begin(); at != jobs_.end() && kept > max_results;) {
-        const std::size_t size = (*at)->end ? (*at)->end->result.size() : 0;
+        const std::size_t size = (*at)->result ? (*at)->result->size() : 0;
         kept -= size;
         at = size > 0 ? jobs_.erase(at) : at + 1;
     }

@@ -48,9 +48,12 @@ Json evidence_json(const ano::host::Evidence& of) {
 // A result may be large, and is put in as the text that it is.
 std::string with_result_of(const Job& job, const Json& json) {
     std::string line = ano::json_line(json);
-    if (!job.end || (job.end->result.empty() && job.end->status >= 300)) return line;
+    if (!job.end || (!job.result && job.end->status >= 300)) return line;
+    const std::string_view result = job.result ? std::string_view{*job.result} : "null\n";
+    constexpr std::string_view between = ",\"result\":";
+    line.reserve(line.size() + between.size() + result.size());
     line.resize(line.size() - 2);    // "}\n"
-    return line + ",\"result\":" + (job.end->result.empty() ? "null" : job.end->result) + "}\n";
+    return line.append(between).append(result.substr(0, result.size() - 1)).append("}\n");
 }
 
 const KindRow& row_of(JobKind kind) noexcept { return kinds[static_cast<std::size_t>(kind)]; }
@@ -97,14 +100,19 @@ nlohmann::ordered_json job_json(const Job& job) {
     return json;
 }
 
-std::string job_line(const Job& job) { return with_result_of(job, job_json(job)); }
+std::shared_ptr<const std::string> job_line(const Job& job) {
+    if (auto line = job.line.lock()) return line;
+    auto line = std::make_shared<const std::string>(with_result_of(job, job_json(job)));
+    if (job.is_over()) job.line = line;
+    return line;
+}
 
-std::string end_line(const Job& job) {
-    if (job.end->status < 300) return (job.end->result.empty() ? "null" : job.end->result) + "\n";
-    return with_result_of(
-        job,
-        Json{
-            {"error", job.end->error}, {"what", job.end->what}, {"job", job.id}, {"evidence", evidence_json(job.end->evidence)}});
+std::shared_ptr<const std::string> end_line(const Job& job) {
+    if (job.end->status < 300) return job.result ? job.result : std::make_shared<const std::string>("null\n");
+    return std::make_shared<const std::string>(with_result_of(job, Json{{"error", job.end->error},
+                                                                        {"what", job.end->what},
+                                                                        {"job", job.id},
+                                                                        {"evidence", evidence_json(job.end->evidence)}}));
 }
 
 }    // namespace anogate

@@ -48,8 +48,10 @@ struct Job {
     unsigned id = 0;
     JobOrder order;
     JobState state = JobState::running;
-    std::unique_ptr<Work> work;    // null when it has ended, and until it begins
-    std::optional<WorkEnd> end;
+    std::unique_ptr<Work> work;                         // null when it has ended, and until it begins
+    std::optional<WorkEnd> end;                         // its result is in the next
+    std::shared_ptr<const std::string> result{};        // a line; null: there is none
+    mutable std::weak_ptr<const std::string> line{};    // of job_line(), as long as somebody has it
     std::string message;
     bool has_acted = false;       // something that changes the device left
     bool is_cancelled = false;    // somebody wants its end, which may take a while
@@ -78,10 +80,10 @@ bool asks_by(JobKind kind, std::uint8_t id) noexcept;
 
 /// The object that is told of it, without its result.
 nlohmann::ordered_json job_json(const Job& job);
-/// The same with its result, as a line.
-std::string job_line(const Job& job);
-/// What came of a job, without the job, as a line.
-std::string end_line(const Job& job);
+/// The same with its result, as a line. Of a job that is over all who have it have the same text: a result may be large.
+std::shared_ptr<const std::string> job_line(const Job& job);
+/// What came of a job, without the job, as a line; the same.
+std::shared_ptr<const std::string> end_line(const Job& job);
 /// JSON that every program reads without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
 /// "job 7 (firmware, of anoctl)"

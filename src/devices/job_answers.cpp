@@ -21,6 +21,13 @@ http::Response line_answer(unsigned status, std::string line) {
     return response;
 }
 
+http::Response line_answer(unsigned status, std::shared_ptr<const std::string> line) {
+    http::Response response;
+    response.status = status;
+    response.shared = std::move(line);
+    return response;
+}
+
 http::Response end_answer(const Job& job) { return line_answer(job.end->status, end_line(job)); }
 
 /// Who waits for a job; he may want it to end when he goes.
@@ -61,17 +68,27 @@ public:
 
     void start(std::function<void()> wake) override { wake_ = std::move(wake); }
     Next next(std::string& into) override {
-        if (told_ != job_->version) {
+        if (!line_ && told_ != job_->version) {
             told_ = job_->version;
-            into += job_line(*job_);
+            line_ = job_line(*job_);
+            at_ = 0;
         }
+        if (line_) into.append(*line_, at_, part);
+        at_ += into.size();
+        if (line_ && at_ < line_->size()) return Next::part;
+        line_.reset();
+        if (told_ != job_->version) return Next::part;
         return job_->is_over() ? Next::end : Next::later;
     }
 
 private:
     std::shared_ptr<Job> job_;
+    static constexpr std::size_t part = std::size_t{64} * 1024;
+
     std::shared_ptr<WaitingClient> client_;
     std::optional<std::uint64_t> told_;
+    std::shared_ptr<const std::string> line_;    // that is being told
+    std::size_t at_ = 0;                         // so much of it was
     std::function<void()> wake_ = [] {};
 };
 
@@ -105,9 +122,8 @@ private:
             return;
         }
         told_ = job_->version;
-        std::string line = job_line(*job_);
-        line.pop_back();
-        if (!socket_->send(std::make_shared<const std::string>(std::move(line)), http::WebSocket::Kind::text))
+        const auto line = job_line(*job_);
+        if (!socket_->send(std::make_shared<const std::string>(*line, 0, line->size() - 1), http::WebSocket::Kind::text))
             socket_->close(1009, "what came of the job is too much for a message");
     }
 
@@ -167,7 +183,9 @@ http::Response job_at_its_end(const std::shared_ptr<Job>& job) {
 http::Response answer_of(const NotBegun& refused) {
     Json json{{"error", refused.error}, {"what", refused.what}};
     if (refused.has_it) json["job"] = refused.has_it->id;
-    return line_answer(refused.status, ano::json_line(json));
+    http::Response response = line_answer(refused.status, ano::json_line(json));
+    if (refused.status == 503) response.headers.push_back(http::retry_after());
+    return response;
 }
 
 }    // namespace anogate

@@ -1,4 +1,5 @@
 #include <ano/hex.hpp>
+#include <devices/calibration_work.hpp>
 #include <devices/notes.hpp>
 
 #include <utility>
@@ -35,7 +36,9 @@ void Notes::forget(const std::string& name) {
 std::string loader_note(std::uint8_t address) { return "firmware-" + ano::hex_byte(address) + ".json"; }
 
 bool is_note(std::string_view name) {
-    return name.ends_with(".json") && (name.starts_with("calibration-0x") || name.starts_with("firmware-0x"));
+    const auto address = address_of_note(name);
+    const auto sensor = sensor_of_note(name);
+    return address && name == (sensor ? keep_name(*address, *sensor) : loader_note(*address));
 }
 
 }    // namespace anogate

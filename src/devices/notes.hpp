@@ -36,7 +36,7 @@ private:
 
 /// "firmware-0xDC.json": the device is in its loader, with half an image or none; who it was before is in it.
 std::string loader_note(std::uint8_t address);
-/// Whether a file of this name is such a note or one of a calibration.
+/// Whether a file of this name is such a note or one of a calibration: it is exactly as we name them, so that it can be shown.
 bool is_note(std::string_view name);
 
 }    // namespace anogate

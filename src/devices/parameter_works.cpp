@@ -2,6 +2,7 @@
 #include <devices/calibration_work.hpp>
 #include <devices/device_json.hpp>
 #include <devices/parameter_works.hpp>
+#include <devices/rows_text.hpp>
 #include <host/parameter_apply.hpp>
 #include <host/parameters.hpp>
 
@@ -62,6 +63,7 @@ public:
     ReadAll(const WorkPlace& place, bool values) : ParameterWork{place}, values_{values} {}
     void start(TimePoint now) override { read(values_ ? Parameters::Values::all : Parameters::Values::none, now); }
     std::string message() const override { return "reading parameters"; }
+    std::optional<TimePoint> due() const override { return text_ ? std::optional{TimePoint{}} : std::nullopt; }
 
 private:
     void done(const Task& task, TimePoint) override { tell(end_of(*task.end())); }
@@ -72,29 +74,39 @@ private:
         end.status = 200;
         tell(std::move(end));
     }
+    // A few rows at a time: the task has ended, so this is called until the work has.
     void tell(WorkEnd end) {
-        Json rows = Json::array();
-        std::uint16_t id = 0;
-        // Behind the last that came there is nothing to say of each: a device may claim thousands.
+        const auto& all = parameters().descriptions();
+        const auto& device = place().device;
+        if (!text_) {
+            text_.emplace(Json{{"device", identity_json(device.address(), device.info())}}, "parameters");
+            end_of_rows_ = rows_that_came();
+        }
+        for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
+            ano::host::ParameterInfo row = all[told_];
+            row.id = static_cast<std::uint16_t>(told_);
+            text_->add(parameter_json(row, parameters().value(row.id), values_));
+        }
+        if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
+        if (told_ < end_of_rows_) return;
+        Json tail = Json::object();
+        if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
+        if (!end.error.empty()) tail["incomplete"] = end.error;
+        finish(text_->ended(std::move(end), tail));
+    }
+    // Behind the last that came there is nothing to say of each: a device may claim thousands.
+    std::size_t rows_that_came() const {
         const auto& all = parameters().descriptions();
         const auto came = [&](std::size_t i) {
             return all[i].type || !all[i].name.empty() || !parameters().bytes(static_cast<std::uint16_t>(i)).empty();
         };
-        std::size_t end_of_rows = all.size();
-        while (end_of_rows > 0 && !came(end_of_rows - 1)) --end_of_rows;
-        for (std::size_t i = 0; i < end_of_rows; ++i) {
-            ano::host::ParameterInfo row = all[i];
-            row.id = id;
-            rows.push_back(parameter_json(row, parameters().value(id), values_));
-            ++id;
-        }
-        const auto& device = place().device;
-        Json result{{"device", identity_json(device.address(), device.info())}, {"parameters", std::move(rows)}};
-        if (end_of_rows < all.size()) result["missing_from"] = end_of_rows;
-        if (!end.error.empty()) result["incomplete"] = end.error;
-        finish(with_result(std::move(end), result));
+        std::size_t end = all.size();
+        while (end > 0 && !came(end - 1)) --end;
+        return end;
     }
 
+    std::optional<RowsText> text_;
+    std::size_t told_ = 0, end_of_rows_ = 0;
     bool values_;
 };
 
@@ -152,6 +164,7 @@ private:
         result["written"] = value_json(write_->written(), info.type);
         result["stored"] = value_json(*write_->stored(), info.type);
         result["clamped"] = write_->is_clamped();
+        result["acknowledged"] = write_->was_acknowledged();
         finish(with_result(end_of(end), result));
     }
 

@@ -19,11 +19,12 @@ namespace anogate {
 /// How a job ended, as the answer to who asked for it.
 struct WorkEnd {
     unsigned status = 200;
-    std::string result{};    // JSON; of 200
+    std::string result{};    // JSON; of 200, else of what is half done
     std::string error;       // a clause for people; of 200 it may say what is to be known all the same
     std::string what;        // a word for programs; of 200 empty
     ano::host::Evidence evidence{};
     bool is_cancelled = false;
+    bool is_exact = false;    // the result is as exact_json() makes it
 };
 
 /// As `end` is told: done has a status of 200 and no result yet.

@@ -159,7 +159,7 @@ Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old)
     if (!found || !is_plausible(*found)) result.wrong = "the six faces do not belong together: lay it flat on each";
     else if (!(result.after < max_residual))
         result.wrong = "the residual is " + with_one_decimal(result.after) + " cm/s²: lay it flat on each";
-    else if (!(result.after < result.before))
+    else if (result.after >= result.before)
         result.wrong = "the residual would be " + with_one_decimal(result.after) + " cm/s², and is " +
                        with_one_decimal(result.before);
     else result.calibration = *found;

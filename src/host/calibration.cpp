@@ -58,7 +58,8 @@ void CalibrationWrite::read_back(TimePoint now) {
     if (again_.end()->ending != Ending::done) return finish_as(again_, now);
     for (const auto& [name, value] : values_) {
         const ParameterInfo* info = again_.find(name).parameter;
-        if (info == nullptr || again_.value(info->id) != value)
+        const auto stored = info != nullptr ? again_.value(info->id) : std::nullopt;
+        if (!stored || !same_bytes(*stored, value, Type::f32))
             return finish({Ending::refused, hex_of(device().address()) + " does not keep " + name, {}}, now);
     }
     finish({}, now);

@@ -128,7 +128,7 @@ Fit<CompassCalibration> CompassSphere::fit(const CompassCalibration& old) const 
     result.before = residual(old);
     result.after = found ? residual(*found) : 1;
     if (!found || !(result.after < max_residual)) result.wrong = "the samples are no ellipsoid: turn it slowly, away from iron";
-    else if (!(result.after < result.before))
+    else if (result.after >= result.before)
         result.wrong = "the residual would be " + percent(result.after) + ", and is " + percent(result.before);
     else result.calibration = *found;
     return result;

@@ -46,7 +46,8 @@ bool ParameterApply::check(TimePoint now) {
         }
         infos_.push_back(*found.parameter);
         row.before = row.stored = parameters_.value(found.parameter->id);
-        if (!options_.also_the_same && value_of(wire, *found.parameter->type) == row.before) row.state = State::same;
+        if (!options_.also_the_same && row.before && same_bytes(row.wanted, *row.before, *found.parameter->type))
+            row.state = State::same;
     }
     return true;
 }

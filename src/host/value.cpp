@@ -3,7 +3,9 @@
 #include <host/value.hpp>
 
 #include <array>
+#include <bit>
 #include <charconv>
+#include <cmath>
 
 namespace ano::host {
 namespace {
@@ -21,6 +23,22 @@ std::optional<Number> number_in(const AnyValue& value) noexcept {
     return std::nullopt;
 }
 
+// To convert a NaN is to make a quiet one of it: its bits are moved by themselves.
+constexpr int shorter_by = 52 - 23;    // the fraction of an f32 than that of an f64
+constexpr std::uint64_t f64_exponent = 0x7FF0'0000'0000'0000;
+constexpr std::uint32_t f32_exponent = 0x7F80'0000, f32_fraction = 0x007F'FFFF, f32_quiet = 0x0040'0000, f32_sign = 0x8000'0000;
+
+double wide_nan(std::uint32_t bits) noexcept {
+    return std::bit_cast<double>(std::uint64_t{bits & f32_sign} << 32 | f64_exponent |
+                                 std::uint64_t{bits & f32_fraction} << shorter_by);
+}
+
+std::uint32_t narrow_nan(double nan) noexcept {
+    const auto bits = std::bit_cast<std::uint64_t>(nan);
+    const auto fraction = static_cast<std::uint32_t>(bits >> shorter_by) & f32_fraction;
+    return (static_cast<std::uint32_t>(bits >> 32) & f32_sign) | f32_exponent | (fraction != 0 ? fraction : f32_quiet);
+}
+
 }    // namespace
 
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type) {
@@ -34,11 +52,13 @@ Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type) 
     const auto number = number_in(value);
     if (!number) return "is not a number";
     std::array<std::uint8_t, 8> wire{};
-    switch (store_number(plain(type), *number, wire.data())) {
-    case Stored::out_of_range: return "is out of range";
-    case Stored::not_whole: return "is not whole";
-    case Stored::ok: break;
-    }
+    const auto* const real = std::get_if<double>(&*number);
+    if (type == Type::f32 && real != nullptr && std::isnan(*real)) store(wire.data(), narrow_nan(*real));
+    else switch (store_number(plain(type), *number, wire.data())) {
+        case Stored::out_of_range: return "is out of range";
+        case Stored::not_whole: return "is not whole";
+        case Stored::ok: break;
+        }
     out.insert(out.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(width(type)));
     return {};
 }
@@ -49,10 +69,17 @@ std::optional<AnyValue> value_of(Bytes bytes, Type type) {
         return std::string{whole.substr(0, whole.find('\0'))};
     }
     if (!is_whole_value(bytes.size(), type)) return std::nullopt;
+    if (const auto bits = type == Type::f32 ? load<std::uint32_t>(bytes.data()) : 0; std::isnan(std::bit_cast<float>(bits)))
+        return wide_nan(bits);
     const Value value = value_at(plain(type), bytes.data());
     if (const auto* i = std::get_if<std::int64_t>(&value)) return *i;
     if (const auto* u = std::get_if<std::uint64_t>(&value)) return *u;
     return std::get<double>(value);
+}
+
+bool same_bytes(const AnyValue& a, const AnyValue& b, Type type) {
+    std::vector<std::uint8_t> of_a, of_b;
+    return append(of_a, a, type).empty() && append(of_b, b, type).empty() && of_a == of_b;
 }
 
 std::string words_of(const AnyValue& value) {

@@ -1,16 +1,10 @@
+#include <ano_json/lower_case.hpp>
 #include <http/admission.hpp>
 
 #include <algorithm>
-#include <cctype>
 
 namespace anogate::http {
 namespace {
-
-std::string lower(std::string_view text) {
-    std::string all{text};
-    for (char& c : all) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return all;
-}
 
 /// Takes as long whatever is different.
 bool is_same_token(std::string_view known, std::string_view given) {
@@ -30,7 +24,7 @@ Authority authority_of(std::string_view text) {
     std::size_t colon = text.rfind(':');
     if (const std::size_t bracket = text.rfind(']'); bracket != text.npos && colon != text.npos && colon < bracket)
         colon = text.npos;
-    std::string host = lower(text.substr(0, colon));
+    std::string host = ano::lower_case(text.substr(0, colon));
     if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
     else if (!host.empty() && host.back() == '.') host.pop_back();
     return {std::move(host), colon == text.npos ? std::string_view{} : text.substr(colon + 1)};
@@ -40,7 +34,7 @@ std::string_view usual_port(bool is_encrypted) { return is_encrypted ? "443" : "
 
 bool is_passed_on(const Request& request) {
     return std::any_of(request.headers.begin(), request.headers.end(), [](const Field& field) {
-        const std::string name = lower(field.name);
+        const std::string name = ano::lower_case(field.name);
         return name == "forwarded" || name == "via" || name.starts_with("x-forwarded-");
     });
 }
@@ -51,7 +45,7 @@ std::string cookie_name(const Door& door) { return "anogate-" + std::to_string(d
 std::string_view cookie_of(const Request& request) {
     const std::string name = cookie_name(request.door) + "=";
     for (const Field& field : request.headers) {
-        if (lower(field.name) != "cookie") continue;
+        if (ano::lower_case(field.name) != "cookie") continue;
         for (std::string_view rest = field.value; !rest.empty();) {
             const std::string_view one = rest.substr(0, rest.find(';'));
             rest.remove_prefix(std::min(rest.size(), one.size() + 1));
@@ -66,7 +60,7 @@ std::string_view cookie_of(const Request& request) {
 std::string_view token_of(const Request& request) {
     constexpr std::string_view scheme = "bearer ";
     const std::string_view given = request.header("Authorization");
-    if (lower(given.substr(0, scheme.size())) != scheme) return cookie_of(request);
+    if (ano::lower_case(given.substr(0, scheme.size())) != scheme) return cookie_of(request);
     const std::string_view token = given.substr(scheme.size());
     return token.substr(std::min(token.find_first_not_of(' '), token.size()));
 }
@@ -75,24 +69,25 @@ std::string_view token_of(const Request& request) {
 bool is_plain_data(std::string_view type) {
     std::string_view kind = type.substr(0, type.find(';'));
     kind = kind.substr(0, kind.find_last_not_of(' ') + 1);
-    const std::string name = lower(kind);
+    const std::string name = ano::lower_case(kind);
     return name == "application/json" || name == "application/octet-stream";
 }
 
 }    // namespace
 
 bool Admission::is_own_name(std::string_view host, const Door& door) const {
-    const std::string own = lower(rules_.host_name);
-    if (host == "localhost" || host == lower(door.local.substr(0, door.local.find('%')))) return true;
+    const std::string own = ano::lower_case(rules_.host_name);
+    if (host == "localhost" || host == ano::lower_case(door.local.substr(0, door.local.find('%')))) return true;
     if (!own.empty() && (host == own || host == own + ".local")) return true;
-    return std::any_of(rules_.hosts.begin(), rules_.hosts.end(), [&](const std::string& name) { return host == lower(name); });
+    return std::any_of(rules_.hosts.begin(), rules_.hosts.end(),
+                       [&](const std::string& name) { return host == ano::lower_case(name); });
 }
 
 // Where it goes, or one that the configuration names. A page at another port of ours is another's page.
 bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const {
     for (const std::string& allowed : rules_.origins)
-        if (lower(origin) == lower(allowed)) return true;
-    const bool is_https = lower(origin).starts_with("https://");
+        if (ano::lower_case(origin) == ano::lower_case(allowed)) return true;
+    const bool is_https = ano::lower_case(origin).starts_with("https://");
     const std::size_t slashes = origin.find("://");
     if (slashes == origin.npos) return false;
     const Authority from = authority_of(origin.substr(slashes + 3)), to = authority_of(host);
@@ -103,12 +98,13 @@ bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_
 std::optional<Response> Admission::refusal(const Request& request) const {
     const std::string_view host = request.header("Host"), origin = request.header("Origin");
     const auto hosts = std::count_if(request.headers.begin(), request.headers.end(),
-                                     [](const Field& field) { return lower(field.name) == "host"; });
+                                     [](const Field& field) { return ano::lower_case(field.name) == "host"; });
     if (hosts != 1 || !is_own_name(authority_of(host).host, request.door))
         return error(403, "this gateway is not called '" + std::string{host} + "'; control.hosts has the names it answers to");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
         return error(403, "pages of '" + std::string{origin} + "' may not ask this gateway; control.origins has those that may");
-    if ((!request.body.empty() || request.stored) && !is_plain_data(request.header("Content-Type")))
+    const bool is_told = request.body_to_come > 0 && request.body_to_come != in_chunks;
+    if ((!request.body.empty() || request.stored || is_told) && !is_plain_data(request.header("Content-Type")))
         return error(415, "a body is application/json or application/octet-stream: say which in Content-Type");
     return std::nullopt;
 }
@@ -117,6 +113,7 @@ tl::expected<Access, Response> Admission::judge(const Request& request, ano::Tim
     const bool passed_on = is_passed_on(request);
     if (request.door.is_network)
         if (auto no = refusal(request)) return tl::unexpected{std::move(*no)};
+    if (request.judged) return *request.judged;
     if (!request.door.needs_token && !passed_on) return Access::control;
     const std::string_view token = token_of(request);
     if (token.empty()) return Access::open;

@@ -2,6 +2,7 @@
 #include <http/connect_fault.hpp>
 #include <http/open_web_socket.hpp>
 #include <http/response_reader.hpp>
+#include <http/seconds_text.hpp>
 #include <http/stream.hpp>
 #include <link/unique_fd.hpp>
 
@@ -28,11 +29,6 @@ std::string request_text(const Request& request) {
     if (!request.body.empty() || request.method != "GET")
         text += "Content-Length: " + std::to_string(request.body.size()) + "\r\n";
     return text + "\r\n" + request.body;
-}
-
-std::string seconds(ano::Duration time) {
-    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
-    return ms % 1000 == 0 ? std::to_string(ms / 1000) + " s" : std::to_string(ms) + " ms";
 }
 
 /// In how many seconds a gateway without a place may be asked again; 0: not at all.
@@ -63,7 +59,8 @@ public:
         give_up_at_ = Clock::now() + limits_.patience;
         deadline_.expires_at(give_up_at_);
         deadline_.async_wait([self = shared_from_this()](error_code ec) {
-            if (!ec) self->fail("the gateway at " + self->path_ + " did not answer within " + seconds(self->limits_.patience));
+            if (!ec)
+                self->fail("the gateway at " + self->path_ + " did not answer within " + seconds_text(self->limits_.patience));
         });
         asio::post(io_, [self = shared_from_this()] { self->connect(); });
     }

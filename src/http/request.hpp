@@ -22,6 +22,9 @@ struct Field {
 /// Of the first field of this name, whatever the case of that; empty: it is not there.
 std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept;
 
+/// Request::body_to_come where that is not told: it comes in chunks.
+inline constexpr std::uint64_t in_chunks = 0xFFFF'FFFF'FFFF'FFFF;
+
 /// Of a client whom the system does not name.
 inline constexpr std::uint32_t unknown_user = 0xFFFFFFFF;
 
@@ -36,6 +39,8 @@ struct Request {
     std::uint32_t user = unknown_user;    // who asks by a Unix socket
     Door door;
     Access access = Access::control;    // what it may
+    std::optional<Access> judged{};     // the same, where that was asked when only its head was here
+    std::uint64_t body_to_come = 0;     // of a head alone, in bytes
     ano::TimePoint came_at{};           // when the whole of it was read
 
     /// Of the path, in the order of the pattern, decoded: any bytes, '/' among them. Filled by Routes, like `query`.

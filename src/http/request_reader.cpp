@@ -1,5 +1,6 @@
 #include <link/asio.hpp>
 
+#include <http/growing_body.hpp>
 #include <http/request_reader.hpp>
 
 #include <boost/beast/http/parser.hpp>
@@ -31,37 +32,11 @@ RequestReader::Fault fault_of_chunk(const RequestLimits& limits) {
     return {431, "the line of a chunk and what stands behind the last have at most " + std::to_string(limits.header) + " bytes"};
 }
 
-// Beast's own makes room for a body before it comes, however long it is said to be.
-struct Text {
-    using value_type = std::string;
-    class reader {
-    public:
-        template <bool is_request, class Fields>
-        reader(beast::header<is_request, Fields>&, value_type& body) : body_{body} {}
-        void init(const boost::optional<std::uint64_t>&, error_code& ec) { ec = {}; }
-        template <class Buffers>
-        std::size_t put(const Buffers& buffers, error_code& ec) {
-            ec = {};
-            std::size_t size = 0;
-            for (auto at = asio::buffer_sequence_begin(buffers); at != asio::buffer_sequence_end(buffers); ++at) {
-                const asio::const_buffer part = *at;
-                body_.append(static_cast<const char*>(part.data()), part.size());
-                size += part.size();
-            }
-            return size;
-        }
-        void finish(error_code& ec) { ec = {}; }
-
-    private:
-        value_type& body_;
-    };
-};
-
 }    // namespace
 
 // Fields after a chunked body are passed over: Beast 1.74 fails an assertion at some that are not fields. So the parser is stopped
 // at the last chunk, which it takes when all to its end is there.
-struct RequestReader::Parser : beast::request_parser<Text> {
+struct RequestReader::Parser : beast::request_parser<GrowingBody> {
     Parser() { on_chunk_header(stop_at_the_last); }
 
     std::function<void(std::uint64_t, boost::beast::string_view, error_code&)> stop_at_the_last =
@@ -103,9 +78,11 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
         return used;
     }
     if (body_limit_) {
-        const auto most = body_limit_(head());
+        Request known = head();
+        known.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
+        const auto most = body_limit_(known);
         if (!most) {
-            fault_ = {503, "other large bodies are on their way: ask again later"};
+            fault_ = {403, "this body is not taken"};
             return used;
         }
         limits_.body = *most;

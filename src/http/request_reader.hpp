@@ -18,7 +18,8 @@ struct RequestLimits {
 /// One request. Flow: put() what came, again with what it left and more, until is_done() or fault().
 class RequestReader {
 public:
-    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body. Nothing: 503, not now.
+    /// How large the body may be of a request of which all but that is known; in the place of RequestLimits::body. Nothing: none of it is
+    /// taken, for a reason that who says so tells.
     using BodyLimit = std::function<std::optional<std::uint64_t>(const Request& head)>;
 
     explicit RequestReader(const RequestLimits& limits, BodyLimit body_limit = {});

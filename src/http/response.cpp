@@ -21,6 +21,7 @@ constexpr std::pair<unsigned, std::string_view> reasons[] = {
     {403, "Forbidden"},
     {404, "Not Found"},
     {405, "Method Not Allowed"},
+    {408, "Request Timeout"},
     {409, "Conflict"},
     {413, "Payload Too Large"},
     {415, "Unsupported Media Type"},
@@ -71,6 +72,7 @@ std::string_view what_of(unsigned status) noexcept {
     case 409:
     case 429:
     case 503: return "busy";
+    case 408:
     case 504: return "timeout";
     default: return "invalid";
     }
@@ -91,9 +93,11 @@ Response needs_token(std::string_view words) {
 
 Response try_again(std::string_view words) {
     Response response = error(503, words);
-    response.headers.push_back({"Retry-After", "1"});
+    response.headers.push_back(retry_after());
     return response;
 }
+
+Field retry_after() { return {"Retry-After", "1"}; }
 
 Response later(Later promise) {
     Response response;
@@ -126,11 +130,19 @@ std::string head_of(const Response& response, const Sending& sending) {
     if (sending.version == 10 && sending.keep_alive) add(head, "Connection", "keep-alive");
     if (sending.version != 10 && !sending.keep_alive) add(head, "Connection", "close");
     if (sending.chunked) add(head, "Transfer-Encoding", "chunked");
-    else if (!response.producer) add(head, "Content-Length", std::to_string(response.body.size()));
+    else if (!response.producer) add(head, "Content-Length", std::to_string(response.size()));
     return head + "\r\n";
 }
 
-std::string last_words(const Response& response) { return head_of(response, {.keep_alive = false}) + response.body; }
+std::string last_words(const Response& response) {
+    return head_of(response, {.keep_alive = false}) + response.body + (response.shared ? *response.shared : std::string{});
+}
+
+std::string Response::take_text() {
+    std::string text = std::exchange(body, {});
+    if (shared) text += *shared;
+    return text;
+}
 
 std::string chunk(std::string_view part) {
     std::array<char, 20> size{};

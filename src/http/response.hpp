@@ -21,6 +21,7 @@ using Later = std::function<void(std::function<void(Response)> say)>;
 struct Response {
     unsigned status = 200;
     std::string body;
+    std::shared_ptr<const std::string> shared{};    // behind `body`: a text that may be the answer to many, not copied for each
     std::string type = "application/json";
     std::vector<Field> headers;                   // more of them
     std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
@@ -28,6 +29,10 @@ struct Response {
     Later later;                                  // it comes later, in the place of all this; within SessionLimits::patience
     bool patient = false;                         // `later` may take as long as it takes
     std::shared_ptr<void> needed{};               // of a patient one: destroyed when it is answered, or its client is gone
+
+    std::size_t size() const noexcept { return body.size() + (shared ? shared->size() : 0); }
+    /// All of its body; `body` is empty behind it.
+    std::string take_text();
 };
 
 /// In a word for programs, what an answer of this status says: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
@@ -41,6 +46,8 @@ Response needs_token(std::string_view words);
 
 /// 503: it may be asked again in a second.
 Response try_again(std::string_view words);
+/// The header that says so.
+Field retry_after();
 
 /// Why a WebSocket can't be made of this request, as the answer to it; its status is 200 when it can.
 Response web_socket_fault(const Request& request);

@@ -1,5 +1,6 @@
 #include <link/asio.hpp>
 
+#include <http/growing_body.hpp>
 #include <http/response_reader.hpp>
 
 #include <boost/beast/http/parser.hpp>
@@ -15,34 +16,6 @@ namespace {
 namespace beast_http = boost::beast::http;
 
 constexpr std::size_t shortest_last_chunk = 5;    // "0\r\n\r\n"
-
-// A body that grows as it comes: nothing is reserved because a header promises it.
-struct GrowingBody {
-    using value_type = std::string;
-
-    class reader {
-    public:
-        template <bool is_request, class Fields>
-        reader(beast_http::header<is_request, Fields>&, value_type& body) : body_{body} {}
-
-        void init(const boost::optional<std::uint64_t>&, error_code& ec) { ec = {}; }
-        template <class Buffers>
-        std::size_t put(const Buffers& buffers, error_code& ec) {
-            ec = {};
-            std::size_t size = 0;
-            for (auto it = asio::buffer_sequence_begin(buffers); it != asio::buffer_sequence_end(buffers); ++it) {
-                const asio::const_buffer part = *it;
-                body_.append(static_cast<const char*>(part.data()), part.size());
-                size += part.size();
-            }
-            return size;
-        }
-        void finish(error_code& ec) { ec = {}; }
-
-    private:
-        value_type& body_;
-    };
-};
 
 }    // namespace
 

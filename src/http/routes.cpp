@@ -72,12 +72,12 @@ Response not_allowed(const std::string& allowed) {
     return response;
 }
 
+}    // namespace
+
 Response not_permitted(Access given, Access needed) {
     if (given == Access::open) return needs_token("this path needs a token");
     return error(403, "the token may not do this: it needs one for '" + std::string{text(needed)} + "'");
 }
-
-}    // namespace
 
 std::string_view text(Access access) noexcept {
     constexpr std::string_view names[] = {"open", "view", "control"};

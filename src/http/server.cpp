@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -60,16 +61,37 @@ void Server::admit(std::unique_ptr<Stream> stream) {
     session->start();
 }
 
-// More than usual is taken from those alone who may ask that, and of few at a time: it is much room.
-std::optional<std::uint64_t> Server::body_limit(const Request& head, std::shared_ptr<void>& large) {
+// More than usual is taken from those alone who may ask that, and of few at a time: it is much room. Who may not is told so before he is
+// told that it is too much.
+tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
     const std::uint64_t usual = limits_.session.request.body;
+    if (head.body_to_come <= usual) return BodyRoom{usual};
+    auto access = admission_.judge(head, ano::Clock::now());
+    if (!access) return tl::unexpected{std::move(access.error())};
     const Routes::Row* const row = routes_.row_for(head);
-    if (!row || row->body <= usual) return usual;
-    const auto access = admission_.judge(head, ano::Clock::now());
-    if (!access || *access < row->access) return usual;
-    if (large_bodies_.use_count() > max_large_bodies) return std::nullopt;
-    large = large_bodies_;
-    return row->body;
+    if (row && *access < row->access) return tl::unexpected{not_permitted(*access, row->access)};
+    BodyRoom room{row ? std::max(row->body, usual) : usual, *access};
+    if (head.body_to_come > room.most) return room;
+    auto place = place_for_body();
+    if (!place) return tl::unexpected{std::move(place.error())};
+    room.place = std::move(*place);
+    return room;
+}
+
+// Who does not come on gives way.
+tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
+    if (large_bodies_.use_count() > max_large_bodies) {
+        std::shared_ptr<Session> slowest;
+        std::optional<ano::TimePoint> since;
+        for (const auto& session : sessions_) {
+            const auto one = session.lock();
+            const auto waits = one ? one->body_waits_since() : std::nullopt;
+            if (waits && (!since || *waits < *since)) slowest = one, since = waits;
+        }
+        if (slowest) slowest->give_up_body();
+    }
+    if (large_bodies_.use_count() <= max_large_bodies) return large_bodies_;
+    return tl::unexpected{try_again("other large bodies are on their way: ask again later")};
 }
 
 bool Server::make_place(std::uint32_t user) {

@@ -78,7 +78,8 @@ private:
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
     Response answer(Request request) override;
-    std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) override;
+    tl::expected<BodyRoom, Response> room_for_body(const Request& head) override;
+    tl::expected<std::shared_ptr<void>, Response> place_for_body() override;
     void refuse(std::unique_ptr<Stream> stream, const Response& words) override;
     std::unique_ptr<BodyKeeper> keeper() override { return make_keeper_ ? make_keeper_() : nullptr; }
     bool has_memory() override { return !has_memory_ || has_memory_(); }

@@ -1,3 +1,4 @@
+#include <http/seconds_text.hpp>
 #include <http/session.hpp>
 
 #include <algorithm>
@@ -9,7 +10,11 @@ namespace {
 
 using ano::Clock;
 
+constexpr std::size_t some_of_body = 1024;
+
 }    // namespace
+
+const std::shared_ptr<const std::string> Session::nothing_ = std::make_shared<const std::string>();
 
 Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits)
     : io_{io}, owner_{owner}, limits_{limits}, stream_{std::move(stream)}, deadline_{io}, user_{stream_->user()} {}
@@ -24,7 +29,7 @@ void Session::close() {
     if (stream_) stream_->close();
     stream_.reset();
     needed_.reset();
-    large_body_.reset();
+    room_for_body_ = {};
 }
 
 void Session::finish() {
@@ -50,11 +55,12 @@ Visitor Session::visitor(ano::TimePoint now) const {
 
 // Some of the next request may be here.
 void Session::await_request() {
-    large_body_.reset();
+    room_for_body_ = {};
+    go_on_awaited_ = false;
     reader_.emplace(limits_.request, [this](Request head) {
         head.user = user_;
         head.door = stream_->door();
-        return owner_.body_limit(head, large_body_);
+        return has_room(head) ? std::optional{room_for_body_.most} : std::nullopt;
     });
     expect_progress();
     if (input_.empty()) return read();
@@ -66,8 +72,17 @@ void Session::expect_progress() {
     since_ = Clock::now();
     deadline_.expires_after(limits_.patience);
     deadline_.async_wait([weak = weak_from_this()](error_code ec) {
-        if (const auto self = weak.lock(); self && !ec) self->close();
+        if (const auto self = weak.lock(); self && !ec) self->lost_patience();
     });
+}
+
+// Who asked half a request may still read why nothing comes of it.
+void Session::lost_patience() {
+    if (!stream_ || asking_ != Asking::half) return close();
+    if (is_kept_) return refuse(try_again("the disk is too slow for so large a body just now"));
+    const std::string time = seconds_text(limits_.patience);
+    refuse(error(
+        408, room_for_body_.place ? "nothing more of the body came for " + time : "the request was not whole within " + time));
 }
 
 void Session::read() {
@@ -89,10 +104,33 @@ void Session::came(error_code ec, std::size_t size) {
     if (asking_ != Asking::whole) {
         since_ = Clock::now();
         asking_ = Asking::half;
+        body_came(size);
         return hear();
     }
-    if (input_.size() > limits_.request.header) return close();
-    if (part_awaited_ || answer_awaited_) read();
+    if (!part_awaited_ && !answer_awaited_) return;
+    if (input_.size() <= limits_.request.header) return read();
+    if (part_awaited_) return close();    // nothing can be said within a stream
+    refuse(error(
+        431, "more than " + std::to_string(limits_.request.header) + " bytes came behind a request that is not answered yet"));
+}
+
+void Session::body_came(std::size_t size) {
+    if (!room_for_body_.place) return;
+    expect_progress();
+    came_since_ += size;
+    if (came_since_ < some_of_body) return;
+    came_since_ = 0;
+    body_since_ = since_;
+}
+
+std::optional<ano::TimePoint> Session::body_waits_since() const {
+    const bool sends = stream_ && room_for_body_.place && asking_ == Asking::half && !is_kept_;
+    return sends && Clock::now() - body_since_ >= limits_.slow_body ? std::optional{body_since_} : std::nullopt;
+}
+
+void Session::give_up_body() {
+    refuse(error(408,
+                 "too little of the body came for " + seconds_text(limits_.slow_body) + ", and another one waits for its place"));
 }
 
 // The client may still read an answer. But a part of a stream may never come, and then nothing else would show that he is gone.
@@ -109,7 +147,10 @@ void Session::hear() {
     } catch (const std::bad_alloc&) {
         return refuse_for_memory();
     }
+    if (refusal_) return refuse(*std::exchange(refusal_, std::nullopt));
     if (const auto& fault = reader_->fault()) return refuse(error(fault->status, fault->words));
+    if (std::exchange(go_on_awaited_, false) && !reader_->is_done() && reader_->body_size() == 0 && input_.empty())
+        return say_go_on();
     if (puts_body()) return;
     if (!reader_->is_done()) return read();
     asking_ = Asking::whole;
@@ -119,22 +160,63 @@ void Session::hear() {
     owner_.wait_for_turn(shared_from_this());
 }
 
+// What it says is not carried out twice: what the request may is asked once.
+bool Session::has_room(const Request& head) {
+    auto room = owner_.room_for_body(head);
+    if (!room) refusal_ = std::move(room.error());
+    else room_for_body_ = std::move(*room);
+    body_since_ = Clock::now();
+    came_since_ = 0;
+    go_on_awaited_ = head.version == 11 && head.header_has("Expect", "100-continue");
+    return !refusal_;
+}
+
+// Its client waits for this before he sends the body (RFC 9110, 10.1.1).
+void Session::say_go_on() {
+    static constexpr std::string_view words = "HTTP/1.1 100 Continue\r\n\r\n";
+    stream_->write_some({asio::buffer(words.substr(written_))}, [self = shared_from_this()](error_code ec, std::size_t size) {
+        if (!self->stream_) return;
+        if (ec) return self->close();
+        self->written_ += size;
+        if (self->written_ < words.size()) return self->say_go_on();
+        self->written_ = 0;
+        self->read();
+    });
+}
+
+// One that comes in chunks is known to be large when so much of it is here.
+bool Session::has_place_for(std::size_t held) {
+    if (!room_for_body_.place && held > limits_.request.body) {
+        auto place = owner_.place_for_body();
+        if (!place) refusal_ = std::move(place.error());
+        else room_for_body_.place = std::move(*place);
+        body_since_ = Clock::now();
+    }
+    return room_for_body_.place != nullptr;
+}
+
 // A large body goes to its keeper part by part; meanwhile nothing is read.
 bool Session::puts_body() {
-    if (!large_body_) return false;
     const std::size_t size = reader_->body_size();
+    if (!has_place_for(size)) {
+        if (refusal_) refuse(*std::exchange(refusal_, std::nullopt));
+        return stream_ == nullptr;
+    }
     const std::size_t held = reader_->is_done() ? (keeper_ ? 0 : limits_.request.body) : limits_.part_of_body - 1;
     if (size <= held) return false;
     if (!keeper_) keeper_ = owner_.keeper();
     if (!keeper_) return false;
+    is_kept_ = true;
     keeper_->put(reader_->take_body(), [self = shared_from_this()](const std::string& fault) { self->put_body(fault); });
     return true;
 }
 
 void Session::put_body(const std::string& fault) {
+    is_kept_ = false;
     if (!stream_) return;
     if (!fault.empty()) return refuse(error(507, fault));
     expect_progress();
+    body_since_ = since_;
     hear();
 }
 
@@ -154,6 +236,7 @@ void Session::answer(Request request) {
     request.user = user_;
     request.door = stream_->door();
     request.came_at = whole_at_;
+    request.judged = room_for_body_.judged;
     if (keeper_) request.stored = keeper_->whole();
     keeper_.reset();
     sending_ = {request.version, request.keep_alive};
@@ -200,6 +283,7 @@ void Session::send(Response response, bool head_only) {
     head_ = head_of(response, sending_);
     if (!head_only) {
         body_ = std::move(response.body);
+        if (response.shared) shared_ = std::move(response.shared);
         producer_ = std::move(response.producer);
     }
     if (producer_)
@@ -210,20 +294,22 @@ void Session::send(Response response, bool head_only) {
 }
 
 void Session::write() {
-    const std::size_t of_head = std::min(written_, head_.size());
-    stream_->write_some({asio::buffer(head_) + of_head, asio::buffer(body_) + (written_ - of_head)},
-                        [self = shared_from_this()](error_code ec, std::size_t size) {
-                            if (!self->stream_) return;
-                            if (ec) return self->close();
-                            self->written_ += size;
-                            if (self->written_ < self->head_.size() + self->body_.size()) return self->write();
-                            self->wrote();
-                        });
+    const std::size_t of_head = std::min(written_, head_.size()), of_body = std::min(written_ - of_head, body_.size());
+    stream_->write_some(
+        {asio::buffer(head_) + of_head, asio::buffer(body_) + of_body, asio::buffer(*shared_) + (written_ - of_head - of_body)},
+        [self = shared_from_this()](error_code ec, std::size_t size) {
+            if (!self->stream_) return;
+            if (ec) return self->close();
+            self->written_ += size;
+            if (self->written_ < self->head_.size() + self->body_.size() + self->shared_->size()) return self->write();
+            self->wrote();
+        });
 }
 
 void Session::wrote() {
     head_.clear();
     body_.clear();
+    shared_ = nothing_;
     written_ = 0;
     if (producer_) return next_part();
     body_ = std::string{};    // who is idle holds no answer
@@ -274,6 +360,7 @@ void Session::refuse(const Response& words) {
     keeper_.reset();
     producer_.reset();
     needed_.reset();
+    room_for_body_ = {};
     stream_->cancel();
     owner_.refuse(std::move(stream_), words);
 }

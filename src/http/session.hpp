@@ -5,6 +5,7 @@
 #include <http/request_reader.hpp>
 #include <http/response.hpp>
 #include <http/stream.hpp>
+#include <link/expected.hpp>
 
 #include <array>
 #include <memory>
@@ -18,12 +19,21 @@ class Session;
 struct SessionLimits {
     RequestLimits request;
     WebSocketLimits web_socket;
-    /// Until a whole request, or the next part of a large body, has come, until an answer or a part of one was taken.
+    /// Until a whole request, or something more of a large body, has come, until something of an answer was taken.
     ano::Duration patience = std::chrono::seconds{30};
+    /// Who sends less than 1 KiB of a large body in so long gives way to another one.
+    ano::Duration slow_body = std::chrono::seconds{3};
     /// Of a large body so much is held until its keeper has it.
     std::size_t part_of_body = std::size_t{256} * 1024;
     /// Who has not taken anything of an answer for so long counts as idle.
     ano::Duration stalled_after = std::chrono::seconds{1};
+};
+
+/// For the body of a request of which the rest is known.
+struct BodyRoom {
+    std::uint64_t most = 0;            // bytes that it may have
+    std::optional<Access> judged{};    // what the request may, where that was asked for it
+    std::shared_ptr<void> place{};     // of a large one that tells its size
 };
 
 /// Whoever let sessions in. It outlives what they do: none calls it after close().
@@ -33,9 +43,10 @@ public:
     /// Calls take_turn() in its time.
     virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
     virtual Response answer(Request request) = 0;
-    /// What the body of a request may have, of which the rest is known. When that is more than usual, `large` is to be kept as long as the
-    /// body is; nothing: too many are kept already.
-    virtual std::optional<std::uint64_t> body_limit(const Request& head, std::shared_ptr<void>& large) = 0;
+    /// Or the answer that refuses it before it comes.
+    virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
+    /// Kept as long as a large body is; or the answer to who has none, for there are few of them.
+    virtual tl::expected<std::shared_ptr<void>, Response> place_for_body() = 0;
     /// Of a body that is more than usual; nullptr: in memory.
     virtual std::unique_ptr<BodyKeeper> keeper() = 0;
     /// The connection ends with these words.
@@ -60,6 +71,10 @@ public:
     /// Its place is another's. Who is not in the middle of an answer, and may be about to read one, is told by `words`.
     void leave(const Response& words);
     Visitor visitor(ano::TimePoint now) const;
+    /// Since when the client has sent too little of a large body; nothing: he sends none.
+    std::optional<ano::TimePoint> body_waits_since() const;
+    /// Its place is another's who sends one.
+    void give_up_body();
 
 private:
     void await_request();
@@ -68,7 +83,11 @@ private:
     void refuse_for_memory() noexcept;
     void input_ended();
     void hear();
+    bool has_room(const Request& head);
+    void say_go_on();
     bool puts_body();
+    bool has_place_for(std::size_t held);
+    void body_came(std::size_t size);
     void put_body(const std::string& fault);
     void answer(Request request);
     void await_answer(std::shared_ptr<void> needed);
@@ -79,6 +98,7 @@ private:
     void wake();
     void refuse(const Response& words);
     void expect_progress();
+    void lost_patience();
 
     asio::io_context& io_;
     SessionOwner& owner_;
@@ -98,13 +118,20 @@ private:
     std::optional<RequestReader> reader_;
 
     Sending sending_;
-    std::string head_, body_;    // what is being written
+    std::string head_, body_;    // what is being written, and behind it:
+    std::shared_ptr<const std::string> shared_ = nothing_;
+    static const std::shared_ptr<const std::string> nothing_;
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
     bool part_awaited_ = false;      // the producer has none for now
     bool answer_awaited_ = false;    // a patient one
     std::shared_ptr<void> needed_;
-    std::shared_ptr<void> large_body_;    // of the request that comes, or is answered
+    BodyRoom room_for_body_;             // of the request that comes, or is answered
+    std::optional<Response> refusal_;    // of its body
+    bool go_on_awaited_ = false;         // 100 Continue
+    bool is_kept_ = false;               // the part of its body that came last is being kept
+    std::size_t came_since_ = 0;         // bytes of its body since body_since_
+    ano::TimePoint body_since_{};
     std::unique_ptr<BodyKeeper> keeper_;
     bool woken_ = false;
     bool finishes_ = false;

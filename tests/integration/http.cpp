@@ -1,5 +1,6 @@
 // Sessions of the HTTP server over real sockets, with clients good and bad.
 #include <http/server.hpp>
+#include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/wait.hpp>
@@ -360,10 +361,120 @@ TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
         }));
     }
     EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large bodies are on their way"));
+    EXPECT_TRUE(answer(post_of(1000)).ends_with("here 1000")) << "a small one needs no place";
+    EXPECT_NE(answer(post_of(100'000)).find("Retry-After: 1\r\n"), std::string::npos);
     keeping.waits = false;
     second.reset();
     for (const auto& done : std::exchange(keeping.done, {})) done("");
     EXPECT_TRUE(until([&] { return answer(post_of(100'000)).ends_with("stored 100000"); })) << "the place of who left is free";
+}
+
+TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
+    keeping.waits = true;
+    std::vector<Client> clients;
+    for (std::size_t i = 0; i < 2; ++i) {
+        clients.push_back(connect());
+        std::size_t sent = 0;
+        const std::string part = post_of(1'000'000).substr(0, 300'000);
+        EXPECT_TRUE(until([&] {
+            if (sent < part.size()) sent += clients.back().send(std::string_view{part}.substr(sent));
+            return keeping.done.size() == i + 1;
+        }));
+    }
+    const std::string head = "POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n";
+    EXPECT_TRUE(answer(head + "3e8\r\n" + std::string(1000, 'y') + "\r\n0\r\n\r\n").ends_with("here 1000"));
+    EXPECT_TRUE(is_told(answer(head + "20000\r\n" + std::string(0x20000, 'y') + "\r\n0\r\n\r\n"), "503 Service Unavailable",
+                        "other large bodies are on their way"));
+    for (const auto& done : std::exchange(keeping.done, {})) done("");
+}
+
+// Two who hold the places and send next to nothing.
+TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_another) {
+    ServerLimits limits;
+    limits.session.slow_body = 50ms;
+    begin(limits);
+    std::vector<Client> slow;
+    for (int i = 0; i < 2; ++i) {
+        slow.push_back(connect());
+        slow.back().send(post_of(1'000'000).substr(0, 500));
+    }
+    const auto trickle = [&] {
+        for (Client& client : slow) client.send("x");
+    };
+    Client other = connect();
+    EXPECT_TRUE(until([&] {
+        trickle();
+        if (other.has_heard("503")) other = connect();
+        if (other.heard().empty()) other.send(post_of(100'000));
+        return other.has_heard("stored 100000") || other.has_heard("here");
+    })) << other.heard();
+    EXPECT_TRUE(until([&] { return slow[0].is_closed() || slow[1].is_closed(); }));
+    Client& gone = slow[0].is_closed() ? slow[0] : slow[1];
+    EXPECT_TRUE(is_told(gone.heard(), "408 Request Timeout", "too little of the body came for 50 ms")) << gone.heard();
+    EXPECT_FALSE(slow[0].is_closed() && slow[1].is_closed()) << "one place was enough";
+}
+
+TEST_F(HttpServer, who_waits_to_be_told_to_send_a_body_is_told) {
+    Client client = connect();
+    client.send("POST /large HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
+    ASSERT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+    EXPECT_EQ(client.heard(), "HTTP/1.1 100 Continue\r\n\r\n");
+    client.heard().clear();
+    const std::string body(1'000'000, 'x');
+    std::size_t sent = 0;
+    EXPECT_TRUE(until([&] {
+        sent += client.send(std::string_view{body}.substr(sent));
+        return client.has_heard("stored 1000000");
+    }));
+    EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 200 OK\r\n")) << client.heard();
+    const std::string refused = answer("POST /echo HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
+    EXPECT_TRUE(refused.starts_with("HTTP/1.1 413 ")) << refused;
+    client.heard().clear();
+    client.send("POST /echo HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 3\r\n\r\nabc");
+    EXPECT_TRUE(until([&] { return client.has_heard("abc"); }));
+    EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 200 OK\r\n")) << "the body came without it: " << client.heard();
+}
+
+// The tokens of a door to the network, and a route that takes much.
+class JudgingHttpServer : public HttpServer {
+protected:
+    void SetUp() override {
+        begin({});
+        server->admission().set({.tokens = {{Access::view, "only-looks"}, {Access::control, "may-act"}}});
+        const auto listens = server->start(Server::Network{.address = "127.0.0.1", .needs_token = true});
+        ASSERT_TRUE(listens) << listens.error();
+        port = *listens;
+    }
+    std::string ask(const std::string& path, const std::string& headers, std::size_t size = 1'000'000, std::size_t sent = 0) {
+        Client client{UniqueFd{support::connect_tcp(port)}};
+        client.send("POST " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/octet-stream\r\n" + headers +
+                    "Content-Length: " + std::to_string(size) + "\r\n\r\n" + std::string(sent, 'x'));
+        EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+        return client.heard();
+    }
+    static std::string bearer(const std::string& token) { return "Authorization: Bearer " + token + "\r\n"; }
+
+    std::uint16_t port = 0;
+};
+
+TEST_F(JudgingHttpServer, who_may_not_is_told_so_before_a_large_body_comes) {
+    for (const std::string path : {"/large", "/echo"}) {
+        EXPECT_TRUE(is_told(ask(path, ""), "401 Unauthorized", "this path needs a token")) << path;
+        EXPECT_TRUE(is_told(ask(path, bearer("wrong")), "401 Unauthorized", "the token is not right")) << path;
+        EXPECT_TRUE(is_told(ask(path, bearer("only-looks")), "403 Forbidden", "the token may not do this")) << path;
+    }
+    EXPECT_TRUE(is_told(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
+    EXPECT_TRUE(
+        is_told(ask("/large", bearer("may-act"), 9'000'000), "413 Payload Too Large", "the body of a request has at most"));
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+}
+
+TEST_F(JudgingHttpServer, a_wrong_token_counts_once_a_request) {
+    for (std::size_t i = 0; i + 1 < Attempts::max_failures; ++i)
+        EXPECT_TRUE(ask("/large", bearer("wrong")).starts_with("HTTP/1.1 401 ")) << i;
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+    EXPECT_TRUE(ask("/large", bearer("wrong"), 3, 3).starts_with("HTTP/1.1 401 "));
+    EXPECT_TRUE(ask("/large", bearer("may-act"), 3, 3).starts_with("HTTP/1.1 429 "));
 }
 
 class ImpatientHttpServer : public HttpServer {
@@ -382,13 +493,31 @@ TEST_P(ImpatientHttpServer, parts_with_who_says_nothing_or_never_ends) {
     Client silent = connect(GetParam()), slow = connect(GetParam());
     slow.send("GET /sho");
     EXPECT_TRUE(until([&] { return slow.send("r"), silent.is_closed() && slow.is_closed(); }));
+    EXPECT_EQ(silent.heard(), "");
+    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "the request was not whole within 100 ms")) << slow.heard();
 }
 
-TEST_F(ImpatientHttpServer, parts_with_who_sends_a_large_body_too_slowly) {
+// However slowly it comes, it comes.
+TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
     Client slow = connect();
     slow.send(post_of(1'000'000).substr(0, 100'000));
-    EXPECT_TRUE(until([&] { return slow.send("x"), slow.is_closed(); }));
-    EXPECT_FALSE(slow.has_heard("stored"));
+    const auto begin = std::chrono::steady_clock::now();
+    until([&] { return slow.send("x"), std::chrono::steady_clock::now() - begin > 500ms; });
+    EXPECT_FALSE(slow.is_closed()) << slow.heard();
+    EXPECT_TRUE(until([&] { return slow.is_closed(); }));
+    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "nothing more of the body came for 100 ms")) << slow.heard();
+}
+
+TEST_F(ImpatientHttpServer, says_that_the_disk_is_too_slow_where_it_is) {
+    keeping.waits = true;
+    Client client = connect();
+    const std::string part = post_of(1'000'000).substr(0, 300'000);
+    std::size_t sent = 0;
+    EXPECT_TRUE(until([&] {
+        if (sent < part.size()) sent += client.send(std::string_view{part}.substr(sent));
+        return client.is_closed();
+    }));
+    EXPECT_TRUE(is_told(client.heard(), "503 Service Unavailable", "the disk is too slow")) << client.heard();
 }
 
 TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
@@ -399,6 +528,31 @@ TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
     until([&] { return std::chrono::steady_clock::now() - begin > 300ms; });
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
     EXPECT_LT(client.heard().size(), std::size_t{16 << 20});
+}
+
+TEST_P(HttpServer, many_have_one_text) {
+    auto all = std::make_shared<const std::string>(std::string(8 << 20, 'z') + "end");
+    server->routes().add("GET", "/shared", [&all](const Request&) {
+        Response response = text("begin");
+        response.shared = all;
+        return response;
+    });
+    std::vector<Client> clients;
+    for (int i = 0; i < 3; ++i) {
+        clients.push_back(connect(GetParam()));
+        clients.back().send(get("/shared") + get("/short?n=next"));
+    }
+    EXPECT_TRUE(until([&] { return all.use_count() == 4; })) << "who does not read holds no text of his own";
+    for (Client& client : clients) {
+        EXPECT_TRUE(until([&] { return client.has_heard("next"); }));
+        const std::string& heard = client.heard();
+        EXPECT_NE(heard.find("Content-Length: 8388616\r\n"), std::string::npos);
+        const std::size_t body = heard.find("\r\n\r\n") + 4;
+        EXPECT_EQ(heard.substr(body, 6), "beginz");
+        EXPECT_EQ(heard.substr(body + 8'388'616 - 4, 12), "zendHTTP/1.1");
+    }
+    EXPECT_EQ(all.use_count(), 1);
+    EXPECT_TRUE(answer("HEAD /shared HTTP/1.1\r\nConnection: close\r\n\r\n").ends_with("\r\n\r\n"));
 }
 
 TEST_P(HttpServer, streams_parts_as_they_come) {

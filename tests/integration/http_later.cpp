@@ -106,6 +106,22 @@ TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {
     other.stop();
 }
 
+TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
+    server.routes().add("POST", "/job", [this](const Request&) {
+        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+        response.patient = true;
+        return response;
+    });
+    const int fd = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
+    ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
+    const std::string more(20'000, 'x');
+    EXPECT_EQ(::send(fd, more.data(), more.size(), MSG_NOSIGNAL), static_cast<ssize_t>(more.size()));
+    EXPECT_TRUE(heard(fd, "HTTP/1.1 431 Request Header Fields Too Large\r\n"));
+    EXPECT_TRUE(heard(fd, "more than 8192 bytes came behind a request that is not answered yet"));
+    waiting[0](error(409, "nobody"));
+    ::close(fd);
+}
+
 TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
     ::close(ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"));
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));

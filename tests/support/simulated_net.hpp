@@ -109,12 +109,12 @@ public:
     std::shared_ptr<std::optional<Answer>> asked(const std::string& method, const std::string& target,
                                                  const std::string& body = {}) {
         auto answer = std::make_shared<std::optional<Answer>>();
-        const auto told = [this, answer](const anogate::http::Response& response) {
+        const auto told = [this, answer](anogate::http::Response response) {
             needed_.erase(answer.get());
-            *answer = Answer{response.status, nlohmann::ordered_json::parse(response.body, nullptr, false)};
+            *answer = Answer{response.status, nlohmann::ordered_json::parse(response.take_text(), nullptr, false)};
         };
         anogate::http::Response response = routes.answer(request(method, target, body));
-        if (!response.later) told(response);
+        if (!response.later) told(std::move(response));
         else response.later(told);
         if (!answer->has_value()) needed_[answer.get()] = std::move(response.needed);
         return answer;

@@ -189,6 +189,52 @@ TEST_F(Jobs, keep_so_many_bytes_of_results_and_no_more) {
     EXPECT_EQ(net.ask("GET", "/jobs/6").json.at("result").get<std::string>().size(), large);
 }
 
+// While the answer is made, the loop of the gateway does what else is to be done.
+TEST_F(Jobs, with_many_rows_are_told_a_few_at_a_time) {
+    constexpr std::size_t many = 1000;
+    fake.parameters.clear();
+    fake.make_parameters(many);
+    const auto answer = net.asked("GET", "/devices/0xDC/parameters");
+    std::size_t heard = 0, turns = 0;
+    ASSERT_TRUE(net.until([&] {
+        turns = std::exchange(heard, fake.heard.size()) == fake.heard.size() ? turns + 1 : 0;
+        return answer->has_value();
+    }));
+    EXPECT_GE(turns, 10u);
+    const json& all = (*answer)->json.at("parameters");
+    ASSERT_EQ(all.size(), many);
+    for (std::size_t i = 0; i < many; ++i) EXPECT_EQ(all[i].at("name"), "PAR_" + std::to_string(i));
+    fake.commands.assign(many, {{1, 2, 3}, {1, 9}, "COMMAND", "says something"});
+    const auto [status, commands] = net.ask("GET", "/devices/0xDC/commands");
+    EXPECT_EQ(status, 200u);
+    EXPECT_EQ(commands.at("device").at("address"), "0xDC");
+    ASSERT_EQ(commands.at("commands").size(), many);
+    EXPECT_EQ(commands.at("commands")[many - 1],
+              json::parse(R"({"id": 999, "name": "COMMAND", "text": "says something", "values": ["u8", "f32"]})"));
+}
+
+TEST_F(Jobs, that_are_over_are_one_text_for_all_who_have_it) {
+    fake.parameters.clear();
+    fake.make_parameters(1000);
+    net.ask("GET", "/devices/0xDC/parameters");
+    const auto ask = [&] { return net.routes.answer(SimulatedNet::request("GET", "/jobs/1")).shared; };
+    const auto first = ask(), second = ask();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first, second);
+    auto lines = net.lines("GET", "/jobs/1");
+    std::string line, part;
+    auto next = anogate::http::Producer::Next::part;
+    while (next == anogate::http::Producer::Next::part) {
+        part.clear();
+        next = lines->next(part);
+        EXPECT_LE(part.size(), std::size_t{64} * 1024) << "what is written between two turns of the loop";
+        line += part;
+    }
+    EXPECT_EQ(next, anogate::http::Producer::Next::end);
+    EXPECT_EQ(line, *first);
+    EXPECT_EQ(json::parse(line).at("result").at("parameters").size(), 1000u);
+}
+
 TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
     net.where[3] = {.is_known = true};
     net.same.emplace(3, 0xDC);

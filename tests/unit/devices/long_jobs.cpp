@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace {
 
@@ -111,6 +112,19 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("in_loader"));
 }
 
+TEST_F(LongJobs, one_for_which_there_is_no_place_may_be_asked_for_again) {
+    net.add(0xDD);
+    net.add(0xDE);
+    const auto ask = [&](const std::string& device) {
+        return net.routes.answer(SimulatedNet::request("POST", "/devices/" + device + "/firmware", "x"));
+    };
+    EXPECT_EQ(ask("0xDC").status, 202u);
+    EXPECT_EQ(ask("0xDD").status, 202u);
+    const auto third = ask("0xDE");
+    EXPECT_EQ(third.status, 503u);
+    EXPECT_EQ(anogate::http::field_value(third.headers, "Retry-After"), "1");
+}
+
 struct Calibrates : LongJobs {
     Calibrates() {
         double value = 0.5;
@@ -148,7 +162,10 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_EQ(net.kept.begin()->first, "calibration-0xDC-accelerometer.json");
     net.pass(1min);
     EXPECT_EQ(state(), "waiting");
-    EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+    const auto next = net.ask("POST", "/jobs/1/next");
+    EXPECT_EQ(next.status, 200u);
+    EXPECT_EQ(next.json.at("state"), "running");
+    EXPECT_EQ(next.json.at("message"), "the device is told to forget them");
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 409u) << "it goes on already";
     net.pass(1s);
     lie(0);
@@ -211,7 +228,8 @@ TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
 
 struct CutOff : Calibrates {
     // The gateway ended while the device was turned; it has half of other values since.
-    CutOff() {
+    explicit CutOff(const Bytes& first_value = {}) {
+        if (!first_value.empty()) before = fake.parameters[0].value = first_value;
         net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
         net.until([&] { return state() == "waiting"; });
         net.ask("POST", "/jobs/1/next");
@@ -256,6 +274,31 @@ TEST_F(CutOff, the_old_values_are_written_back_by_the_next_run) {
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("kept"));
     again.pass(3min);
     EXPECT_FALSE(again.listens) << "nothing is left to do";
+}
+
+struct CutOffWithoutNumbers : CutOff {
+    CutOffWithoutNumbers() : CutOff{{0x01, 0x00, 0x80, 0x7F}} {}    // a signalling NaN
+};
+
+TEST_F(CutOffWithoutNumbers, they_are_written_back_bit_by_bit) {
+    start();
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    EXPECT_EQ(value(), before);
+}
+
+TEST_F(CutOffWithoutNumbers, a_note_without_their_bytes_is_read_as_well) {
+    json note = json::parse(net.kept.begin()->second);
+    EXPECT_EQ(note.erase("bytes"), 1u);
+    EXPECT_EQ(note.at("parameters").at("CAL_AOFF_X"), "nan");
+    note["parameters"]["CAL_AOFF_Y"] = "-inf";
+    note["parameters"]["CAL_AOFF_Z"] = 0.1f;
+    again.kept.begin()->second = note.dump();
+    again.service.remember(again.kept.begin()->first, note.dump());
+    ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
+    const auto stored = [&](std::size_t i) { return ano::load<float>(again.fakes[0]->parameters[i].value.data()); };
+    EXPECT_TRUE(std::isnan(stored(0)));
+    EXPECT_EQ(stored(1), -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(stored(2), 0.1f);
 }
 
 TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
@@ -335,6 +378,15 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
     EXPECT_EQ(fake.parameters[0].value, before);
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
     EXPECT_EQ(net.ask("POST", "/jobs/1/next").status, 200u);
+}
+
+TEST(Notes, are_files_of_exactly_their_names) {
+    for (const char* name : {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json"})
+        EXPECT_TRUE(anogate::is_note(name)) << name;
+    for (const char* name : {"calibration-0xDC\n2026 all is well-accelerometer.json", "calibration-0xDC-\x1B[2J-compass.json",
+                             "calibration-0xdc-compass.json", "calibration-0xDC-gyroscope.json", "firmware-0xDC-old.json",
+                             "firmware-0x\n.json", "firmware-0xDC.json.tmp", "firmware-0xDC", ""})
+        EXPECT_FALSE(anogate::is_note(name)) << name;
 }
 
 TEST_F(Calibrates, only_what_there_is_to_calibrate) {

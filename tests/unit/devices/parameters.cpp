@@ -95,11 +95,24 @@ TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_
 TEST_F(ParameterRoutes, a_write_says_what_was_stored) {
     EXPECT_EQ(
         net.ask("PUT", "/devices/0xDC/parameters/I16", R"({"value": -300})").json,
-        json::parse(R"({"id": 4, "name": "I16", "type": "i16", "was": 1, "written": -300, "stored": -300, "clamped": false})"));
+        json::parse(
+            R"({"id": 4, "name": "I16", "type": "i16", "was": 1, "written": -300, "stored": -300, "clamped": false, "acknowledged": true})"));
     fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/0", R"({"value": 200})").json.at("clamped"), true);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/BIG", R"({"value": "9007199254740995"})").status, 200u);
     EXPECT_EQ(fake.parameters[3].value[0], 3);
+}
+
+TEST_F(ParameterRoutes, a_write_that_the_device_did_not_acknowledge_says_so) {
+    fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0xE1) return std::nullopt;
+        fake.usual(f);
+        return std::vector<Bytes>{};
+    };
+    const auto [status, written] = net.ask("PUT", "/devices/0xDC/parameters/U8", R"({"value": 9})");
+    EXPECT_EQ(status, 200u) << written;
+    EXPECT_EQ(written.at("stored"), 9);
+    EXPECT_EQ(written.at("acknowledged"), false);
 }
 
 TEST_F(ParameterRoutes, what_does_not_fit_is_never_written) {

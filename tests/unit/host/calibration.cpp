@@ -149,6 +149,36 @@ TEST_F(Calibrates, a_cancelled_one_writes_the_old_values_back) {
     EXPECT_EQ(stored(), old);
 }
 
+// A device that was never calibrated may have anything there, such as erased flash.
+TEST_F(Calibrates, old_values_that_are_no_numbers_are_put_back_bit_by_bit) {
+    make(Sensor::accelerometer);
+    fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};
+    fake.parameters[2].value = {0x01, 0x00, 0x80, 0x7F};    // a signalling NaN
+    fake.parameters[3].value = {0x00, 0x00, 0x80, 0xFF};    // -inf
+    old = stored();
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (auto& p : fake.parameters)
+        if (p.type == 8) p.value = f32(0);
+    task.cancel(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->what, "cancelled; the old values are back");
+    EXPECT_TRUE(task.has_old_values());
+    EXPECT_EQ(stored(), old);
+}
+
+TEST_F(Calibrates, what_is_measured_is_better_than_no_number) {
+    make(Sensor::accelerometer);
+    fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    for (std::size_t face = 0; face < 6; ++face) lie(task, face);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+}
+
 TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
     make(Sensor::accelerometer);
     fake.parameters[1].store = [](const Bytes& value) { return load<float>(value.data()) > 20 ? f32(20) : value; };

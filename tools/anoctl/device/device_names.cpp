@@ -1,5 +1,6 @@
 #include "device_names.hpp"
 
+#include <ano_json/lower_case.hpp>
 #include <anoctl/gateway_json.hpp>
 
 #include <nlohmann/json.hpp>
@@ -8,21 +9,12 @@ namespace anoctl {
 
 using ano::Json;
 
-namespace {
-
-std::string in_lower_case(std::string text) {
-    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return text;
-}
-
-}    // namespace
-
 Json with_name(const Json& devices, const std::string& name) {
     Json named = Json::array(), alike = Json::array();
     for (const Json& device : devices) {
         const std::string its = text_at(device, "name");
         if (its == name) named.push_back(device);
-        if (in_lower_case(its) == in_lower_case(name)) alike.push_back(device);
+        if (ano::lower_case(its) == ano::lower_case(name)) alike.push_back(device);
     }
     return named.empty() ? alike : named;
 }

@@ -140,7 +140,7 @@ public:
         }
         answer_.status = response.status;
         answer_.headers = {{"Content-Type", response.type}};
-        answer_.body = std::move(response.body);
+        answer_.body = response.take_text();
         producer_ = std::move(response.producer);
         if (!producer_) return finish();
         producer_->start([self = weak_from_this()] {

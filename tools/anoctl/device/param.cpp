@@ -134,6 +134,7 @@ private:
         }
         streams.out << text_at(came, "name") << '=' << plain_at(came, "stored");
         if (text_at(came, "clamped") == "true") streams.out << " (the device clamps " << plain_at(came, "written") << ')';
+        if (text_at(came, "acknowledged") == "false") streams.out << " (the device did not acknowledge it; it was read back)";
         streams.out << '\n' << std::flush;
     }
 
