@@ -325,7 +325,7 @@ TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
     number = lines_of(anoctl({"devices", "--jobs", "--json"}).output).back().at("id").dump();
     const Ran refused = cancel({});
     EXPECT_EQ(refused.exit, 2);
-    EXPECT_TRUE(contains(refused.output, "to cancel an upgrade asks first, and there is no terminal")) << refused.output;
+    EXPECT_TRUE(contains(refused.output, "cancelling an upgrade asks first, and there is no terminal")) << refused.output;
     EXPECT_TRUE(flash.is_running()) << flash.output();
     const Ran cancelled = cancel({"--yes"});
     EXPECT_EQ(cancelled.exit, 0) << cancelled.output;
@@ -390,6 +390,8 @@ TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_wo
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was read")) << screen;
     EXPECT_EQ(text_of(dir / "x.json"), "{}");
+    tmux("send-keys -t t 'clear; sh a waypoint put' Enter");
+    EXPECT_TRUE(shows("anoctl: reading waypoints as JSON from")) << screen;
     tmux("kill-server");
 }
 

@@ -106,7 +106,7 @@ private:
         const Json now = client.ask("GET", target);
         const std::string before = text_at(now, "state");
         if (const std::string question = question_before_cancelling(now); !question.empty()) {
-            client.must_be_able_to_ask("to cancel an upgrade");
+            client.must_be_able_to_ask("cancelling an upgrade");
             if (!client.may(question)) {
                 tell(streams, "nothing was cancelled");
                 return failed;
