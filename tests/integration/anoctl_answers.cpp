@@ -185,7 +185,7 @@ TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_
         EXPECT_TRUE(contains(ran.output, "the file is of Other")) << ran.output;
         EXPECT_TRUE(contains(ran.output, "no parameter is called NEWER\n")) << ran.output;
         EXPECT_TRUE(contains(ran.output, "SIM_TURN: 300 is out of range, i8 is -128 to 127\n")) << ran.output;
-        EXPECT_EQ(contains(ran.output, " bytes that the device has: a longer one must be allowed"), *action == 'i') << ran.output;
+        EXPECT_EQ(contains(ran.output, " bytes that the device has: --longer allows a longer one"), *action == 'i') << ran.output;
     }
     EXPECT_TRUE(contains(anoctl({"param", "import", file, "--yes"}).output,
                          "anoctl: 3 parameters of " + file + " do not fit SimFC (0xDC): nothing was written; take them out"));
@@ -302,6 +302,39 @@ TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out)
         EXPECT_EQ(exit, contains(said, "cancelled") ? 130 : 1) << said;
     }
     EXPECT_TRUE(contains(said, "anoctl: cancelled: PAR_0 may have been written\n")) << said;
+}
+
+TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what_was_undone) {
+    hear_of_another();
+    fake.make_parameters(3);
+    const auto old = fake.parameters;
+    bool is_at_the_last = false;
+    fake.instead = [&](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() != 0xE1 || frame.data()[0] != 2) return std::nullopt;
+        is_at_the_last = true;
+        return std::vector<Bytes>{};
+    };
+    const std::string file = dir.write("three.json", R"({"PAR_0": 77, "PAR_1": -3, "PAR_2": 5})");
+    for (const bool rollback : {false, true}) {
+        std::string said;
+        for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before it hears the signal
+            fake.parameters = old;
+            is_at_the_last = false;
+            Process import{ANOCTL,
+                           {"param", "import", file, "--yes", "--device", "0xDD", "--control", socket,
+                            rollback ? "--rollback" : "--longer"}};
+            bool is_told = false;
+            (void)until_ended(import, [&] {
+                if (is_at_the_last && !std::exchange(is_told, true)) import.signal(SIGINT);
+            });
+            said = import.output();
+        }
+        const std::string end = rollback ? "anoctl: cancelled after 2 of 3: 3 parameters written and undone\n"
+                                         : "anoctl: cancelled after 2 of 3: 2 parameters written, which stays until the device "
+                                           "restarts, and no longer unless it is saved; PAR_2 may have been written\n";
+        EXPECT_TRUE(contains(said, end)) << said;
+        EXPECT_EQ(fake.parameters[0].value == old[0].value, rollback);
+    }
 }
 
 TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
