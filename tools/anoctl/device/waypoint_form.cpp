@@ -14,10 +14,10 @@ namespace anoctl {
 namespace {
 
 using ano::Json;
-using Numbers = std::vector<std::size_t>;
+using WaypointNumbers = std::vector<std::size_t>;
 
 // "0 to 2, 5 and 7"
-std::string ranges(const Numbers& ascending) {
+std::string number_ranges(const WaypointNumbers& ascending) {
     std::vector<std::string> parts;
     for (std::size_t i = 0; i < ascending.size();) {
         const std::size_t first = i;
@@ -56,7 +56,7 @@ std::string form_of_content(const ano::Json& json, const std::string& file) {
 }
 
 std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, std::size_t had) {
-    Numbers over, stay, gaps;
+    WaypointNumbers over, stay, gaps;
     std::size_t wanted = 0;
     for (const ano::host::Waypoint& one : waypoints) wanted = std::max(wanted, one.num + std::size_t{1});
     for (std::size_t number = 0; number < std::max(wanted, had); ++number) {
@@ -65,34 +65,36 @@ std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, 
         if (number < had) (is_written ? over : stay).push_back(number);
         else if (!is_written) gaps.push_back(number);
     }
-    const auto are = [](const Numbers& all, const char* one, const char* several) { return all.size() == 1 ? one : several; };
+    const auto are = [](const WaypointNumbers& all, const char* one, const char* several) {
+        return all.size() == 1 ? one : several;
+    };
     std::string text;
     if (had > 0) {
         text = "It has " + plural(had, "waypoint") + (had > 1 ? ", 0 to " + std::to_string(had - 1) : ", number 0") + ": ";
         if (over.empty()) text += "none is overwritten";
         else if (stay.empty()) text += "overwritten " + std::string{had == 1 ? "is this one" : "are all of them"};
-        else text += ranges(over) + are(over, " is overwritten", " are overwritten");
+        else text += number_ranges(over) + are(over, " is overwritten", " are overwritten");
         if (!stay.empty())
-            text += ", and " + ranges(stay) + are(stay, " stays as it is", " stay as they are") +
+            text += ", and " + number_ranges(stay) + are(stay, " stays as it is", " stay as they are") +
                     ", for the protocol has no way to remove one";
         text += ". ";
     }
     if (wanted < had)
         text += "To end the route sooner, repeat the last point of the file until it has " + std::to_string(had) + ". ";
     if (!gaps.empty())
-        text += "Of " + ranges(gaps) + " there is nothing in the file: what the device has there is its own affair. ";
+        text += "Of " + number_ranges(gaps) + " there is nothing in the file: what the device has there is its own affair. ";
     return text;
 }
 
 std::string speedless_text(const Json& json, const std::string& form, const std::vector<ano::host::Waypoint>& waypoints) {
-    Numbers without;
+    WaypointNumbers without;
     for (std::size_t row = 0; row < waypoints.size(); ++row) {
         const bool has_one = form == "qgc" ? waypoints[row].num == 0 || waypoints[row].spd != 0 : names_speed(json, form, row);
         if (!has_one) without.push_back(waypoints[row].num);
     }
     if (without.empty()) return {};
     std::sort(without.begin(), without.end());
-    return "The file has no speed for " + ranges(without) + " (counted from 0): 0 cm/s is written" +
+    return "The file has no speed for " + number_ranges(without) + " (counted from 0): 0 cm/s is written" +
            (form == "qgc" ? ", for the plan changes it nowhere before. " : ". ");
 }
 
