@@ -21,11 +21,13 @@ struct ApplyOptions {
     bool rollback = false;
     bool dry_run = false;          // says what would be written
     bool also_the_same = false;    // what does not differ is written as well
+    bool goes_on = false;          // behind one that the device refuses; not with `rollback`
     TextLimits text{};
 };
 
-/// Nothing is written before every name is found, every value fits its type and every old value is read. Writes go one by one in the
-/// order given; the first that fails ends it.
+/// Nothing is written before every name is found, every value fits its type and every old value is read: where that is not so, every one
+/// that is wrong has failed. Writes go one by one in the order given. The first that fails ends it; where it goes on, only a device that
+/// no longer answers, or became another one.
 class ParameterApply final : public Task {
 public:
     enum class State : std::uint8_t {
@@ -57,10 +59,14 @@ public:
     void ended(const Ended&, TimePoint) override {}    // its parts ask
 
     const std::vector<Row>& rows() const noexcept { return rows_; }
+    /// One failed or it was cancelled, and what was written is brought back.
+    bool is_undoing() const noexcept { return undoing_; }
 
 private:
     void described(TimePoint now);
     bool check(TimePoint now);
+    std::string fault_of(const Row& row, const Found& found) const;
+    End failure(const char* deed) const;
     void next(TimePoint now);
     void row_ended(TimePoint now);
     void fail(const End& end, TimePoint now);
@@ -77,7 +83,7 @@ private:
     std::size_t at_ = 0;
     std::vector<std::size_t> touched_;    // rows whose old value is to be brought back if one fails
     bool undoing_ = false;
-    std::optional<End> why_;    // it ends so, after undoing
+    std::optional<End> why_;    // of the first that failed; after undoing it ends so
 };
 
 }    // namespace ano::host

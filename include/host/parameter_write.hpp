@@ -20,6 +20,9 @@ struct TextLimits {
     std::optional<std::size_t> most_bytes{};    // of any text: 29 where the device has the vendor's parser
 };
 
+/// Why a text of `size` bytes may not take the place of one of `had`, as a clause behind the text; empty: it may.
+std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits);
+
 /// The old value is read first: a text is never longer than it unless asked for, and it tells apart a device that stored less from one
 /// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer. A device
 /// that was away meanwhile says first how many parameters it has, and that this one is the same.

@@ -221,10 +221,11 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"PUT", "/devices/{device}/parameters/{parameter}", Access::control,
                 "writes a parameter, {\"value\": v}, and says what the device stored",
                 [&service](const Request& request) { return put_parameter(service, request); }});
-    routes.add({"POST", "/devices/{device}/apply", Access::control,
-                "writes those of {NAME: value} that differ, and says what became of each (in \"parameters\" with rollback or "
-                "dry_run beside)",
-                [&service](const Request& request) { return apply(service, request); }});
+    routes.add(
+        {"POST", "/devices/{device}/apply", Access::control,
+         "writes those of {NAME: value} that differ, also behind one that the device refuses, and says what became of each (in "
+         "\"parameters\" with rollback or dry_run beside)",
+         [&service](const Request& request) { return apply(service, request); }});
 }
 
 Response act(DeviceService& service, const Request& request) {

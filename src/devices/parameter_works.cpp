@@ -182,12 +182,15 @@ public:
     Apply(const WorkPlace& place, const Json& values, ApplyOrder order)
         : ParameterWork{place}, json_{values.dump()}, order_{order} {}
     void start(TimePoint now) override { read(Parameters::Values::none, now); }
-    std::string message() const override { return order_.dry_run ? "comparing parameters" : "writing parameters"; }
+    std::string message() const override {
+        if (apply_ != nullptr && apply_->is_undoing()) return "undoing what was written";
+        return order_.dry_run ? "comparing parameters" : "writing parameters";
+    }
 
 private:
     void done(const Task& task, TimePoint now) override {
         if (apply_ != nullptr) {
-            if (!order_.dry_run) forget_written(place(), Json::parse(json_));
+            forget_kept();
             return finish(with_result(end_of(*task.end()), rows()));
         }
         std::vector<std::pair<std::string, ano::host::AnyValue>> values;
@@ -201,8 +204,10 @@ private:
             if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or a text"));
             values.emplace_back(name, *value);
         }
-        ano::host::ApplyOptions options{order_.rollback, order_.dry_run, false,
-                                        place().net.manners(place().device.address()).text};
+        ano::host::ApplyOptions options{.rollback = order_.rollback,
+                                        .dry_run = order_.dry_run,
+                                        .goes_on = !order_.rollback,
+                                        .text = place().net.manners(place().device.address()).text};
         options.text.longer = order_.longer;
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
@@ -210,7 +215,18 @@ private:
     // What is half done is told as well.
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end());
-        finish(apply_ != nullptr ? with_result(std::move(end), rows()) : std::move(end));
+        if (apply_ == nullptr) return finish(std::move(end));
+        forget_kept();
+        finish(with_result(std::move(end), rows()));
+    }
+    // Old values that a calibration kept need not be kept any more where the device has them.
+    void forget_kept() {
+        using State = ParameterApply::State;
+        if (order_.dry_run) return;
+        Json has = Json::parse(json_);
+        for (const ParameterApply::Row& row : apply_->rows())
+            if (row.state != State::same && row.state != State::written && row.state != State::clamped) has.erase(row.name);
+        forget_written(place(), has);
     }
     Json rows() const {
         Json rows = Json::array();

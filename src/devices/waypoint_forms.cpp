@@ -1,7 +1,10 @@
+#include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
 #include <devices/waypoint_forms.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -18,11 +21,39 @@ constexpr double cm = 100;
 constexpr std::uint16_t to_the_target = 400;    // of yaw
 // Of MAVLink, as plans have them.
 constexpr int nav_waypoint = 16, change_speed = 178, above_home = 3;
+constexpr std::pair<int, const char*> other_items[] = {{17, "a circling"},         {18, "a circling"}, {19, "a circling"},
+                                                       {20, "a return to launch"}, {21, "a landing"},  {22, "a takeoff"}};
+
+constexpr std::string_view keys[] = {"num", "lng", "lat", "alt", "spd", "yaw", "fun", "cmd"};
+// What others call the same.
+constexpr std::pair<std::string_view, std::string_view> other_names[] = {
+    {"lon", "lng"}, {"long", "lng"}, {"longitude", "lng"}, {"height", "alt"}, {"speed", "spd"}, {"heading", "yaw"}};
 
 /// What is wrong is thrown here and becomes the answer.
 struct Wrong {
     std::string what;
 };
+
+// Of the place in the file: as programs count, and as waypoints are numbered.
+std::string place_in_file(const char* what, std::size_t i) {
+    return std::string{what} + ' ' + std::to_string(i) + " (counted from 0)";
+}
+
+/// " (did you mean 'alt'?)" for another name of a key or a mistyped one.
+std::string meant_by(std::string_view key) {
+    for (const auto& [other, ours] : other_names)
+        if (key == other) return " (did you mean '" + std::string{ours} + "'?)";
+    return ano::did_you_mean(key, keys);
+}
+
+/// A key that nobody reads would be a height of 0. `others_may_be`: only what is near to one of ours is refused.
+void refuse_strangers(const Json& object, bool others_may_be, const std::string& where) {
+    for (const auto& [key, value] : object.items()) {
+        if (std::find(std::begin(keys), std::end(keys), key) != std::end(keys)) continue;
+        const std::string meant = meant_by(key);
+        if (!others_may_be || !meant.empty()) throw Wrong{where + ": unknown key " + ano::in_quotes(key) + meant};
+    }
+}
 
 double number_in(const Json& object, const char* key, const std::string& where) {
     if (!object.contains(key) || !object[key].is_number()) throw Wrong{where + ": '" + key + "' must be a number"};
@@ -32,7 +63,8 @@ double number_in(const Json& object, const char* key, const std::string& where) 
 template <class Whole>
 Whole whole(double value, const std::string& what) {
     if (!(value >= double{std::numeric_limits<Whole>::min()} && value <= double{std::numeric_limits<Whole>::max()}))
-        throw Wrong{what + " is out of range"};
+        throw Wrong{what + " is out of range, " + std::to_string(std::numeric_limits<Whole>::min()) + " to " +
+                    std::to_string(std::numeric_limits<Whole>::max())};
     if (value != std::round(value)) throw Wrong{what + " is not whole"};
     return static_cast<Whole>(value);
 }
@@ -65,21 +97,33 @@ const Json& array_in(const Json& json, const char* key) {
     return json[key];
 }
 
+void add(std::vector<Waypoint>& all, const Waypoint& w, const std::string& where) {
+    const auto same = [&](const Waypoint& one) { return one.num == w.num; };
+    if (std::any_of(all.begin(), all.end(), same))
+        throw Wrong{where + ": there is another with the number " + std::to_string(w.num)};
+    all.push_back(w);
+}
+
 std::uint8_t next_number(const std::vector<Waypoint>& all) {
-    return whole<std::uint8_t>(static_cast<double>(all.size()), "the number of waypoints");
+    if (all.size() > ano::host::last_waypoint)
+        throw Wrong{"there are more than " + std::to_string(all.size()) + " waypoints: the last number of the protocol is " +
+                    std::to_string(ano::host::last_waypoint)};
+    return static_cast<std::uint8_t>(all.size());
 }
 
 std::vector<Waypoint> from_plain(const Json& json) {
     std::vector<Waypoint> all;
     for (const Json& row : array_in(json, "waypoints")) {
-        const std::string where = "waypoint " + std::to_string(all.size());
+        const std::string where = place_in_file("waypoint", all.size());
         if (!row.is_object()) throw Wrong{where + " must be an object"};
+        refuse_strangers(row, false, where);
         Waypoint w;
         w.num = next_number(all);
         w.lng = number_in(row, "lng", where);
         w.lat = number_in(row, "lat", where);
+        if (!row.contains("alt")) throw Wrong{where + ": 'alt' is missing, its height in cm"};
         take_properties(row, w, where);
-        all.push_back(w);
+        add(all, w, where);
     }
     return all;
 }
@@ -87,7 +131,7 @@ std::vector<Waypoint> from_plain(const Json& json) {
 std::vector<Waypoint> from_geojson(const Json& json) {
     std::vector<Waypoint> all;
     for (const Json& feature : array_in(json, "features")) {
-        const std::string where = "feature " + std::to_string(all.size());
+        const std::string where = place_in_file("feature", all.size());
         const Json geometry = feature.is_object() ? feature.value("geometry", Json{}) : Json{};
         if (!geometry.is_object() || geometry.value("type", Json{}) != "Point") throw Wrong{where + " is no point"};
         const Json at = geometry.value("coordinates", Json::array());
@@ -98,9 +142,14 @@ std::vector<Waypoint> from_geojson(const Json& json) {
         w.lng = at[0].get<double>();
         w.lat = at[1].get<double>();
         if (at.size() > 2) w.alt = whole<std::int32_t>(std::round(at[2].get<double>() * cm), where + ": the height");
-        if (const Json properties = feature.value("properties", Json{}); properties.is_object())
+        const Json properties = feature.value("properties", Json{});
+        if (properties.is_object()) {
+            refuse_strangers(properties, true, where);
             take_properties(properties, w, where);
-        all.push_back(w);
+        }
+        if (at.size() < 3 && !(properties.is_object() && properties.contains("alt")))
+            throw Wrong{where + " has no height: metres as the third of 'coordinates', or 'alt' in cm among its properties"};
+        add(all, w, where);
     }
     return all;
 }
@@ -122,6 +171,16 @@ Waypoint from_item(const Json& params, std::uint16_t speed, const std::string& w
     return w;
 }
 
+std::string misfit_of_item(int command) {
+    const auto* const known = std::find_if(std::begin(other_items), std::end(other_items),
+                                           [&](const auto& one) { return one.first == command; });
+    const bool is_known = known != std::end(other_items);
+    return " is " +
+           (is_known ? std::string{known->second} + " (" + std::to_string(command) + ")" : std::string{"something else"}) +
+           ", and waypoints (16) and changes of speed (178) are all that devices have: delete it from the plan" +
+           (is_known ? ", and tell the device by a command of its own" : "");
+}
+
 // The protocol's waypoints have no word for what else a plan may have.
 std::vector<Waypoint> from_qgc(const Json& json) {
     const Json mission = json.is_object() ? json.value("mission", Json{}) : Json{};
@@ -136,7 +195,7 @@ std::vector<Waypoint> from_qgc(const Json& json) {
     std::uint16_t speed = 0;
     std::size_t i = 0;
     for (const Json& item : items) {
-        const std::string where = "item " + std::to_string(++i);
+        const std::string where = place_in_file("item", i++);
         const int command = item.is_object() && item.contains("command") && item["command"].is_number_integer()
                                 ? item["command"].get<int>()
                                 : -1;
@@ -148,7 +207,7 @@ std::vector<Waypoint> from_qgc(const Json& json) {
             w.num = next_number(all);
             all.push_back(w);
         } else {
-            throw Wrong{where + " is neither a waypoint (16) nor a change of speed (178): devices have no such waypoints"};
+            throw Wrong{where + misfit_of_item(command)};
         }
     }
     return all;

@@ -81,7 +81,8 @@ Hint shared(SharedSource shared) {
 Hint no_taker(std::string_view hosts_link) {
     if (hosts_link.empty())
         return {"no_host_takes",
-                "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"};
+                "no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route "
+                "0xFE=LINK"};
     const std::string link{hosts_link};
     return {"hosts_link_down",
             "hosts were last heard on " + link + ", which is down: mend it, or say where else they are: --route 0xFE=LINK",

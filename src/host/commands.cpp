@@ -96,7 +96,11 @@ void CommandCall::start(TimePoint now) {
 void CommandCall::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) return finish({}, now);
     if (repeat_) return finish_unacknowledged("command " + command_.name, ended.evidence, now, "it probably can't do that now");
-    finish({Ending::unknown, "no answer to " + command_.name + ": it may have been carried out", ended.evidence}, now);
+    finish({Ending::unknown,
+            "no answer to " + command_.name + ": it may have been carried out" +
+                (ended.evidence.is_heard ? ", or it can't be done now" : ""),
+            ended.evidence},
+           now);
 }
 
 void CommandCall::cancel(TimePoint now) { finish({Ending::cancelled, command_.name + " may have been carried out", {}}, now); }

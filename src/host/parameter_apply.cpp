@@ -1,6 +1,16 @@
 #include <host/parameter_apply.hpp>
 
 namespace ano::host {
+namespace {
+
+// The device is there and did not take this one: others it may take.
+bool is_refusal(const ParameterWrite& write) {
+    const Ending ending = write.end()->ending;
+    return ending == Ending::refused || ending == Ending::invalid || ending == Ending::unsupported ||
+           (ending == Ending::timeout && write.stored());
+}
+
+}    // namespace
 
 ParameterApply::ParameterApply(Device& device, DescriptionCache* cache,
                                const std::vector<std::pair<std::string, AnyValue>>& values, ApplyOptions options)
@@ -24,32 +34,59 @@ void ParameterApply::described(TimePoint now) {
     next(now);
 }
 
+// Why it can't be written, as far as that is known before; empty: it can.
+std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
+    if (found.several) return "several parameters are called " + row.name;
+    if (found.parameter == nullptr) return "no parameter is called " + row.name;
+    if (!found.parameter->type) return row.name + " is of a type that is not known";
+    const Type type = *found.parameter->type;
+    std::vector<std::uint8_t> wire;
+    std::string misfit = words_of_misfit(append(wire, row.wanted, type), type);
+    const Bytes has = parameters_.bytes(found.parameter->id);
+    const bool differs = value_of(wire, type) != value_of(has, type);
+    if (misfit.empty() && type == Type::text && differs) misfit = text_misfit(wire.size(), has.size(), options_.text);
+    return misfit.empty() ? misfit : row.name + ": " + words_of(row.wanted) + ' ' + misfit;
+}
+
 // Which of them differ, and whether all of them can be written.
 bool ParameterApply::check(TimePoint now) {
     infos_.clear();
+    bool all_can = true;
     for (Row& row : rows_) {
         const Found found = parameters_.find(row.name);
-        std::string wrong;
-        if (found.several) wrong = "several parameters are called " + row.name;
-        else if (found.parameter == nullptr) wrong = "no parameter is called " + row.name;
-        else if (!found.parameter->type) wrong = row.name + " is of a type that is not known";
-        std::vector<std::uint8_t> wire;
-        if (wrong.empty()) {
-            const Misfit misfit = append(wire, row.wanted, *found.parameter->type);
-            if (!misfit.empty()) wrong = row.name + ": " + words_of(row.wanted) + ' ' + std::string{misfit};
-        }
-        if (!wrong.empty()) {
+        row.what = fault_of(row, found);
+        infos_.push_back(found.parameter != nullptr ? *found.parameter : ParameterInfo{});
+        if (found.parameter != nullptr) row.before = row.stored = parameters_.value(found.parameter->id);
+        if (!row.what.empty()) {
             row.state = State::failed;
-            row.what = wrong;
-            finish({Ending::invalid, std::move(wrong), {}}, now);
-            return false;
+            all_can = false;
+            continue;
         }
-        infos_.push_back(*found.parameter);
-        row.before = row.stored = parameters_.value(found.parameter->id);
         if (!options_.also_the_same && row.before && same_bytes(row.wanted, *row.before, *found.parameter->type))
             row.state = State::same;
     }
-    return true;
+    if (all_can) return true;
+    why_ = End{Ending::invalid, {}, {}};
+    finish(failure("can't be written"), now);
+    return false;
+}
+
+// Of one that failed what is wrong with it, of several their names: each has its own words.
+End ParameterApply::failure(const char* deed) const {
+    constexpr std::size_t most_names = 5;
+    std::size_t number = 0;
+    std::string names, what;
+    for (const Row& row : rows_) {
+        if (row.state != State::failed) continue;
+        if (++number == 1) what = row.what;
+        if (number <= most_names) names += (number == 1 ? "" : ", ") + row.name;
+    }
+    End end = *why_;
+    end.what = std::move(what);
+    if (number == 1) return end;
+    end.what = std::to_string(number) + " of " + std::to_string(rows_.size()) + " parameters " + deed + ": " + names;
+    if (number > most_names) end.what += " and " + std::to_string(number - most_names) + " more";
+    return end;
 }
 
 void ParameterApply::write(std::size_t row, const AnyValue& value, TextLimits limits, void (ParameterApply::*then)(TimePoint),
@@ -62,7 +99,7 @@ void ParameterApply::write(std::size_t row, const AnyValue& value, TextLimits li
 
 void ParameterApply::next(TimePoint now) {
     while (at_ < rows_.size() && rows_[at_].state != State::waiting) ++at_;
-    if (at_ == rows_.size()) return finish({}, now);
+    if (at_ == rows_.size()) return finish(why_ ? failure("were not written") : End{}, now);
     write(at_, rows_[at_].wanted, options_.text, &ParameterApply::row_ended, now);
 }
 
@@ -75,7 +112,10 @@ void ParameterApply::row_ended(TimePoint now) {
     row.what = ended.what;
     if (ended.ending != Ending::done) {
         row.state = State::failed;
-        return fail(ended, now);
+        if (!options_.goes_on || options_.rollback || !is_refusal(*write_)) return fail(ended, now);
+        if (!why_) why_ = ended;
+        ++at_;
+        return next(now);
     }
     row.state = write_->is_clamped() ? State::clamped : State::written;
     ++at_;
@@ -111,20 +151,22 @@ void ParameterApply::undone(TimePoint now) {
 void ParameterApply::cancel(TimePoint now) {
     if (end()) return;
     End end{Ending::cancelled, "cancelled after " + std::to_string(at_) + " of " + std::to_string(rows_.size()), {}};
-    if (undoing_) end.what += ", while it was undone";
+    if (undoing_) end.what = "cancelled while it was undone";
     parameters_.on_end({});
     parameters_.cancel(now);
     if (write_) {
         write_->on_end({});
         write_->cancel(now);
-        if (write_->was_sent() && at_ < rows_.size()) {
+        const bool is_sent = write_->was_sent() && at_ < rows_.size();
+        if (is_sent && !undoing_) {
             rows_[at_].state = State::failed;
             rows_[at_].what = write_->end()->what;
-            touched_.push_back(at_);
         }
+        if (is_sent || undoing_) touched_.push_back(at_);
     }
-    if (undoing_) return finish(std::move(end), now);
-    fail(end, now);
+    if (!undoing_) return fail(end, now);
+    for (const std::size_t row : touched_) rows_[row].state = State::not_undone;
+    finish(std::move(end), now);
 }
 
 }    // namespace ano::host

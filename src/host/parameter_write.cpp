@@ -14,6 +14,13 @@ constexpr std::string_view not_taken = "it probably takes no such value, or lets
 
 }    // namespace
 
+std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits) {
+    if (limits.most_bytes && size > *limits.most_bytes) return "is longer than " + std::to_string(*limits.most_bytes) + " bytes";
+    if (size <= had || limits.longer) return {};
+    return "is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
+           " that the device has: a longer one must be allowed (longer)";
+}
+
 ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits)
     : Task{device}, info_{std::move(info)}, value_{std::move(value)}, limits_{limits} {}
 
@@ -24,9 +31,9 @@ void ParameterWrite::refuse(const std::string& why, TimePoint now) {
 void ParameterWrite::start(TimePoint now) {
     if (!info_.type) return finish({Ending::unsupported, info_.name + " is of a type that is not known", {}}, now);
     const Misfit misfit = append(wire_, value_, *info_.type);
-    if (!misfit.empty()) return refuse(std::string{misfit}, now);
-    if (limits_.most_bytes && *info_.type == Type::text && wire_.size() > *limits_.most_bytes)
-        return refuse("is longer than " + std::to_string(*limits_.most_bytes) + " bytes", now);
+    if (!misfit.empty()) return refuse(words_of_misfit(misfit, *info_.type), now);
+    const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
+    if (!too_long.empty()) return refuse(too_long, now);
     presence_ = device().presence();
     go_on(now);
 }
@@ -96,10 +103,7 @@ void ParameterWrite::write(TimePoint now) {
     Wire value = wire_;
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
-        if (value.size() > had && !limits_.longer)
-            return refuse("is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
-                              " that the device has: a longer one must be allowed",
-                          now);
+        if (const std::string too_long = text_misfit(value.size(), had, limits_); !too_long.empty()) return refuse(too_long, now);
         value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
     }
     was_sent_ = true;

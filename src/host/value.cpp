@@ -6,6 +6,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace ano::host {
 namespace {
@@ -14,6 +15,26 @@ constexpr Field plain(Type type) noexcept {
     Field field;
     field.type = type;
     return field;
+}
+
+template <class T>
+std::string whole_range() {
+    return std::to_string(std::numeric_limits<T>::min()) + " to " + std::to_string(std::numeric_limits<T>::max());
+}
+
+std::string range_of(Type type) {
+    switch (type) {
+    case Type::u8: return whole_range<std::uint8_t>();
+    case Type::i8: return whole_range<std::int8_t>();
+    case Type::u16: return whole_range<std::uint16_t>();
+    case Type::i16: return whole_range<std::int16_t>();
+    case Type::u32: return whole_range<std::uint32_t>();
+    case Type::i32: return whole_range<std::int32_t>();
+    case Type::u64: return whole_range<std::uint64_t>();
+    case Type::i64: return whole_range<std::int64_t>();
+    case Type::f32: return "-3.4e38 to 3.4e38";
+    default: return "-1.8e308 to 1.8e308";
+    }
 }
 
 std::optional<Number> number_in(const AnyValue& value) noexcept {
@@ -61,6 +82,12 @@ Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type) 
         }
     out.insert(out.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(width(type)));
     return {};
+}
+
+std::string words_of_misfit(Misfit misfit, Type type) {
+    std::string words{misfit};
+    if (!misfit.empty() && is_number(type)) words.append(", ").append(name_of(type)).append(" is ").append(range_of(type));
+    return words;
 }
 
 std::optional<AnyValue> value_of(Bytes bytes, Type type) {

@@ -27,7 +27,7 @@ using AnoctlOtherDevice = AnsweringDevice;
 
 json points(int number) {
     json all = json::array();
-    for (int i = 0; i < number; ++i) all.push_back({{"lng", 116.4}, {"lat", 39.9 + i * 0.001}});
+    for (int i = 0; i < number; ++i) all.push_back({{"lng", 116.4}, {"lat", 39.9 + i * 0.001}, {"alt", 500}, {"spd", 300}});
     return {{"waypoints", all}};
 }
 
@@ -39,10 +39,14 @@ TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
     ASSERT_EQ(anoctl({"waypoint", "put", many, "--yes"}).exit, 0);
     const Ran put = anoctl({"waypoint", "put", one, "--yes"});
     EXPECT_EQ(put.exit, 0) << put.output;
-    EXPECT_TRUE(contains(put.output, "the first is overwritten, and the last 3 stay as they are")) << put.output;
+    EXPECT_TRUE(contains(put.output, "0 is overwritten, and 1 to 3 stay as they are")) << put.output;
     EXPECT_TRUE(contains(put.output, "until it has 4")) << put.output;
     EXPECT_TRUE(contains(put.output, ": 1 waypoint written; 0xDC has 4, the last 3 are its old ones\n")) << put.output;
     EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 4u);
+    const Ran still = anoctl(
+        {"waypoint", "put", dir.write("still.json", R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 3}]})"), "--yes"});
+    EXPECT_EQ(still.exit, 0) << still.output;
+    EXPECT_TRUE(contains(still.output, "The file has no speed for 0 (counted from 0): 0 cm/s is written.\n")) << still.output;
     const Ran wrong = anoctl({"waypoint", "put", dir.write("wrong.json", "{\"way\": 1}"), "--yes"});
     EXPECT_EQ(wrong.exit, 2);
     EXPECT_TRUE(contains(wrong.output, "wrong.json: it is none of the forms of waypoints")) << wrong.output;
@@ -56,7 +60,8 @@ TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoin
     const Ran put = asked({"waypoint", "put", dir.write("way.json", points(4).dump()), "--yes"});
     EXPECT_EQ(put.exit, 1);
     EXPECT_TRUE(contains(put.output, "write of waypoint 2")) << put.output;
-    EXPECT_TRUE(contains(put.output, ": 2 of 4 waypoints were written\n")) << put.output;
+    EXPECT_TRUE(contains(put.output, ": 2 of 4 waypoints were written: the device has a mixture of these and its old ones"))
+        << put.output;
 }
 
 TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
@@ -123,6 +128,17 @@ TEST_F(AnoctlOtherDevice, is_listened_to_by_its_name) {
     EXPECT_FALSE(contains(log.output(), "0xDE")) << log.output();
 }
 
+TEST_F(AnoctlAnswers, who_is_there_is_said_where_the_one_to_be_listened_to_is_not) {
+    const Ran nobody = anoctl({"log", "--device", "Nobody"});
+    EXPECT_EQ(nobody.exit, 2);
+    EXPECT_EQ(nobody.output, "anoctl: --device: no device is called 'Nobody'; there are 0xDC SimFC\n")
+        << "it was asked for its name";
+    Process own{ANOCTL, {"image", dir / "pictures", "--device", "Nobody", "--link", "sim:fc"}};
+    EXPECT_EQ(own.wait(), 2);
+    EXPECT_TRUE(contains(own.output(), "'Nobody' is no address (0xDC), and by a link of its own nobody is asked"))
+        << own.output();
+}
+
 TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
     const std::string file = dir.write(
         "calibration-0xDC-accelerometer.json",
@@ -139,8 +155,41 @@ TEST_F(AnoctlAnswers, what_the_device_refuses_is_not_counted_as_written) {
     const std::string file = dir.write("refused.json", R"({"SIM_SERIAL": 1})");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 1);
-    EXPECT_TRUE(contains(import.output, "SIM_SERIAL: 687194767361 -> 687194767361, failed: 0xDC is heard, ")) << import.output;
+    EXPECT_TRUE(contains(import.output, "SIM_SERIAL: 687194767361 -> 1, failed: 0xDC is heard, ")) << import.output;
     EXPECT_TRUE(contains(import.output, "no parameter was written\n")) << import.output;
+    EXPECT_TRUE(contains(import.output, "anoctl: 1 parameter was not written\n")) << import.output;
+}
+
+TEST_F(AnoctlAnswers, behind_what_the_device_refuses_the_others_are_imported) {
+    const std::string file = dir.write("two.json", R"({"SIM_SERIAL": 1, "SIM_TURN": 44})");
+    const Ran undone = anoctl({"param", "import", file, "--yes", "--rollback"});
+    EXPECT_EQ(undone.exit, 1);
+    EXPECT_TRUE(contains(undone.output, "SIM_TURN: ")) << undone.output;
+    EXPECT_TRUE(contains(undone.output, " -> 44, not tried any more\n")) << undone.output;
+    EXPECT_NE(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=44\n");
+    const Ran import = anoctl({"param", "import", file, "--yes"});
+    EXPECT_EQ(import.exit, 1);
+    EXPECT_TRUE(contains(import.output, "1 parameter written; anoctl param save keeps them over a restart\nSIM_SERIAL: "))
+        << "what was refused is at the end: " << import.output;
+    EXPECT_EQ(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=44\n");
+}
+
+TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_written) {
+    ASSERT_EQ(anoctl({"param", "set", "SIM_HEIGHT", "321"}).exit, 0);
+    const std::string file = dir.write(
+        "other.json", R"({"name": "Other", "parameters": {"NEWER": 1, "SIM_HEIGHT": 300, "SIM_TURN": 300, "SIM_NOTE": ")" +
+                          std::string(200, 'x') + R"("}})");
+    for (const char* action : {"import", "diff"}) {
+        const Ran ran = anoctl({"param", action, file, "--yes"});
+        EXPECT_EQ(ran.exit, *action == 'd' ? 2 : 1);
+        EXPECT_TRUE(contains(ran.output, "the file is of Other")) << ran.output;
+        EXPECT_TRUE(contains(ran.output, "no parameter is called NEWER\n")) << ran.output;
+        EXPECT_TRUE(contains(ran.output, "SIM_TURN: 300 is out of range, i8 is -128 to 127\n")) << ran.output;
+        EXPECT_EQ(contains(ran.output, " bytes that the device has: --longer allows a longer one"), *action == 'i') << ran.output;
+    }
+    EXPECT_TRUE(contains(anoctl({"param", "import", file, "--yes"}).output,
+                         "anoctl: 3 parameters of " + file + " do not fit SimFC (0xDC): nothing was written; take them out"));
+    EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=321\n");
 }
 
 TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_asked) {
@@ -215,14 +264,16 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     const Ran second = anoctl({"param", "save", "--device", "0xDD"});
     EXPECT_EQ(second.exit, 1);
     const std::string who = "anoctl param, process " + std::to_string(first.pid());
-    EXPECT_TRUE(contains(second.output, who + ") has 0xDD; anoctl devices --jobs shows what it does")) << second.output;
+    EXPECT_TRUE(contains(second.output, who + ") has 0xDD; anoctl devices --jobs --control " + socket + " shows what it does"))
+        << second.output;
     const auto jobs = lines_of(anoctl({"devices", "--jobs", "--json"}).output);
     ASSERT_FALSE(jobs.empty());
     const std::string number = jobs.back().at("id").dump();
-    EXPECT_TRUE(contains(second.output, "anoctl devices --cancel " + number + " ends it")) << second.output;
+    EXPECT_TRUE(contains(second.output, "anoctl devices --cancel " + number + " --control " + socket + " ends it"))
+        << second.output;
     const Ran cancel = anoctl({"devices", "--cancel", number});
     EXPECT_EQ(cancel.exit, 0);
-    EXPECT_TRUE(contains(cancel.output, "job " + number + " (action of " + who + "): cancelled")) << cancel.output;
+    EXPECT_TRUE(contains(cancel.output, "job " + number + " (action of " + who + "): cancelled\n")) << cancel.output;
     EXPECT_EQ(first.wait(), 1);
     EXPECT_TRUE(contains(first.output(), "anoctl: somebody else cancelled it")) << first.output();
     EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "it was over: cancelled"));
@@ -251,6 +302,68 @@ TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out)
         EXPECT_EQ(exit, contains(said, "cancelled") ? 130 : 1) << said;
     }
     EXPECT_TRUE(contains(said, "anoctl: cancelled: PAR_0 may have been written\n")) << said;
+}
+
+TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what_was_undone) {
+    hear_of_another();
+    fake.make_parameters(3);
+    const auto old = fake.parameters;
+    bool is_at_the_last = false;
+    fake.instead = [&](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() != 0xE1 || frame.data()[0] != 2) return std::nullopt;
+        is_at_the_last = true;
+        return std::vector<Bytes>{};
+    };
+    const std::string file = dir.write("three.json", R"({"PAR_0": 77, "PAR_1": -3, "PAR_2": 5})");
+    for (const bool rollback : {false, true}) {
+        std::string said;
+        for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before it hears the signal
+            fake.parameters = old;
+            is_at_the_last = false;
+            Process import{ANOCTL,
+                           {"param", "import", file, "--yes", "--device", "0xDD", "--control", socket,
+                            rollback ? "--rollback" : "--longer"}};
+            bool is_told = false;
+            (void)until_ended(import, [&] {
+                if (is_at_the_last && !std::exchange(is_told, true)) import.signal(SIGINT);
+            });
+            said = import.output();
+        }
+        const std::string end = rollback ? "anoctl: cancelled after 2 of 3: 3 parameters written and undone\n"
+                                         : "anoctl: cancelled after 2 of 3: 2 parameters written, which stays until the device "
+                                           "restarts, and no longer unless it is saved; PAR_2 may have been written\n";
+        EXPECT_TRUE(contains(said, end)) << said;
+        EXPECT_EQ(fake.parameters[0].value == old[0].value, rollback);
+    }
+}
+
+TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
+    hear_of_another();
+    FakeLoader loader;
+    fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
+    Process flash{ANOCTL,
+                  {"flash", dir.write("new.bin", std::string(60'000, 'x')), "--device", "0xDD", "--yes", "--control", socket}};
+    std::string number;
+    const auto cancel = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"devices", "--cancel", number, "--control", socket};
+        words.insert(words.end(), more.begin(), more.end());
+        Process process{ANOCTL, std::move(words)};
+        const int exit = until_ended(process);
+        return Ran{exit, process.output()};
+    };
+    EXPECT_TRUE(wait_until([&] {
+        answer();
+        return loader.frames > 5;
+    }));
+    number = lines_of(anoctl({"devices", "--jobs", "--json"}).output).back().at("id").dump();
+    const Ran refused = cancel({});
+    EXPECT_EQ(refused.exit, 2);
+    EXPECT_TRUE(contains(refused.output, "cancelling an upgrade asks first, and there is no terminal")) << refused.output;
+    EXPECT_TRUE(flash.is_running()) << flash.output();
+    const Ran cancelled = cancel({"--yes"});
+    EXPECT_EQ(cancelled.exit, 0) << cancelled.output;
+    EXPECT_FALSE(contains(cancelled.output, "cancelled; cancelled")) << cancelled.output;
+    EXPECT_EQ(until_ended(flash), 1);
 }
 
 TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
@@ -310,6 +423,8 @@ TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_wo
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was read")) << screen;
     EXPECT_EQ(text_of(dir / "x.json"), "{}");
+    tmux("send-keys -t t 'clear; sh a waypoint put' Enter");
+    EXPECT_TRUE(shows("anoctl: reading waypoints as JSON from")) << screen;
     tmux("kill-server");
 }
 

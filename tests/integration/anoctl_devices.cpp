@@ -246,6 +246,7 @@ TEST_F(AnoctlDevices, nobody_is_asked_without_a_gateway) {
     Process none{ANOCTL, {"param", "list", "--control", dir / "nothing"}};
     EXPECT_EQ(none.wait(), 1);
     EXPECT_TRUE(contains(none.output(), dir / "nothing")) << none.output();
+    EXPECT_TRUE(contains(none.output(), "; anogated LINK... starts one, and --link LINK does without\n")) << none.output();
 }
 
 TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
@@ -281,11 +282,13 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     ASSERT_EQ(tmux("-f /dev/null new-session -d -x 120 -y 24 -s t 'sh'"), 0);
     const auto type = [&](const std::string& words) { tmux("send-keys -t t '" + words + "' Enter"); };
+    std::string screen;
     const auto shows = [&](const std::string& words) {
         return wait_until([&] {
             Process capture{"tmux", {"-S", dir / "tmux", "capture-pane", "-p", "-t", "t"}};
             capture.wait();
-            return contains(capture.output(), words);
+            screen = capture.output();
+            return contains(screen, words);
         });
     };
     type(ANOCTL " param import " + file + " --control " + socket + "; echo ended as $?");
@@ -302,6 +305,7 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
     EXPECT_TRUE(shows("(Enter goes on, Ctrl-C cancels)"));
     type("");
     EXPECT_TRUE(shows("[ ] -x"));
+    EXPECT_FALSE(contains(screen, "Enter goes on")) << "a line is left over: " << screen;
     tmux("send-keys -t t C-c");
     EXPECT_TRUE(shows("ended as 130"));
     type("clear");

@@ -183,7 +183,7 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
-                             ": there is no such socket (another one: --control PATH)\n");
+                             ": there is no such socket (another one: --control PATH); anogated LINK... starts one\n");
     if (::geteuid() == 0) {
         const auto become_nobody = [] { (void)(::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0); };
         EXPECT_NE(
@@ -199,7 +199,8 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
     daemon.wait();
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
-    EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket + ": one that ended left its socket\n");
+    EXPECT_EQ(dead.said,
+              "anoctl: no gateway is running at " + socket + ": one that ended left its socket; anogated LINK... starts one\n");
 }
 
 TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {

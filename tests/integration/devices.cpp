@@ -227,7 +227,7 @@ TEST_F(Devices, commands_waypoints_and_actions) {
     EXPECT_EQ(ask("POST", "/devices/0xDC/commands/TURN", R"({"values": [500]})").status, 422u);
     EXPECT_EQ(ask("POST", "/devices/0xDC/actions", R"({"action": "save"})").status, 200u);
     const std::string two =
-        R"({"waypoints": [{"lng": 116.4, "lat": 39.9}, {"lng": 116.5, "lat": 39.8, "alt": 2500, "spd": 300, "yaw": 90}]})";
+        R"({"waypoints": [{"lng": 116.4, "lat": 39.9, "alt": 0}, {"lng": 116.5, "lat": 39.8, "alt": 2500, "spd": 300, "yaw": 90}]})";
     EXPECT_EQ(ask("PUT", "/devices/0xDC/waypoints", two).body, (json{{"written", 2}}));
     const json back = ask("GET", "/devices/0xDC/waypoints").body.at("waypoints");
     EXPECT_EQ(back[1].at("alt"), 2500);

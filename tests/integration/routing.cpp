@@ -331,7 +331,9 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
             return daemon.link("fc").at("hint") == words;
         });
     };
-    EXPECT_TRUE(hint_is("no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK"));
+    EXPECT_TRUE(
+        hint_is("no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route "
+                "0xFE=LINK"));
     UdpPeer host;
     host.send(daemon.port("ground"), vendor::who_are_you);
     EXPECT_TRUE(hint_is(""));

@@ -158,6 +158,14 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
            ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
 }
 
+/// What is told of a failure of `app`: where no gateway runs, what can be done about it as well.
+std::string with_a_way_out(const std::string& what, const CLI::App& app) {
+    if (!what.starts_with("no gateway is running at ")) return what;
+    const auto chosen = app.get_subcommands();
+    const bool does_without = !chosen.empty() && chosen.front()->get_option_no_throw("--link") != nullptr;
+    return what + "; anogated LINK... starts one" + (does_without ? ", and --link LINK does without" : "");
+}
+
 }    // namespace
 
 std::uint8_t message_id_of(const std::string& word, const std::string& where) {
@@ -221,11 +229,11 @@ int run(int argc, const char* const* given, Streams& streams) {
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const UsageError& e) {
-        return complain(e.what(), usage);
+        return complain(with_a_way_out(e.what(), app), usage);
     } catch (const Interrupted& e) {
         return complain(e.what(), interrupted);
     } catch (const std::exception& e) {
-        return complain(e.what(), failed);
+        return complain(with_a_way_out(e.what(), app), failed);
     }
 }
 

@@ -128,7 +128,7 @@ _anoctl() {
         'metrics') options='--control --openmetrics --json -h --help'; operands=':' ;;
         'reload') options='--dry-run --confirm-within --confirm --control --json -h --help'; operands=':' ;;
         'send') options='--from --to --data --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
-        'devices') options='--scan --jobs --cancel --link --control --json -h --help'; operands=':' ;;
+        'devices') options='--scan --jobs --cancel --link --control --json --yes -h --help'; operands=':' ;;
         'param') options='--all --with-calibration --longer --force --rollback --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list get set save reset export import diff'\''; else _anoctl_parameters; fi' ;;
         'command') options='--repeat --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list call'\''; else _anoctl_commands; fi' ;;
         'waypoint') options='--format --device --link --control --json --yes -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''get put'\''; else _anoctl_files; fi' ;;

@@ -107,6 +107,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from devices' -l cancel -x -d 'End
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l link -x -a 'serial: udp-listen: udp: can: pty: sim:' -d 'Without a gateway'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l control -r -F -d 'The control socket of the gateway, where it is not the usual one'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -l json -d 'As JSON, one object a line'
+complete -c anoctl -n '__fish_seen_subcommand_from devices' -l yes -d 'Does it without asking first'
 complete -c anoctl -n '__fish_seen_subcommand_from devices' -s h -l help -d 'Says what there is, and exits'
 complete -c anoctl -n '__fish_seen_subcommand_from param' -l all -d 'get'
 complete -c anoctl -n '__fish_seen_subcommand_from param' -l with-calibration -d 'import, diff'

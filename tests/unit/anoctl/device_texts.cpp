@@ -3,29 +3,24 @@
 #include <anoctl/device/calibration_text.hpp>
 #include <anoctl/device/command_values.hpp>
 #include <anoctl/device/job_text.hpp>
+#include <anoctl/device/job_view.hpp>
 #include <anoctl/device/parameter_file.hpp>
 #include <anoctl/device/waypoint_form.hpp>
+
+#include <support/thrown.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <sstream>
 #include <string>
 #include <vector>
 
 using namespace anoctl;
 using ano::Json;
+using support::thrown;
 
 namespace {
-
-template <class Error, class F>
-std::string thrown(F&& f) {
-    try {
-        f();
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "nothing was thrown";
-}
 
 TEST(JobText, has_rate_and_time_left) {
     const Json job{{"done", 60}, {"total", 150}, {"unit", "parameters"}, {"message", "reading"}};
@@ -49,9 +44,26 @@ TEST(JobText, says_what_is_half_done) {
     EXPECT_EQ(half("firmware", 1024), "1 KiB of 2 KiB were written, the device is left in its loader: flash it again");
     EXPECT_EQ(half("firmware", 0), "");
     EXPECT_NE(half("apply", 1).find("unless it is saved"), std::string::npos);
-    EXPECT_EQ(half("put_waypoints", 1), "1 bytes of 2 KiB were written");
+    EXPECT_EQ(half("put_waypoints", 0), "0 bytes of 2 KiB were written");
+    EXPECT_EQ(half("put_waypoints", 1),
+              "1 bytes of 2 KiB were written: the device has a mixture of these and its old ones until all are put");
     EXPECT_EQ(half("command", 0), "the command may have been carried out");
     EXPECT_EQ(half("parameters", 7), "") << "who only reads leaves nothing";
+}
+
+TEST(JobText, says_of_a_cancelled_apply_what_is_written_and_what_was_undone) {
+    const auto half = [](std::vector<const char*> states) {
+        Json rows = Json::array();
+        for (const char* state : states)
+            rows.push_back({{"name", "P" + std::to_string(rows.size())}, {"state", state}, {"what", "P may have been written"}});
+        return half_done(Json{{"kind", "apply"}, {"done", 2}, {"total", 9}, {"result", {{"parameters", rows}}}});
+    };
+    EXPECT_EQ(half({"unchanged", "waiting"}), "nothing was written");
+    EXPECT_EQ(half({"written", "clamped", "failed", "waiting"}),
+              "2 parameters written, which stays until the device restarts, and no longer unless it is saved; P may have been "
+              "written");
+    EXPECT_EQ(half({"undone", "undone", "waiting"}), "2 parameters written and undone");
+    EXPECT_EQ(half({"not_undone", "undone", "not_undone"}), "1 parameter written and undone; not undone: P0, P2");
 }
 
 const Json answered{{"device", {{"address", "0xDC"}, {"name", "SimFC"}, {"dev_id", 220}, {"hw", 100}, {"sw", 3}, {"pt", 800}}},
@@ -138,11 +150,16 @@ TEST(ParameterFile, shows_what_changes) {
                         {{"name", "C"}, {"was", 1}, {"written", 9}, {"stored", 5}, {"state", "clamped"}},
                         {{"name", "D"}, {"written", 9}, {"state", "failed"}, {"what", "no parameter is called D"}},
                         {{"name", "F"}, {"was", 1}, {"written", 2}, {"stored", 2}, {"state", "not_undone"}},
+                        {{"name", "G"}, {"was", 1}, {"written", 2}, {"stored", 1}, {"state", "failed"}, {"what", "it keeps 1"}},
+                        {{"name", "H"}, {"was", 1}, {"written", 2}, {"state", "waiting"}},
                         {{"name", "E"}, {"was", "a"}, {"written", "b\x1b"}, {"stored", "b\x1b"}, {"state", "written"}}}}};
     EXPECT_EQ(difference_lines(answer), (std::vector<std::string>{"B: 1.5 -> 2", "C: 1 -> 5, clamped: 9 was asked for",
                                                                   "D: 9, failed: no parameter is called D",
-                                                                  "F: 1 -> 2, not undone", "E: \"a\" -> \"b\\u001b\""}));
-    EXPECT_EQ(rows_with(answer, "failed"), 1u);
+                                                                  "F: 1 -> 2, not undone", "G: 1 -> 2, failed: it keeps 1",
+                                                                  "H: 1 -> 2, not tried any more", "E: \"a\" -> \"b\\u001b\""}));
+    EXPECT_EQ(rows_with(answer, "failed"), 2u);
+    EXPECT_EQ(misfit_line(answer["parameters"][3]), "no parameter is called D");
+    EXPECT_EQ(misfit_line(answer["parameters"][5]), "G: it keeps 1");
 }
 
 const Json commands{{{"id", 0}, {"name", "land"}, {"values", Json::array()}},
@@ -191,15 +208,44 @@ TEST(WaypointForm, is_known_by_the_name_or_the_content) {
               std::string::npos);
 }
 
+std::string overwriting(const std::vector<std::uint8_t>& numbers, std::size_t had) {
+    std::vector<ano::host::Waypoint> all(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) all[i].num = numbers[i];
+    return overwriting_text(all, had);
+}
+
 TEST(WaypointForm, what_is_overwritten_is_told_before) {
-    EXPECT_EQ(overwriting_text(2, 0), "");
-    EXPECT_EQ(overwriting_text(2, 1), "It has 1 waypoint: overwritten is this one. ");
-    EXPECT_EQ(overwriting_text(2, 2), "It has 2 waypoints: overwritten are all of them. ");
-    EXPECT_EQ(overwriting_text(1, 2),
-              "It has 2 waypoints: the first is overwritten, and the last stays as it is, for the protocol has no way to remove "
-              "one. To end "
-              "the route sooner, repeat the last point of the file until it has 2. ");
-    EXPECT_NE(overwriting_text(2, 5).find("the first 2 are overwritten, and the last 3 stay as they are, "), std::string::npos);
+    EXPECT_EQ(overwriting({0, 1}, 0), "");
+    EXPECT_EQ(overwriting({0, 1}, 1), "It has 1 waypoint, number 0: overwritten is this one. ");
+    EXPECT_EQ(overwriting({0, 1}, 2), "It has 2 waypoints, 0 to 1: overwritten are all of them. ");
+    EXPECT_EQ(
+        overwriting({0}, 2),
+        "It has 2 waypoints, 0 to 1: 0 is overwritten, and 1 stays as it is, for the protocol has no way to remove one. To end "
+        "the route sooner, repeat the last point of the file until it has 2. ");
+    EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 are overwritten, and 2 to 4 stay as they are, "), std::string::npos);
+}
+
+TEST(WaypointForm, what_is_overwritten_goes_by_the_numbers) {
+    EXPECT_EQ(overwriting({7, 3}, 8).find("It has 8 waypoints, 0 to 7: 3 and 7 are overwritten, and 0 to 2 and 4 to 6 stay"), 0u)
+        << overwriting({7, 3}, 8);
+    EXPECT_EQ(overwriting({7, 3}, 8).find("To end"), std::string::npos);
+    EXPECT_EQ(
+        overwriting({9}, 8),
+        "It has 8 waypoints, 0 to 7: none is overwritten, and 0 to 7 stay as they are, for the protocol has no way to remove "
+        "one. Of 8 there is nothing in the file: what the device has there is its own affair. ");
+}
+
+TEST(WaypointForm, points_without_a_speed_are_named) {
+    std::vector<ano::host::Waypoint> two(2);
+    two[1].num = 4;
+    const Json plain{{"waypoints", {{{"lng", 1}}, {{"lng", 1}, {"spd", 0}}}}};
+    EXPECT_EQ(speedless_text(plain, "json", two), "The file has no speed for 0 (counted from 0): 0 cm/s is written. ");
+    const Json map{{"features", {{{"properties", {{"spd", 0}}}}, {{"geometry", 1}}}}};
+    EXPECT_EQ(speedless_text(map, "geojson", two), "The file has no speed for 4 (counted from 0): 0 cm/s is written. ");
+    EXPECT_EQ(speedless_text({}, "qgc", two),
+              "The file has no speed for 4 (counted from 0): 0 cm/s is written, for the plan changes it nowhere before. ");
+    two[1].spd = 5;
+    EXPECT_EQ(speedless_text({}, "qgc", two), "");
 }
 
 TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
@@ -230,6 +276,39 @@ TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
     EXPECT_EQ(lines[5], "   -z    # . . . . . . . . . . .");
     EXPECT_EQ(lines[6].find("   28 % of all directions"), 0u) << lines[6];
     EXPECT_EQ(calibration_step(job), "20 % of all directions");
+}
+
+TEST(CalibrationText, is_broken_where_a_terminal_is_narrow) {
+    EXPECT_EQ(
+        broken_lines({"   28 % of all directions, 80 % are enough: turn it to where the dots are", "  . #"}, 60),
+        (std::vector<std::string>{"   28 % of all directions, 80 % are enough: turn it to", "    where the dots are", "  . #"}));
+}
+
+TEST(JobText, names_the_option_that_allows_what_is_refused) {
+    const std::string text = "A: \"xy\" is longer than the 1 byte that the device has: a longer one must be allowed (longer)";
+    EXPECT_EQ(with_options_named(text, "param"),
+              "A: \"xy\" is longer than the 1 byte that the device has: --longer allows a longer one");
+    const std::string flies = "0xDC is unlocked or flies: this is for the ground";
+    EXPECT_EQ(with_options_named(flies, "flash"), flies + "; land it and lock it, or do it all the same by --force");
+    EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land it and lock it first") << "it has no such option";
+}
+
+TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_enter) {
+    std::ostringstream err;
+    LiveLines lines{err};
+    lines.went_down(1);    // nothing is shown yet
+    lines.show({"a", "b"}, 80);
+    EXPECT_EQ(err.str(), "\r\x1b[Ja\r\nb");
+    err.str({});
+    lines.show({"c"}, 80);
+    EXPECT_EQ(err.str(), "\r\x1b[1A\x1b[Jc");
+    err.str({});
+    lines.went_down(2);
+    lines.show({"d"}, 80);
+    EXPECT_EQ(err.str(), "\r\x1b[2A\x1b[Jd");
+    err.str({});
+    lines.show({"e"}, 80);
+    EXPECT_EQ(err.str(), "\r\x1b[Je");
 }
 
 TEST(CalibrationText, has_the_residuals_and_what_was_found) {

@@ -3,6 +3,8 @@
 #include <anoctl/device/parameter_assignments.hpp>
 #include <anoctl/device/typed_value.hpp>
 
+#include <support/thrown.hpp>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -22,15 +24,7 @@ const Json described{{{"id", 0}, {"name", "PID_P"}, {"type", "f32"}},
                      {{"id", 5}, {"name", "STRANGE"}, {"type", nullptr}},
                      {{"id", 6}, {"missing", true}}};
 
-template <class F>
-std::string failure(F&& f) {
-    try {
-        f();
-    } catch (const Failure& e) {
-        return e.what();
-    }
-    return "nothing was thrown";
-}
+using support::thrown;
 
 TEST(ParameterAssignments, are_name_and_value_or_names_with_their_values) {
     const auto one = assignments({"TURN", "-5"});
@@ -45,7 +39,9 @@ TEST(ParameterAssignments, are_name_and_value_or_names_with_their_values) {
 }
 
 TEST(ParameterAssignments, are_checked_before_anything_is_written) {
-    const auto fault = [](std::vector<std::string> words) { return failure([&] { check(assignments(words), described); }); };
+    const auto fault = [](std::vector<std::string> words) {
+        return thrown<Failure>([&] { check(assignments(words), described); });
+    };
     EXPECT_EQ(fault({"TURN=-128", "PID_P=1e3", "NOTE=x", "STRANGE=1", "3=255"}), "nothing was thrown");
     EXPECT_EQ(fault({"PID_P=1", "TRN=1"}), "no parameter is called 'TRN' (did you mean 'TURN'?)");
     EXPECT_EQ(fault({"TURN=128"}), "TURN: '128' is out of range, i8 is -128 to 127");

@@ -69,6 +69,18 @@ TEST(Pictures, of_two_senders_are_two) {
     EXPECT_EQ(second[0].pixels, (Bytes{2, 4}));
 }
 
+TEST(Pictures, the_first_of_each_sender_is_known) {
+    Pictures pictures;
+    const auto is_first = [&](std::uint16_t flag, std::uint8_t source) {
+        return take(pictures, image(flag, 0, 1, 1, {1}, source)).ended.at(0).is_first;
+    };
+    EXPECT_TRUE(is_first(1, 0xDF));
+    EXPECT_FALSE(is_first(2, 0xDF));
+    EXPECT_TRUE(is_first(1, 0x15));
+    take(pictures, image(3, 0, 1, 2, {1}));
+    EXPECT_FALSE(pictures.end().at(0).is_first);
+}
+
 TEST(Pictures, that_lack_a_part_end_when_the_next_begins) {
     const auto rows_of_first = [](const Bytes& next, ano::Duration later) {
         Pictures pictures;

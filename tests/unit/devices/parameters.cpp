@@ -171,6 +171,16 @@ TEST_F(ParameterRoutes, apply_undoes_all_when_one_fails) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
+TEST_F(ParameterRoutes, apply_leaves_out_what_is_refused_and_writes_the_others) {
+    fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "I16": 5})");
+    EXPECT_EQ(status, 502u);
+    EXPECT_EQ(error.at("error"), "0xDC keeps U8 at 7");
+    EXPECT_EQ(error.at("result").at("parameters")[0].at("state"), "failed") << error;
+    EXPECT_EQ(error.at("result").at("parameters")[1].at("state"), "written") << error;
+    EXPECT_EQ(fake.parameters[4].value, (Bytes{5, 0}));
+}
+
 TEST_F(ParameterRoutes, nothing_is_applied_when_one_can_not_be) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "NONE": 5})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "I16": 70000})").status, 422u);

@@ -55,10 +55,10 @@ TEST_F(WaypointRoutes, that_are_none_are_never_sent) {
         {"", R"({})"},
         {"", R"({"waypoints": [{"lng": 1}]})"},
         {"", R"({"waypoints": [5]})"},
-        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "spd": 70000}]})"},
-        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "spd": 1.5}]})"},
-        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "cmd": [1]}]})"},
-        {"", R"({"waypoints": [{"lng": 1, "lat": 91}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 3, "spd": 70000}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 3, "spd": 1.5}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 3, "cmd": [1]}]})"},
+        {"", R"({"waypoints": [{"lng": 1, "lat": 91, "alt": 3}]})"},
         {"?format=geojson", R"({"features": [{"geometry": {"type": "LineString"}}]})"},
         {"?format=geojson", R"({"features": [5]})"},
         {"?format=geojson", R"({"features": [{"geometry": {"type": "Point", "coordinates": ["a", 1]}}]})"},
@@ -71,6 +71,50 @@ TEST_F(WaypointRoutes, that_are_none_are_never_sent) {
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints?format=kml", two).status, 400u);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/waypoints", "[]").status, 400u);
     EXPECT_TRUE(fake.waypoints.empty());
+}
+
+TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
+    const auto fault = [](WaypointForm form, const char* text) {
+        const auto read = anogate::waypoints_in(json::parse(text), form);
+        const auto* wrong = std::get_if<std::string>(&read);
+        return wrong != nullptr ? *wrong : "nothing is wrong";
+    };
+    const auto plain = [&](const char* text) { return fault(WaypointForm::plain, text); };
+    EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 0}, {"lng": 1, "lat": 2, "altitude": 500}]})"),
+              "waypoint 1 (counted from 0): unknown key 'altitude' (did you mean 'alt'?)");
+    EXPECT_EQ(plain(R"({"waypoints": [{"longitude": 1}]})"),
+              "waypoint 0 (counted from 0): unknown key 'longitude' (did you mean 'lng'?)");
+    EXPECT_EQ(plain(R"({"waypoints": [{"name": 1}]})"), "waypoint 0 (counted from 0): unknown key 'name'");
+    EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2}]})"),
+              "waypoint 0 (counted from 0): 'alt' is missing, its height in cm");
+    EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 1, "num": 1}, {"lng": 1, "lat": 2, "alt": 1}]})"),
+              "waypoint 1 (counted from 0): there is another with the number 1");
+    EXPECT_EQ(plain(R"({"waypoints": [{"lng": 1, "lat": 2, "alt": 1, "spd": 70000}]})"),
+              "waypoint 0 (counted from 0): 'spd' is out of range, 0 to 65535");
+    std::string many = R"({"lng": 1, "lat": 2, "alt": 1})";
+    for (int i = 0; i < 255; ++i) many += R"(, {"lng": 1, "lat": 2, "alt": 1})";
+    EXPECT_EQ(plain((R"({"waypoints": [)" + many + "]}").c_str()),
+              "there are more than 255 waypoints: the last number of the protocol is 254");
+    const auto map = [&](const char* text) { return fault(WaypointForm::geojson, text); };
+    const std::string point = R"({"features": [{"geometry": {"type": "Point", "coordinates": [1, 2)";
+    EXPECT_EQ(
+        map((point + "]}}]}").c_str()),
+        "feature 0 (counted from 0) has no height: metres as the third of 'coordinates', or 'alt' in cm among its properties");
+    EXPECT_EQ(map((point + R"(]}, "properties": {"alt": 5, "name": "x", "marker-color": "#f00"}}]})").c_str()),
+              "nothing is wrong");
+    EXPECT_EQ(map((point + R"(, 3]}, "properties": {"speed": 5}}]})").c_str()),
+              "feature 0 (counted from 0): unknown key 'speed' (did you mean 'spd'?)");
+    const auto plan = [&](const std::string& command) {
+        return fault(WaypointForm::qgc, (R"({"mission": {"plannedHomePosition": [1, 2, 3], "items": [{"command": )" + command +
+                                         R"(, "params": []}]}})")
+                                            .c_str());
+    };
+    EXPECT_EQ(plan("22"),
+              "item 0 (counted from 0) is a takeoff (22), and waypoints (16) and changes of speed (178) are all that "
+              "devices have: delete it from the plan, and tell the device by a command of its own");
+    EXPECT_EQ(plan("99"),
+              "item 0 (counted from 0) is something else, and waypoints (16) and changes of speed (178) are all that "
+              "devices have: delete it from the plan");
 }
 
 TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {

@@ -86,7 +86,9 @@ TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
     link.untaken_for = std::chrono::milliseconds{2999};
     EXPECT_EQ(hint(link), "");
     link.untaken_for = std::chrono::seconds{3};
-    EXPECT_EQ(hint(link), "no host takes what comes here: it must send something first, or say where it is: --route 0xFE=LINK");
+    EXPECT_EQ(
+        hint(link),
+        "no host takes what comes here (anoctl needs none): it must send something first, or say where it is: --route 0xFE=LINK");
 }
 
 TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {

@@ -182,9 +182,9 @@ TEST_F(Writes, no_value_is_shorter_than_its_type) {
 }
 
 TEST_F(Writes, what_does_not_fit_is_never_sent) {
-    EXPECT_EQ(write(info(0), std::int64_t{256})->end()->what, "U8: 256 is out of range");
-    EXPECT_EQ(write(info(0), 1.5)->end()->what, "U8: 1.5 is not whole");
-    EXPECT_EQ(write(info(0), std::string{"1"})->end()->what, "U8: \"1\" is not a number");
+    EXPECT_EQ(write(info(0), std::int64_t{256})->end()->what, "U8: 256 is out of range, u8 is 0 to 255");
+    EXPECT_EQ(write(info(0), 1.5)->end()->what, "U8: 1.5 is not whole, u8 is 0 to 255");
+    EXPECT_EQ(write(info(0), std::string{"1"})->end()->what, "U8: \"1\" is not a number, u8 is 0 to 255");
     EXPECT_EQ(write(info(2), std::int64_t{1})->end()->what, "TEXT: 1 is not a text");
     EXPECT_EQ(write(info(2), std::string("a\0b", 3))->end()->ending, Ending::invalid);
     ParameterInfo odd = info(0);
@@ -267,10 +267,28 @@ TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
 
 TEST_F(Applies, nothing_is_written_when_one_is_wrong) {
     EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "no parameter is called NONE");
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range, u8 is 0 to 255");
     fake.parameters.push_back({0, "U8", "", {1}});
     EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->what, "several parameters are called U8");
     EXPECT_EQ(writes(), 0u);
+}
+
+TEST_F(Applies, every_one_that_is_wrong_is_told_before_the_first_write) {
+    const auto task = apply({{"TEXT", std::string{"1234567"}},
+                             {"I16", std::int64_t{2}},
+                             {"NONE", 1.0},
+                             {"U8", std::int64_t{256}},
+                             {"F32", std::string{"x"}}});
+    EXPECT_EQ(task->end()->ending, Ending::invalid);
+    EXPECT_EQ(task->end()->what, "4 of 5 parameters can't be written: TEXT, NONE, U8, F32");
+    EXPECT_EQ(states(*task), (std::vector{State::failed, State::waiting, State::failed, State::failed, State::failed}));
+    EXPECT_EQ(task->rows()[0].what,
+              "TEXT: \"1234567\" is longer than the 6 bytes that the device has: a longer one must be allowed (longer)");
+    EXPECT_EQ(task->rows()[2].what, "no parameter is called NONE");
+    EXPECT_EQ(task->rows()[3].what, "U8: 256 is out of range, u8 is 0 to 255");
+    EXPECT_EQ(task->rows()[4].what, "F32: \"x\" is not a number, f32 is -3.4e38 to 3.4e38");
+    EXPECT_EQ(writes(), 0u);
+    EXPECT_EQ(apply({{"TEXT", std::string{"1234567"}}}, {.text = {.longer = true}})->end()->ending, Ending::done);
 }
 
 TEST_F(Applies, a_dry_run_says_what_differs) {
@@ -286,6 +304,31 @@ TEST_F(Applies, the_first_failure_ends_it) {
     EXPECT_EQ(task->end()->ending, Ending::refused);
     EXPECT_EQ(states(*task), (std::vector{State::written, State::failed, State::waiting}));
     EXPECT_EQ(fake.parameters[0].value, Bytes{9});
+}
+
+TEST_F(Applies, behind_one_that_is_refused_it_goes_on_when_it_may) {
+    fake.parameters[1].store = [](const Bytes&) { return Bytes{0, 0, 0, 0x3F}; };
+    fake.instead = [&](FrameView f) {
+        return f.id() == 0xE1 && f.data()[0] == 0 ? nothing() : std::nullopt;
+    };    // for reading only
+    const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
+    EXPECT_EQ(states(*task), (std::vector{State::failed, State::failed, State::written}));
+    EXPECT_EQ(task->end()->ending, Ending::timeout) << "as the first";
+    EXPECT_EQ(task->end()->what, "2 of 3 parameters were not written: U8, F32");
+    EXPECT_EQ(fake.parameters[3].value, (Bytes{2, 0}));
+    fake.instead = nullptr;
+    const auto one = apply({{"U8", std::int64_t{10}}, {"F32", 3.0}}, {.goes_on = true});
+    EXPECT_EQ(one->end()->what, "0xDC keeps F32 at 0.5");
+    EXPECT_EQ(fake.parameters[0].value, Bytes{10});
+    const auto all = apply({{"F32", 2.0}, {"U8", std::int64_t{11}}}, {.rollback = true, .goes_on = true});
+    EXPECT_EQ(states(*all), (std::vector{State::failed, State::waiting}));
+}
+
+TEST_F(Applies, a_device_that_no_longer_answers_ends_it_although_it_may_go_on) {
+    fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
+    const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
+    EXPECT_EQ(states(*task), (std::vector{State::failed, State::waiting, State::waiting}));
+    EXPECT_EQ(writes(), task->end()->evidence.sent);
 }
 
 TEST_F(Applies, rollback_undoes_all_when_one_fails) {
@@ -312,6 +355,18 @@ TEST_F(Applies, cancelled_with_rollback_it_undoes_first) {
     EXPECT_EQ(states(task), (std::vector{State::undone, State::undone}));
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
     EXPECT_EQ(fake.parameters[3].value, (Bytes{1, 0}));
+}
+
+TEST_F(Applies, cancelled_twice_it_says_what_is_not_undone) {
+    ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.rollback = true}};
+    simulation.each_step = [&](TimePoint now) {
+        if (writes() >= 2) task.cancel(now);
+    };
+    task.start(simulation.now);
+    simulation.run(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->what, "cancelled while it was undone");
+    EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
 }
 
 TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {

@@ -32,12 +32,14 @@ public:
         if (streams_.err_is_terminal) {
             std::vector<std::string> lines = calibration_lines(job);
             lines.push_back(message + (waits ? " (Enter goes on, Ctrl-C cancels)" : ""));
-            return lines_.show(lines, Screen::size().width);
+            const std::size_t width = Screen::size().width;
+            return lines_.show(broken_lines(lines, width), width);
         }
         for (const auto& [text, told] : {std::pair{message, &message_}, {calibration_step(job), &step_}})
             if (!text.empty() && text != std::exchange(*told, text)) tell(streams_, text);
     }
     void end() override { lines_.clear(); }
+    void went_down(std::size_t lines) override { lines_.went_down(lines); }
     bool goes_on_by_itself() const override { return yes_ || !streams_.in_is_terminal; }
 
 private:

@@ -2,6 +2,7 @@
 
 #include <ano_json/text.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <string_view>
 
 namespace anoctl {
@@ -85,6 +87,15 @@ std::vector<std::string> calibration_lines(const Json& job) {
     const Json& step = at(job, "step");
     if (step.contains("coverage")) return sphere_drawn(step);
     return step.contains("done") ? faces_drawn(step) : std::vector<std::string>{};
+}
+
+std::vector<std::string> broken_lines(const std::vector<std::string>& lines, std::size_t width) {
+    std::vector<std::string> all;
+    for (const std::string& line : lines) {
+        std::istringstream parts{wrapped(line, width - std::min<std::size_t>(width, 1), 4)};
+        for (std::string part; std::getline(parts, part);) all.push_back(part);
+    }
+    return all;
 }
 
 std::string calibration_step(const Json& job) {

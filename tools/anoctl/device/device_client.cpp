@@ -44,25 +44,20 @@ http::Request request_of(const std::string& method, std::string target, std::str
     return request;
 }
 
-std::string list_of(const Json& devices) {
-    std::string all;
-    for (const Json& device : devices) {
-        all += (all.empty() ? "" : ", ") + text_at(device, "address");
-        if (const std::string name = text_at(device, "name"); !name.empty()) all += " " + name;
-    }
-    return all;
-}
-
-bool all_have_names(const Json& devices) {
-    return std::all_of(devices.begin(), devices.end(), [](const Json& one) { return !text_at(one, "name").empty(); });
+// " --control PATH" behind a command that is to be typed, where it was given with this one.
+std::string place_to_type(const DeviceOptions& options) {
+    const std::string& path = options.gateway.control;
+    const bool is_plain = path.find_first_of(" \t'\"\\$*?;&|<>()") == std::string::npos;
+    return path.empty() ? path : " --control " + (is_plain ? path : ano::in_quotes(path));
 }
 
 // Why it was not done; where somebody else has the device, what can be done about it.
-std::string words_of_refusal(const http::Answer& answer) {
-    std::string words = words_of(answer);
+std::string words_of_refusal(const http::Answer& answer, const DeviceOptions& options) {
+    std::string words = with_options_named(words_of(answer), options.command);
     const Json json = Json::parse(answer.body, nullptr, false);
-    if (const std::string job = answer.status == 409 ? text_at(json, "job") : ""; !job.empty())
-        words += "; anoctl devices --jobs shows what it does, anoctl devices --cancel " + job + " ends it";
+    const std::string job = answer.status == 409 ? text_at(json, "job") : "", place = place_to_type(options);
+    if (!job.empty())
+        words += "; anoctl devices --jobs" + place + " shows what it does, anoctl devices --cancel " + job + place + " ends it";
     return words;
 }
 
@@ -77,8 +72,12 @@ struct DeviceClient::Loop {
 // One job, from the request to its end.
 class DeviceClient::Exchange {
 public:
-    Exchange(Loop& loop, Streams& streams, JobView& view, const std::string& command)
-        : loop_{loop}, streams_{streams}, view_{view}, client_{"anoctl " + command + ", process " + std::to_string(::getpid())} {}
+    Exchange(Loop& loop, Streams& streams, JobView& view, const DeviceOptions& options)
+        : loop_{loop},
+          streams_{streams},
+          view_{view},
+          options_{options},
+          client_{"anoctl " + options.command + ", process " + std::to_string(::getpid())} {}
 
     Json run(http::Request request) {
         request.headers.push_back({"Accept", "application/x-ndjson"});
@@ -137,8 +136,10 @@ private:
         if (!ec) read_key();
     }
     void read_key() {
-        keys_.async_read_some(asio::buffer(typed_), [this](error_code ec, std::size_t) {
+        keys_.async_read_some(asio::buffer(typed_), [this](error_code ec, std::size_t size) {
             if (ec) return;
+            const auto end = typed_.begin() + static_cast<std::ptrdiff_t>(size);
+            view_.went_down(static_cast<std::size_t>(std::count(typed_.begin(), end, '\n')));
             go_on();
             read_key();
         });
@@ -150,14 +151,15 @@ private:
             if (ec) return;
             if (std::exchange(interrupted_, true) || !has_job_) return loop_.io.stop();
             view_.end();
-            streams_.err << "\nanoctl: cancelling; Ctrl-C again does not wait for it" << std::endl;
+            streams_.err << "\nanoctl: cancelling at the device; Ctrl-C again quits without waiting for the end of that"
+                         << std::endl;
             loop_.door->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
             await_signal();
         });
     }
 
     Json result() {
-        const std::string state = text_at(job_, "state"), error = text_at(job_, "error");
+        const std::string state = text_at(job_, "state"), error = with_options_named(text_at(job_, "error"), options_.command);
         if (state == "done" && job_.contains("result")) return std::move(job_["result"]);
         if (interrupted_ || !outcome_) {
             const std::string end = error.starts_with("cancelled") ? error : "cancelled";
@@ -173,7 +175,7 @@ private:
         const bool is_counted = text_at(job_, "kind") == "put_waypoints" && number_at(job_, "total") > 0;
         if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
         if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
-        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer)};
+        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer, options_)};
         if (has_job_) throw Failure{"the job ended without a word of how"};
         return parse_answer(outcome_->answer.body);
     }
@@ -187,6 +189,7 @@ private:
     Loop& loop_;
     Streams& streams_;
     JobView& view_;
+    const DeviceOptions& options_;
     const std::string client_;    // as the gateway calls us to others
     asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
     asio::posix::stream_descriptor keys_{loop_.io};
@@ -230,12 +233,12 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
     loop_->io.run();
     if (!outcome) throw Failure{"there is no answer"};
     if (!outcome->fault.empty()) throw Failure{outcome->fault};
-    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer)};
+    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer, options_)};
     return parse_answer(outcome->answer.body);
 }
 
 Json DeviceClient::run(http::Request request, JobView& view) {
-    return Exchange{*loop_, streams_, view, options_.command}.run(std::move(request));
+    return Exchange{*loop_, streams_, view, options_}.run(std::move(request));
 }
 
 Json DeviceClient::run(const std::string& method, const std::string& target, std::string body) {

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 namespace anoctl {
 
 using ano::Json;
@@ -17,6 +19,19 @@ Json with_name(const Json& devices, const std::string& name) {
         if (ano::lower_case(its) == ano::lower_case(name)) alike.push_back(device);
     }
     return named.empty() ? alike : named;
+}
+
+std::string list_of(const Json& devices) {
+    std::string all;
+    for (const Json& device : devices) {
+        all += (all.empty() ? "" : ", ") + text_at(device, "address");
+        if (const std::string name = text_at(device, "name"); !name.empty()) all += " " + name;
+    }
+    return all;
+}
+
+bool all_have_names(const Json& devices) {
+    return std::all_of(devices.begin(), devices.end(), [](const Json& one) { return !text_at(one, "name").empty(); });
 }
 
 std::vector<std::string> left_behind(const Json& device) {

@@ -12,6 +12,10 @@ namespace anoctl {
 /// Those of `devices` (as GET /devices has them) that are called `name`; where none is, those that are but for upper and lower case.
 ano::Json with_name(const ano::Json& devices, const std::string& name);
 
+/// "0xDC SimFC, 0xDD": for who has to choose one.
+std::string list_of(const ano::Json& devices);
+bool all_have_names(const ano::Json& devices);
+
 /// What an upgrade or a calibration that did not end left behind, a clause each.
 std::vector<std::string> left_behind(const ano::Json& device);
 

@@ -19,6 +19,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <variant>
 
 namespace anoctl {
@@ -91,8 +92,26 @@ private:
         return fine;
     }
 
+    // Others leave the device as it was, or say what became of it; one in its loader does nothing else any more.
+    static std::string question_before_cancelling(const Json& job) {
+        if (has_ended(job) || text_at(job, "kind") != "firmware") return {};
+        const std::string by = text_at(job, "client");
+        return "Job " + text_at(job, "id") + (by.empty() ? by : " of " + by) + " writes the firmware of " +
+               text_at(job, "device") + " (" + percent_of(job) +
+               "): cut off, it is left in its loader and does nothing until it is flashed again. Cancel it?";
+    }
+
     int cancel(DeviceClient& client, Streams& streams) const {
-        const std::string target = "/jobs/" + std::to_string(*job), before = text_at(client.ask("GET", target), "state");
+        const std::string target = "/jobs/" + std::to_string(*job);
+        const Json now = client.ask("GET", target);
+        const std::string before = text_at(now, "state");
+        if (const std::string question = question_before_cancelling(now); !question.empty()) {
+            client.must_be_able_to_ask("cancelling an upgrade");
+            if (!client.may(question)) {
+                tell(streams, "nothing was cancelled");
+                return failed;
+            }
+        }
         const Json ended = client.ask("DELETE", target);
         if (options.json) {
             streams.out << ended.dump() << '\n';
@@ -101,8 +120,10 @@ private:
         const std::string state = text_at(ended, "state"), error = text_at(ended, "error"), by = text_at(ended, "client");
         std::string words = "job " + text_at(ended, "id") + " (" + text_at(ended, "kind") + (by.empty() ? by : " of " + by) +
                             "): ";
+        const bool says_so = error.starts_with("cancelled");
         words += state == "cancelled" && before != state ? "cancelled" : "it was over: " + state;
-        if (!error.empty() && error != "cancelled") words += "; " + error;
+        if (says_so) words += error.substr(std::string_view{"cancelled"}.size());
+        else if (!error.empty()) words += "; " + error;
         say(streams, words);
         return fine;
     }
@@ -122,9 +143,14 @@ Run add_devices(Options& options) {
     options.push_back({"--scan", &self->scan, "", "Asks everybody who he is; without it, those that were heard"});
     options.push_back(
         {"--jobs", &self->jobs, "", "What is asked of devices just now, by whom, and what came of it lately", false, {"--scan"}});
-    options.push_back(
-        {"--cancel", Option::Read{read_job}, "JOB", "Ends this job of --jobs, whoever began it", false, {"--scan", "--jobs"}});
+    options.push_back({"--cancel",
+                       Option::Read{read_job},
+                       "JOB",
+                       "Ends this job of --jobs, whoever began it; asks first where it writes firmware",
+                       false,
+                       {"--scan", "--jobs"}});
     DeviceOptions::add_place(options, self->options, "devices");
+    DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };
 }
 

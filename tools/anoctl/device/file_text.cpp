@@ -1,6 +1,7 @@
 #include "file_text.hpp"
 
 #include <anoctl/anoctl.hpp>
+#include <anoctl/say.hpp>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -30,6 +31,12 @@ std::string text_of_file(const std::string& path, std::size_t most) {
     if (!fault.empty()) throw UsageError{path + ": it can't be read: " + fault};
     if (text.size() > most) throw UsageError{path + ": it has more than " + std::to_string(most >> 20) + " MiB"};
     return text;
+}
+
+std::string given_text(const std::string& path, const std::string& what, Streams& streams) {
+    if (path == "-" && streams.in_is_terminal)
+        tell(streams, "reading " + what + " from standard input, up to Ctrl-D at the beginning of a line");
+    return text_of_file(path);
 }
 
 bool is_file(const std::string& path) {

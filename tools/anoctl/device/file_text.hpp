@@ -5,8 +5,13 @@
 
 namespace anoctl {
 
+struct Streams;
+
 /// "-" is standard input. Throws UsageError when it can't be read or has more than `most` bytes.
 std::string text_of_file(const std::string& path, std::size_t most = 64 * 1024 * 1024);
+
+/// The same of what somebody gives: at a terminal, standard input says that it waits for `what`.
+std::string given_text(const std::string& path, const std::string& what, Streams& streams);
 
 /// There is a file of this name that would be lost; "-" is none, nor is what is no plain file.
 bool is_file(const std::string& path);

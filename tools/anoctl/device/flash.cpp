@@ -27,7 +27,7 @@ struct Flash {
 
     int run(Streams& streams) const {
         anogate::http::Request request;
-        request.body = text_of_file(file);
+        request.body = given_text(file, "firmware", streams);
         if (request.body.empty()) throw UsageError{file + ": it is empty"};
         const bool has_header = request.body.starts_with("bia");
         if (!has_header && file.ends_with(".bia"))

@@ -7,6 +7,7 @@
 #include <anoctl/watch.hpp>
 
 #include <ano_json/frame_json.hpp>
+#include <ano_json/text.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -53,16 +54,31 @@ void FramesOf::add(Options& declared, FramesOf& self) {
     GatewayOptions::add(declared, self.gateway);
 }
 
-// The gateway knows what its devices call themselves.
+// The gateway knows what its devices call themselves; behind its start only who was asked has said it.
 std::vector<std::string> FramesOf::by_address() const {
     std::vector<std::string> all = devices;
     for (std::string& word : all) {
-        if (!link.empty() || !std::holds_alternative<ano::JsonFault>(ano::address_called(word))) continue;
-        const ano::Json answer = parse_answer(gateway.ask("GET", "/devices"));
-        if (const ano::Json called = with_name(at(answer, "devices"), word); called.size() == 1)
-            word = text_at(called.front(), "address");
+        if (!std::holds_alternative<ano::JsonFault>(ano::address_called(word))) continue;
+        if (!link.empty())
+            throw UsageError{"--device: " + ano::in_quotes(word) +
+                             " is no address (0xDC), and by a link of its own nobody is asked for his name"};
+        word = address_named(word);
     }
     return all;
+}
+
+std::string FramesOf::address_named(const std::string& word) const {
+    ano::Json known = parse_answer(gateway.ask("GET", "/devices"));
+    ano::Json called = with_name(at(known, "devices"), word);
+    if (called.empty() && !all_have_names(at(known, "devices"))) {
+        known = parse_answer(gateway.ask("POST", "/devices/scan"));
+        called = with_name(at(known, "devices"), word);
+    }
+    if (called.size() == 1) return text_at(called.front(), "address");
+    if (called.size() > 1) throw UsageError{"--device: several are called " + ano::in_quotes(word) + ": " + list_of(called)};
+    const std::string there = list_of(at(known, "devices"));
+    throw UsageError{"--device: no device is called " + ano::in_quotes(word) +
+                     (there.empty() ? ", and none was heard" : "; there are " + there)};
 }
 
 std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams,

@@ -22,6 +22,7 @@ struct FramesOf {
 
 private:
     std::vector<std::string> by_address() const;
+    std::string address_named(const std::string& word) const;
 };
 
 }    // namespace anoctl

@@ -41,18 +41,21 @@ public:
     /// The name of the file, which is there only when it is whole.
     std::string write(const Picture& picture) {
         const std::string bytes = png_of(picture);
-        fs::path path;
-        do path = folder_ / name(picture, ++number_[picture.source]);
-        while (fs::exists(path));
-        write_file(path.string(), bytes);
-        return path.string();
+        std::string path;
+        do path = numbered(picture.source, ++number_[picture.source]);
+        while (fs::exists(path + whole) || fs::exists(path + part));
+        path += picture.is_whole() ? whole : part;
+        write_file(path, bytes);
+        return path;
     }
 
 private:
-    static std::string name(const Picture& picture, unsigned number) {
+    static constexpr const char *whole = ".png", *part = "-part.png";    // a number is of one of them
+
+    std::string numbered(std::uint8_t source, unsigned number) const {
         std::array<char, 32> digits{};
         std::snprintf(digits.data(), digits.size(), "-%04u", number);
-        return ano::hex_byte(picture.source) + digits.data() + (picture.is_whole() ? ".png" : "-part.png");
+        return (folder_ / (ano::hex_byte(source) + digits.data())).string();
     }
 
     fs::path folder_;
@@ -69,8 +72,9 @@ public:
         if (!taken.fault.empty() && taken.fault != std::exchange(fault_, taken.fault))
             streams_.err << "anoctl: an image frame of " << ano::hex_byte(frame.source()) << ": " << taken.fault << std::endl;
         for (const Picture& picture : taken.ended) {
-            write(picture);
-            if (left_ > 0 && --left_ == 0) {
+            const bool is_joined = picture.is_first && !picture.is_whole();
+            write(picture, is_joined);
+            if (!is_joined && left_ > 0 && --left_ == 0) {
                 done_ = true;
                 return false;
             }
@@ -84,17 +88,20 @@ public:
     /// Nothing more comes.
     void end() {
         if (!done_)
-            for (const Picture& picture : pictures_.end()) write(picture);
+            for (const Picture& picture : pictures_.end()) write(picture, false);
         std::string words = plural(written_, "picture");
         if (partial_ > 0) words += ", " + std::to_string(partial_) + " of them with a part lost";
+        if (joined_ > 0) words += "; and the rest of " + plural(joined_, "picture") + " that probably began before";
         tell(streams_, words);
     }
 
 private:
-    void write(const Picture& picture) {
+    /// `is_joined`: the first of its sender came without its beginning, as far as can be told. It is not counted.
+    void write(const Picture& picture, bool is_joined) {
         const std::string file = folder_.write(picture);
-        ++written_;
-        if (!picture.is_whole()) ++partial_;
+        if (is_joined) ++joined_;
+        else ++written_;
+        if (!is_joined && !picture.is_whole()) ++partial_;
         if (json_) return tell_json(picture, file);
         streams_.out << file << ": " << ano::hex_byte(picture.source) << ' ' << picture.width << 'x' << picture.height << ' '
                      << color_name(picture.color);
@@ -122,7 +129,7 @@ private:
     Streams& streams_;
     Pictures pictures_;
     std::string fault_;    // told last
-    std::uint64_t written_ = 0, partial_ = 0;
+    std::uint64_t written_ = 0, partial_ = 0, joined_ = 0;
     bool done_ = false;
 };
 
@@ -152,10 +159,11 @@ Run add_image(Options& options) {
         self->count = *count;
         return {};
     };
-    options.push_back({"folder", &self->folder, "DIR",
-                       "Where they are written: 0xDF-0001.png, and on behind those that are there; "
-                       "-part.png when a part was lost, with the rows that came",
-                       true});
+    options.push_back(
+        {"folder", &self->folder, "DIR",
+         "Where they are written: 0xDF-0001.png, and on behind those that are there; "
+         "-part.png when a part was lost, with the rows that came (the first, joined in the middle, is not counted)",
+         true});
     options.push_back({"--count", Option::Read{read_count}, "N", "Ends after so many pictures"});
     FramesOf::add(options, self->from);
     options.push_back({"--json", &self->json, "", "One JSON object a picture"});

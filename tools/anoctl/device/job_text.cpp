@@ -39,6 +39,26 @@ std::string pace(double done, double total, double seconds, const std::string& u
     return text;
 }
 
+// Of an apply that was left in the middle: the rows of its result.
+std::string what_became_of(const ano::Json& rows) {
+    std::size_t written = 0, undone = 0;
+    std::string still, unsure;
+    for (const ano::Json& row : rows) {
+        const std::string state = text_at(row, "state"), name = text_at(row, "name");
+        if (state == "written" || state == "clamped") ++written;
+        else if (state == "undone") ++undone;
+        else if (state == "not_undone") still += (still.empty() ? "" : ", ") + name;
+        else if (state == "failed") unsure += "; " + text_at(row, "what");
+    }
+    std::string words = written > 0 ? plural(written, "parameter") +
+                                          " written, which stays until the device restarts, and no longer unless it is saved"
+                                    : "";
+    if (undone > 0) words += (words.empty() ? "" : "; ") + plural(undone, "parameter") + " written and undone";
+    if (!still.empty()) words += (words.empty() ? "" : "; ") + ("not undone: " + still);
+    words = words.empty() ? "nothing was written" : words;
+    return undone > 0 || !still.empty() ? words : words + unsure;
+}
+
 }    // namespace
 
 std::string bytes_text(double bytes) {
@@ -65,15 +85,27 @@ std::string progress_text(const ano::Json& job, double seconds, std::size_t widt
     return in_cells(text, width);
 }
 
+std::string with_options_named(std::string words, std::string_view command) {
+    constexpr std::string_view longer = "a longer one must be allowed (longer)", ground = "this is for the ground";
+    if (const std::size_t at = words.find(longer); at != words.npos)
+        words.replace(at, longer.size(), "--longer allows a longer one");
+    if (words.find(ground) == words.npos) return words;
+    const bool has_force = command == "param" || command == "flash";
+    words += has_force ? "; land it and lock it, or do it all the same by --force" : "; land it and lock it first";
+    return words;
+}
+
 std::string half_done(const ano::Json& job) {
     const double done = number_at(job, "done"), total = number_at(job, "total");
     const std::string deed = text_at(job, "kind"), unit = text_at(job, "unit");
     if (deed == "firmware" && done > 0)
         return counts(done, total, unit) + " were written, the device is left in its loader: flash it again";
+    if (deed == "apply" && job.contains("result")) return what_became_of(at(job["result"], "parameters"));
     if (deed == "apply" && done > 0)
-        return counts(done, total, unit) +
-               " were looked at: what was written stays until the device restarts, and no longer unless "
-               "it is saved";
+        return "it was at " + counts(done, total, unit) + ": what was written stays until the device restarts, and no longer " +
+               "unless it is saved";
+    if (deed == "put_waypoints" && done > 0)
+        return counts(done, total, unit) + " were written: the device has a mixture of these and its old ones until all are put";
     if (deed == "put_waypoints" && total > 0) return counts(done, total, unit) + " were written";
     if (deed == "command") return "the command may have been carried out";
     return {};

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace anoctl {
 
@@ -19,6 +20,9 @@ std::string step_text(const ano::Json& job);
 /// What is half done when it was cancelled, in a clause: "4096 of 16384 bytes were written, the device is left in its loader: flash it
 /// again". Empty: nothing is.
 std::string half_done(const ano::Json& job);
+
+/// What a refusal says, with the option of anoctl `command` that allows it all the same.
+std::string with_options_named(std::string words, std::string_view command);
 
 /// "128 KiB", "900 bytes".
 std::string bytes_text(double bytes);

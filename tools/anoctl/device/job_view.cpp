@@ -18,10 +18,11 @@ void LiveLines::show(std::vector<std::string> lines, std::size_t width) {
     for (std::string& line : lines) line = in_cells(line, width - std::min<std::size_t>(width, 1));
     if (lines.empty() && shown_ == 0) return;
     err_ << '\r';
-    if (shown_ > 1) err_ << "\x1b[" << shown_ - 1 << 'A';
+    if (const std::size_t up = shown_ + below_; up > 1) err_ << "\x1b[" << up - 1 << 'A';
     err_ << "\x1b[J";
     for (std::size_t i = 0; i < lines.size(); ++i) err_ << (i > 0 ? "\r\n" : "") << lines[i];
     shown_ = lines.size();
+    below_ = 0;
     err_.flush();
 }
 

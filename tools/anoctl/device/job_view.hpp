@@ -18,6 +18,8 @@ public:
     virtual void show(const ano::Json& job) = 0;
     /// Nothing more is shown: the terminal is as it was.
     virtual void end() {}
+    /// Somebody pressed Enter so often: the terminal showed that, and its cursor is so many lines further down.
+    virtual void went_down(std::size_t /*lines*/) {}
     /// Whether it may go on, when it waits for a word: a person pressed Enter at a terminal.
     virtual bool goes_on_by_itself() const { return false; }
 };
@@ -31,11 +33,13 @@ public:
     LiveLines& operator=(const LiveLines&) = delete;
     /// Of a terminal that is so wide: what is longer is cut off, for it would take two of its lines.
     void show(std::vector<std::string> lines, std::size_t width);
+    /// The cursor left the last line by itself.
+    void went_down(std::size_t lines) { below_ += shown_ > 0 ? lines : 0; }
     void clear() { show({}, 0); }
 
 private:
     std::ostream& err_;
-    std::size_t shown_ = 0;
+    std::size_t shown_ = 0, below_ = 0;    // the cursor is so many lines below the last
 };
 
 /// A bar on a terminal; else, where `tells_steps`, a line for each new message.
@@ -44,6 +48,7 @@ public:
     ProgressView(Streams& streams, bool tells_steps) : streams_{streams}, tells_steps_{tells_steps}, lines_{streams.err} {}
     void show(const ano::Json& job) override;
     void end() override { lines_.clear(); }
+    void went_down(std::size_t lines) override { lines_.went_down(lines); }
 
 private:
     Streams& streams_;

@@ -22,6 +22,12 @@ fs::path state_folder() {
 
 }    // namespace
 
+bool is_in_state_folder(const std::string& path) {
+    std::error_code error;
+    const fs::path folder = state_folder();
+    return !folder.empty() && fs::equivalent(fs::absolute(path, error).parent_path(), folder, error);
+}
+
 std::string keep_in_state_folder(const std::string& name, const std::string& text) {
     const fs::path folder = state_folder();
     if (folder.empty()) return "neither XDG_STATE_HOME nor HOME says where";

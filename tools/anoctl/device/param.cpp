@@ -1,6 +1,7 @@
 // anoctl param: the parameters of a device.
 #include "device_client.hpp"
 #include "file_text.hpp"
+#include "kept_values.hpp"
 #include "parameter_assignments.hpp"
 #include "parameter_file.hpp"
 
@@ -201,13 +202,33 @@ private:
         std::string without_value;
     };
     // A file that a calibration kept has nothing else.
-    Difference difference(DeviceClient& client, const Json& given) const {
+    Difference difference(DeviceClient& client, const Json& given, bool may_be_longer, Streams& streams) const {
         Difference d;
         d.values = wanted_values(given, with_calibration || is_kept_by_calibration(words[0]), d.left_out);
         d.without_value = names_without_value(given);
-        d.answer = client.run("POST", client.target("/apply"), Json{{"parameters", d.values}, {"dry_run", true}}.dump());
+        const Json order{{"parameters", d.values}, {"dry_run", true}, {"longer", may_be_longer}};
+        try {
+            d.answer = client.run("POST", client.target("/apply"), order.dump());
+        } catch (const JobFailure& e) {
+            const Json answer = parse_answer(e.result);
+            if (rows_with(answer, "failed") == 0) throw;
+            throw Failure{show_misfits(client, given, answer, streams)};
+        }
         d.changes = at(d.answer, "parameters").size() - rows_with(d.answer, "unchanged");
         return d;
+    }
+    /// All that this device has no place for; returns it in a clause.
+    std::string show_misfits(DeviceClient& client, const Json& given, const Json& answer, Streams& streams) const {
+        if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
+        for (const Json& row : at(answer, "parameters")) {
+            if (text_at(row, "state") != "failed") continue;
+            if (options.json) streams.out << row.dump() << '\n';
+            else say(streams, misfit_line(row));
+        }
+        const std::size_t wrong = rows_with(answer, "failed");
+        return plural(wrong, "parameter") + " of " + words[0] + (wrong == 1 ? " does" : " do") + " not fit " +
+               client.device_words() + ": nothing was written; take " + (wrong == 1 ? "it" : "them") +
+               " out of the file to go on with the others";
     }
     static void show(const Difference& d, Streams& streams) {
         for (const std::string& line : difference_lines(d.answer)) say(streams, line);
@@ -225,9 +246,9 @@ private:
         }
     }
     bool differs(Streams& streams) const {
-        const Json given = parsed_parameter_file(text_of_file(file()), file());
+        const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
-        const Difference d = difference(client, given);
+        const Difference d = difference(client, given, true, streams);
         if (!options.json) {
             if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
             show(d, streams);
@@ -242,10 +263,10 @@ private:
     }
 
     int import_from(Streams& streams) const {
-        const Json given = parsed_parameter_file(text_of_file(file()), file());
+        const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("param import");
-        const Difference d = difference(client, given);
+        const Difference d = difference(client, given, longer, streams);
         if (!options.json) show(d, streams);
         if (d.changes > 0) {
             const std::string other = of_another_device(given, client.known_device());
@@ -255,6 +276,13 @@ private:
                 return declined(streams);
         }
         return apply(client, d, streams);
+    }
+
+    static Json without_the_written(const Json& answer) {
+        Json rows = Json::array();
+        for (const Json& row : at(answer, "parameters"))
+            if (text_at(row, "state") != "written") rows.push_back(row);
+        return {{"parameters", rows}};
     }
 
     int apply(DeviceClient& client, const Difference& d, Streams& streams) const {
@@ -269,21 +297,24 @@ private:
             came = parse_answer(e.result);
             why = e.what();
         }
-        const std::size_t wrong = rows_with(came, "failed") + rows_with(came, "undone") + rows_with(came, "not_undone");
+        const std::size_t failures = rows_with(came, "failed"), untried = rows_with(came, "waiting");
+        const std::size_t wrong = failures + rows_with(came, "undone") + rows_with(came, "not_undone");
         if (options.json) {
             for (const Json& row : at(came, "parameters")) streams.out << row.dump() << '\n';
         } else if (d.changes > 0) {
-            for (const Json& row : at(came, "parameters"))
-                if (const std::string state = text_at(row, "state"); state != "unchanged" && state != "written")
-                    for (const std::string& line : difference_lines(Json{{"parameters", Json::array({row})}})) say(streams, line);
             const std::size_t written = rows_with(came, "written") + rows_with(came, "clamped");
             say(streams, written == 0 ? "no parameter was written"
                                       : plural(written, "parameter") + " written; anoctl param save keeps them over a restart");
+            for (const std::string& line : difference_lines(without_the_written(came))) say(streams, line);
         }
-        if (!why.empty()) throw Failure{why};
+        if (!why.empty() && (rollback || failures == 0)) throw Failure{why};
+        if (failures > 0)
+            throw Failure{plural(failures, "parameter") + (failures == 1 ? " was" : " were") + " not written" +
+                          (untried > 0 ? ", and " + std::to_string(untried) + " not tried any more: " + why : "")};
         if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own
-            tell(streams, "the old calibration is in the device; when it is saved, remove " + words[0] +
-                              ": as long as it is there, no calibration begins");
+            tell(streams,
+                 "the old calibration is in the device; when it is saved, remove " + words[0] +
+                     (is_in_state_folder(words[0]) ? ": while it is there, anoctl calibrate --link begins no other" : ""));
         return wrong == 0 ? fine : failed;
     }
 };
@@ -295,18 +326,17 @@ Run add_param(Options& options) {
     options.push_back(
         {"action", &self->action, "list|get|set|save|reset|export|import|diff",
          "list, get NAME... or --all, set NAME VALUE or NAME=VALUE..., save (keeps them over a restart), reset (to what the "
-         "maker meant), export [FILE], import FILE (shows what changes, and asks), diff FILE (exit status 1 when something "
-         "differs, 2 "
-         "when that can't be found out)",
+         "maker meant), export [FILE], import FILE (shows what changes, and asks; exit status 1 when the device refused one), "
+         "diff FILE (exit status 1 when something differs, 2 when that can't be found out)",
          true});
     options.push_back({"words", &self->words, "[PARAMETER|FILE...]", "What for"});
     options.push_back({"--all", &self->all, "", "get: every one; diff: those that are the same as well"});
     options.push_back({"--with-calibration", &self->with_calibration, "",
-                       "import, diff: CAL_... as well, which belongs to one piece of "
-                       "hardware"});
+                       "import, diff: CAL_... as well, which belongs to one piece of hardware"});
     options.push_back({"--longer", &self->longer, "", "set, import: a text may be longer than the one that it replaces"});
     options.push_back({"--force", &self->force, "", "reset: although the device says that it flies"});
-    options.push_back({"--rollback", &self->rollback, "", "import: all or nothing"});
+    options.push_back(
+        {"--rollback", &self->rollback, "", "import: all or nothing; without it the others are written when one is refused"});
     DeviceOptions::add(options, self->options, "param");
     DeviceOptions::add_yes(options, self->options);
     return [self](Streams& streams) { return self->run(streams); };

@@ -1,4 +1,5 @@
 #include "parameter_file.hpp"
+#include "job_text.hpp"
 
 #include <ano_json/syntax_fault.hpp>
 #include <ano_json/text.hpp>
@@ -109,18 +110,26 @@ bool is_kept_by_calibration(const std::string& path) {
     return name.starts_with("calibration-0x") && (name.ends_with("-accelerometer.json") || name.ends_with("-compass.json"));
 }
 
+std::string misfit_line(const Json& row) {
+    const std::string name = text_at(row, "name"), what = text_at(row, "what");
+    const std::string words = what.find(name) == std::string::npos ? name + ": " + what : what;
+    return without_controls(with_options_named(words, "param"));
+}
+
 std::vector<std::string> difference_lines(const Json& answer) {
     std::vector<std::string> lines;
     for (const Json& row : at(answer, "parameters")) {
-        const std::string state = text_at(row, "state");
+        const std::string state = text_at(row, "state"), what = text_at(row, "what");
         if (state == "unchanged") continue;
+        const bool is_stored = row.contains("stored") && (state == "written" || state == "clamped" || state == "not_undone");
         std::string line = text_at(row, "name") + ": ";
         if (row.contains("was")) line += value_text(row["was"]) + " -> ";
-        line += value_text(row.contains("stored") ? row["stored"] : row["written"]);
+        line += value_text(row[is_stored ? "stored" : "written"]);
         if (state == "clamped") line += ", clamped: " + value_text(row["written"]) + " was asked for";
         else if (state == "not_undone") line += ", not undone";
+        else if (state == "waiting") line += ", not tried any more";
         else if (state != "differs" && state != "written") line += ", " + state;
-        if (const std::string what = text_at(row, "what"); !what.empty()) line += ": " + what;
+        if (!what.empty()) line += ": " + what;
         lines.push_back(without_controls(line));
     }
     return lines;

@@ -34,6 +34,8 @@ std::string names_without_value(const ano::Json& file);
 /// Whether `path` is named as what a calibration keeps: calibration-0xDC-compass.json.
 bool is_kept_by_calibration(const std::string& path);
 
+/// What is wrong with a row that "failed" before anything was written, with its name.
+std::string misfit_line(const ano::Json& row);
 /// A line for each row of an answer of /devices/A/apply that is not "unchanged".
 std::vector<std::string> difference_lines(const ano::Json& answer);
 /// How many rows have this state.

@@ -51,6 +51,8 @@ Pictures::Taken Pictures::take(ano::FrameView frame, ano::TimePoint now, double 
     taken.fault = fault_of(part, pixels.size());
     if (!taken.fault.empty()) return taken;
     std::copy_n(image->get<"val">().begin(), part.value.size(), part.value.begin());
+    part.is_first = !heard_[part.source];
+    heard_.set(part.source);
 
     const auto known = begun_.find(frame.source());
     if (known != begun_.end()) {

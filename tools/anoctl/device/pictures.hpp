@@ -4,6 +4,7 @@
 #include <ano/time.hpp>
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -21,6 +22,7 @@ struct Picture {
     std::array<std::uint8_t, 10> value{};    // of its first frame
     std::vector<std::uint8_t> pixels;        // the rows that came, without gaps
     double began = 0;                        // seconds since 1970
+    bool is_first = false;                   // of its sender: where rows are missing, it may have begun before anybody listened
 
     std::size_t row_bytes() const noexcept { return color == 0 ? width : (width + 7) / 8; }
     std::size_t rows() const noexcept { return pixels.size() / row_bytes(); }
@@ -51,6 +53,7 @@ private:
         ano::TimePoint last{};
     };
     std::map<std::uint8_t, Begun> begun_;    // one of each sender
+    std::bitset<256> heard_;                 // who sent any
 };
 
 /// "grey", "red"; empty for a number that is no colour.

@@ -13,7 +13,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -57,8 +56,8 @@ private:
         return fine;
     }
 
-    Json given() const {
-        const std::string text = text_of_file(file);
+    Json given(Streams& streams) const {
+        const std::string text = given_text(file, "waypoints as JSON", streams);
         try {
             return Json::parse(text);
         } catch (const Json::exception& e) {
@@ -74,18 +73,16 @@ private:
     }
 
     int put(Streams& streams) const {
-        const Json json = given();
+        const Json json = given(streams);
         const std::string form = format.empty() ? form_of_content(json, file) : format;
         const auto waypoints = waypoints_of(json, form);
         if (waypoints.empty()) throw UsageError{file + ": there is no waypoint in it"};
-        std::size_t wanted = 0;
-        for (const ano::host::Waypoint& one : waypoints) wanted = std::max(wanted, one.num + std::size_t{1});
         DeviceClient client{options, streams};
         client.must_be_able_to_ask("waypoint put");
         const std::size_t had = at(client.run("GET", client.target("/waypoints")), "waypoints").size();
-        const std::string overwritten = overwriting_text(wanted, had);
-        if (options.yes && wanted < had) tell(streams, client.device_words() + ": " + overwritten);
-        if (!client.may(overwritten + "Write " + plural(waypoints.size(), "waypoint") + " into " + client.device_words() + "?")) {
+        const std::string before = overwriting_text(waypoints, had) + speedless_text(json, form, waypoints);
+        if (options.yes && !before.empty()) tell(streams, client.device_words() + ": " + before.substr(0, before.size() - 1));
+        if (!client.may(before + "Write " + plural(waypoints.size(), "waypoint") + " into " + client.device_words() + "?")) {
             tell(streams, "nothing was written");
             return failed;
         }
@@ -111,8 +108,10 @@ Run add_waypoint(Options& options) {
         self->format = word;
         return {};
     };
-    options.push_back({"action", &self->action, "get|put",
-                       "get [FILE] reads them out of the device, put FILE writes them into it, and asks first", true});
+    options.push_back(
+        {"action", &self->action, "get|put",
+         "get [FILE] reads them out of the device, put FILE writes them into it, and asks first; they are numbered from 0",
+         true});
     options.push_back(
         {"file", &self->file, "[FILE]", "Where they are written to or come from (default: -, standard input and output)"});
     options.push_back({"--format", Option::Read{read_format}, "json|geojson|qgc",

@@ -3,6 +3,7 @@
 #include <ano_json/text.hpp>
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
+#include <anoctl/table.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -12,9 +13,27 @@
 namespace anoctl {
 namespace {
 
-// "the first", "the first 3"
-std::string several(const std::string& which, std::size_t number) {
-    return "the " + which + (number == 1 ? "" : " " + std::to_string(number));
+using ano::Json;
+using WaypointNumbers = std::vector<std::size_t>;
+
+// "0 to 2, 5 and 7"
+std::string number_ranges(const WaypointNumbers& ascending) {
+    std::vector<std::string> parts;
+    for (std::size_t i = 0; i < ascending.size();) {
+        const std::size_t first = i;
+        while (++i < ascending.size() && ascending[i] == ascending[i - 1] + 1) {}
+        const std::size_t last = i - 1;
+        parts.push_back(std::to_string(ascending[first]));
+        if (last > first) parts.back() += (last > first + 1 ? " to " : " and ") + std::to_string(ascending[last]);
+    }
+    std::string text;
+    for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+    return text;
+}
+
+bool names_speed(const Json& json, const std::string& form, std::size_t row) {
+    if (form == "json") return at(json, "waypoints")[row].contains("spd");
+    return at(at(json, "features")[row], "properties").contains("spd");
 }
 
 }    // namespace
@@ -36,16 +55,47 @@ std::string form_of_content(const ano::Json& json, const std::string& file) {
     throw UsageError{file + R"(: it is none of the forms of waypoints: {"waypoints": [...]}, GeoJSON, a plan of QGroundControl)"};
 }
 
-std::string overwriting_text(std::size_t wanted, std::size_t had) {
-    if (had == 0) return {};
-    std::string text = "It has " + std::to_string(had) + (had == 1 ? " waypoint" : " waypoints") + ": ";
-    if (wanted >= had) return text + "overwritten " + (had == 1 ? "is this one. " : "are all of them. ");
-    const std::size_t rest = had - wanted;
-    return text + several("first", wanted) + (wanted == 1 ? " is" : " are") + " overwritten, and " + several("last", rest) +
-           (rest == 1 ? " stays" : " stay") + " as " + (rest == 1 ? "it is" : "they are") +
-           ", for the protocol has no way to remove one. To end the route sooner, repeat the last point of the file until it "
-           "has " +
-           std::to_string(had) + ". ";
+std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, std::size_t had) {
+    WaypointNumbers over, stay, gaps;
+    std::size_t wanted = 0;
+    for (const ano::host::Waypoint& one : waypoints) wanted = std::max(wanted, one.num + std::size_t{1});
+    for (std::size_t number = 0; number < std::max(wanted, had); ++number) {
+        const bool is_written = std::any_of(waypoints.begin(), waypoints.end(),
+                                            [&](const ano::host::Waypoint& one) { return one.num == number; });
+        if (number < had) (is_written ? over : stay).push_back(number);
+        else if (!is_written) gaps.push_back(number);
+    }
+    const auto are = [](const WaypointNumbers& all, const char* one, const char* several) {
+        return all.size() == 1 ? one : several;
+    };
+    std::string text;
+    if (had > 0) {
+        text = "It has " + plural(had, "waypoint") + (had > 1 ? ", 0 to " + std::to_string(had - 1) : ", number 0") + ": ";
+        if (over.empty()) text += "none is overwritten";
+        else if (stay.empty()) text += "overwritten " + std::string{had == 1 ? "is this one" : "are all of them"};
+        else text += number_ranges(over) + are(over, " is overwritten", " are overwritten");
+        if (!stay.empty())
+            text += ", and " + number_ranges(stay) + are(stay, " stays as it is", " stay as they are") +
+                    ", for the protocol has no way to remove one";
+        text += ". ";
+    }
+    if (wanted < had)
+        text += "To end the route sooner, repeat the last point of the file until it has " + std::to_string(had) + ". ";
+    if (!gaps.empty())
+        text += "Of " + number_ranges(gaps) + " there is nothing in the file: what the device has there is its own affair. ";
+    return text;
+}
+
+std::string speedless_text(const Json& json, const std::string& form, const std::vector<ano::host::Waypoint>& waypoints) {
+    WaypointNumbers without;
+    for (std::size_t row = 0; row < waypoints.size(); ++row) {
+        const bool has_one = form == "qgc" ? waypoints[row].num == 0 || waypoints[row].spd != 0 : names_speed(json, form, row);
+        if (!has_one) without.push_back(waypoints[row].num);
+    }
+    if (without.empty()) return {};
+    std::sort(without.begin(), without.end());
+    return "The file has no speed for " + number_ranges(without) + " (counted from 0): 0 cm/s is written" +
+           (form == "qgc" ? ", for the plan changes it nowhere before. " : ". ");
 }
 
 }    // namespace anoctl

@@ -1,0 +1,18 @@
+// What a call says that fails.
+#pragma once
+#include <string>
+
+namespace support {
+
+/// The words of the Error that `f` throws; "nothing was thrown" where it throws none.
+template <class Error, class F>
+std::string thrown(F&& f) {
+    try {
+        f();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "nothing was thrown";
+}
+
+}    // namespace support
