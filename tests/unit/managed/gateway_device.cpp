@@ -295,6 +295,22 @@ TEST_F(GatewayAsDevice, goes_on_with_what_was_written_when_its_links_are_others)
     EXPECT_EQ(value(forget_after), 5000);
 }
 
+TEST_F(GatewayAsDevice, lets_who_came_by_a_link_that_closes_anyway_write_the_rest) {
+    file.links[0].enabled = false;
+    device.configure(file, {});
+    const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
+    EXPECT_EQ(answer(question), acknowledges(question));
+}
+
+TEST_F(GatewayAsDevice, loses_no_answer_by_a_configuration_that_changes_nothing_of_it) {
+    const Bytes question = ask(0xE0, {1, 0, 0});
+    device.take(ano::FrameView{question}, manager, start);
+    file.gateway.forget_after = 60s;
+    device.configure(file, {});
+    EXPECT_EQ(heard(), std::vector<Bytes>{says(0xE0, {1, 7, 0})});
+    EXPECT_EQ(value(forget_after), 60'000);
+}
+
 // Whatever one says, the other hears; the first word is a question in the name of the other.
 TEST_F(GatewayAsDevice, does_not_talk_with_another_gateway_for_ever) {
     for (const std::uint8_t other_id : {std::uint8_t{22}, self}) {
