@@ -37,10 +37,11 @@ std::uint64_t dropped_of(const LinkFigures& figures) {
 
 }    // namespace
 
-OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path)
+OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept)
     : gateway_{gateway},
       reload_{reload},
       kept_path_{std::move(kept_path)},
+      kept_{std::move(kept)},
       alarm_{gateway.alarms(),
              [this] {
                  device_.run(gateway_.now());
@@ -51,7 +52,9 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path)
     gateway_.set_voice(this);
     reload_.on_settled([this] {    // not while the device is asked for something
         asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
-            if (!alive.expired()) configure();
+            if (alive.expired()) return;
+            configure();
+            keep_in_step();
         });
     });
     configure();
@@ -138,22 +141,36 @@ void OwnDevice::conflict_began(const std::string& what) { tell(what, LogColor::r
 
 void OwnDevice::apply(const WrittenValues& written) { reload_.write(written); }
 
-std::string OwnDevice::save(const std::string& text) {
+std::string OwnDevice::save(const WrittenValues& written) {
     if (kept_path_.empty()) return "there is no configuration file, or no folder, that they could be kept beside";
     if (saves_.size() >= max_waiting_saves) return "others wait for the disk already";
-    saves_.push_back(text);
+    saves_.push_back({written, true});
     if (saves_.size() == 1) next_save();
     return {};
 }
 
+// Not while the file waits to be confirmed.
+void OwnDevice::keep_in_step() {
+    WrittenValues still = kept_;
+    if (gateway_.config_state().runs != ConfigState::Runs::file || !saves_.empty() ||
+        still.forget_stale(reload_.of_files()).empty())
+        return;
+    saves_.push_back({std::move(still), false});
+    next_save();
+}
+
 void OwnDevice::next_save() {
     const auto fault = std::make_shared<std::string>();
-    const auto write = [path = kept_path_, text = saves_.front(), fault] {
+    const auto write = [path = kept_path_, text = saves_.front().values.text(), fault] {
         *fault = keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     };
     const auto done = [this, fault](const std::string& thrown) {
+        const std::string why = thrown.empty() ? *fault : thrown;
+        const Save save = std::move(saves_.front());
         saves_.pop_front();
-        device_.saved(thrown.empty() ? *fault : thrown, gateway_.now());
+        if (why.empty()) kept_ = save.values;
+        if (save.is_asked_for) device_.saved(why, gateway_.now());
+        else if (!why.empty()) spdlog::warn("parameters that the configuration has overruled are still kept: {}", why);
         gateway_.flush();
         if (!saves_.empty()) next_save();
     };

@@ -20,12 +20,15 @@ struct ReloadOutcome;
 /// What it says teaches no address, and passes the rules of the links that it leaves by.
 class OwnDevice final : public GatewayVoice, private Forwarder::Own, private GatewayDeeds {
 public:
-    /// `kept_path`: kept_parameters_path(). Gateway and reload outlive it.
-    OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path);
+    /// `kept_path`: kept_parameters_path(), where `kept` stands. Gateway and reload outlive it.
+    OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept);
     ~OwnDevice();
     OwnDevice(const OwnDevice&) = delete;
     OwnDevice& operator=(const OwnDevice&) = delete;
 
+    /// What runs is known: of what is kept, that goes which the configuration file has overruled, or it would be back when the file
+    /// says again what it said.
+    void keep_in_step();
     /// The gateway ends: it says nothing more.
     void stop();
 
@@ -37,7 +40,7 @@ public:
 private:
     void take(const Channel& from, ano::FrameView frame, TimePoint now) override;
     void apply(const WrittenValues& written) override;
-    std::string save(const std::string& text) override;
+    std::string save(const WrittenValues& written) override;
     std::string reload() override;
     std::string restart(const std::string& link) override;
     std::string scan() override;
@@ -55,6 +58,10 @@ private:
     void answer_ourselves(ano::FrameView frame);
     void next_save();
 
+    struct Save {
+        WrittenValues values;
+        bool is_asked_for = false;    // by a host, which waits
+    };
     /// A channel that something came by; its number among links is used once.
     struct Place {
         TimePoint opened_at{};
@@ -64,12 +71,13 @@ private:
     Gateway& gateway_;
     Reload& reload_;
     std::string kept_path_;
+    WrittenValues kept_;    // on the disk
     GatewayDevice device_{*this};
     std::array<Place, max_channels> places_{};
     Link places_used_ = 0;
     Alarm alarm_;
     Errand errand_;
-    std::deque<std::string> saves_;    // the first is being written
+    std::deque<Save> saves_;    // the first is being written
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

@@ -56,14 +56,15 @@ void fill_standard_files() {
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
-    Program(const CommandLine& line, const WrittenValues& written, std::string source, ReadAgain read_again,
-            ConfigState::Runs runs)
+    Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept, std::string source,
+            ReadAgain read_again, ConfigState::Runs runs)
         : gateway_{io_, written.applied(line.settings)},
           source_{std::move(source)},
           reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file), written},
-          own_device_{gateway_, reload_, kept_parameters_path(line.config_file)},
+          own_device_{gateway_, reload_, kept_parameters_path(line.config_file), kept},
           signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         gateway_.set_config_state({line.config_file, runs});
+        own_device_.keep_in_step();
         reload_.on_links_changed([this](const std::vector<std::string>& names) {
             for (const std::string& name : names) hint_log_.forget(name);
         });
@@ -206,15 +207,16 @@ int run(int argc, char** argv) {
     fill_standard_files();
     const ConfigState::Runs runs = line.config_file.empty() ? ConfigState::Runs::file : take_kept_config(line, argc, argv);
     start_log(line.settings.log);
-    WrittenValues written;
-    if (is_device(line.settings.gateway)) written = kept_parameters(kept_parameters_path(line.config_file));
+    WrittenValues kept;
+    if (is_device(line.settings.gateway)) kept = kept_parameters(kept_parameters_path(line.config_file));
+    WrittenValues written = kept;
     for (const std::string& key : written.forget_stale(line.settings))
         spdlog::info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
     if (runs == ConfigState::Runs::not_the_file)
         spdlog::warn("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
                      line.config_file);
     if (!written.empty()) spdlog::default_logger()->set_level(spdlog::level::from_str(written.applied(line.settings).log.level));
-    return Program{line, written, source_of(line), read_again(argc, argv), runs}.run();
+    return Program{line, written, kept, source_of(line), read_again(argc, argv), runs}.run();
 }
 
 }    // namespace

@@ -145,7 +145,7 @@ bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
 
 // Acknowledged when it is on the disk.
 bool GatewayDevice::begin_save(ano::FrameView frame) {
-    const std::string why = saves_.size() < most_saves ? deeds_.save(written_.text()) : "others wait for the disk already";
+    const std::string why = saves_.size() < most_saves ? deeds_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
     const ano::Checks checks = frame.checks();
     saves_.push_back({frame.source(), asker_->link, {frame.id(), checks.sum, checks.add}});

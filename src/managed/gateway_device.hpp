@@ -38,7 +38,7 @@ public:
     /// These values hold from now on.
     virtual void apply(const WrittenValues& written) = 0;
     /// Calls GatewayDevice::saved() once it is on the disk or can't be, not at once.
-    virtual std::string save(const std::string& text) = 0;
+    virtual std::string save(const WrittenValues& written) = 0;
     virtual std::string reload() = 0;
     virtual std::string restart(const std::string& link) = 0;
     virtual std::string scan() = 0;

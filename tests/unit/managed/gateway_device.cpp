@@ -25,7 +25,7 @@ constexpr std::uint16_t forget_after = 1, en_fc = 3, en_ground = 5;
 class FakeDeeds final : public GatewayDeeds {
 public:
     void apply(const WrittenValues& written) override { applied.push_back(written); }
-    std::string save(const std::string& text) override { return saved.push_back(text), refusal; }
+    std::string save(const WrittenValues& written) override { return saved.push_back(written), refusal; }
     std::string reload() override { return done("reload"); }
     std::string restart(const std::string& link) override { return done("restart " + link); }
     std::string scan() override { return done("scan"); }
@@ -35,8 +35,8 @@ public:
     }
     void warn(const std::string& line) override { warnings.push_back(line); }
 
-    std::vector<WrittenValues> applied;
-    std::vector<std::string> saved, did, warnings;
+    std::vector<WrittenValues> applied, saved;
+    std::vector<std::string> did, warnings;
     std::string refusal;
 
 private:
@@ -197,7 +197,7 @@ TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
     const Bytes save = ask(0xE0, {0x10, 0xAB, 0});
     EXPECT_TRUE(answers(save, manager).empty());
     ASSERT_EQ(deeds.saved.size(), 1u);
-    EXPECT_EQ(WrittenValues::parse(deeds.saved[0])->applied(file).gateway.forget_after, 5s);
+    EXPECT_EQ(deeds.saved[0].applied(file).gateway.forget_after, 5s);
     device.saved("", start + 20ms);
     EXPECT_EQ(heard(), std::vector<Bytes>{acknowledges(save)});
     EXPECT_EQ(last_link, 7u);
