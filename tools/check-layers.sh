@@ -1,5 +1,6 @@
 #!/bin/bash
-# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link.
+# Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link;
+# gateway and device < managed < daemon.
 # Two headers of ours include Asio, one source libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each
 # program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
@@ -23,6 +24,8 @@ forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpi
 forbid "world/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
 forbid "gateway/|world/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
 if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(large_body|producer|request|response|routes|web_socket)\.hpp>'; then bad=1; fi
+forbid "world/|host/|config/|link/|http/|daemon/|devices/|boost/|spdlog/|CLI/|gpiod|$system" src/managed
+forbid "managed/" include src/ano src/device src/world src/host src/gateway src/ano_json src/config src/link src/http src/devices tools
 forbid "devices/" include src/ano src/device src/world src/host src/gateway src/ano_json src/config src/link src/http
 forbid "daemon/|spdlog/" tools/anoctl
 # Of the door, only the client's side; and the table of routes, for the devices at a link of its own.

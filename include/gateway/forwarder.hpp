@@ -63,6 +63,17 @@ public:
         ~Observer() = default;
     };
 
+    /// What the gateway itself is told, where it is a device.
+    class Own {
+    public:
+        /// Nothing kept it back: it is for the gateway's id, or for everybody. `from` may be `ourselves`. Whatever is to be said to it
+        /// is said later, outside the calls of the Forwarder.
+        virtual void take(const Channel& from, ano::FrameView frame, TimePoint now) = 0;
+
+    protected:
+        ~Own() = default;
+    };
+
     /// `station` is a number that no other gateway has.
     Forwarder(const GatewaySettings& settings, std::uint64_t station);
     ~Forwarder();
@@ -118,6 +129,14 @@ public:
     /// What the gateway itself sends to whom it concerns. `from` is none of the channels that were opened, its id is `ourselves`: it
     /// has the rules and the switches of its link, and counts what is kept back. The frame teaches no address.
     void send_on(Channel& from, ano::FrameView frame, TimePoint now);
+
+    /// The same for what may come back by any link: an answer to who asked the gateway itself.
+    void answer(ChannelId to, ano::FrameView frame, TimePoint now);
+    /// What the gateway itself says to hosts, addressed to one: to every channel where that was heard. Nobody who was not heard gets
+    /// it, and it teaches no address.
+    void say_to_heard(ano::FrameView frame, TimePoint now);
+    /// nullptr: nobody is told, as at first. It outlives the Forwarder, or is taken back.
+    void set_own(Own* own) noexcept { own_ = own; }
 
     /// For the tunnel. A tunnel frame came by it: whether it may be opened.
     bool admit(Channel& from, ano::FrameView frame, TimePoint now);
@@ -196,6 +215,10 @@ private:
     bool admit_unopened(Channel& from, ano::FrameView frame);
     void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said, std::uint32_t copies);
     void keep_from_tunnel(Route& route);
+    void tell_own(const Channel& from, ano::FrameView frame, Via via) {
+        if (own_ && (via == Via::own || via == Via::broadcast)) [[unlikely]]
+            own_->take(from, frame, now_);
+    }
     void note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours);
     void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     SendCause rewrite(LinkEntry& link, ano::FrameView& frame);
@@ -249,6 +272,7 @@ private:
     LinkSet carried_;    // whose tunnel frames the tunnel takes
     LinkSet ruled_;      // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
     std::vector<Observer*> observers_;
+    Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
     std::uint64_t version_ = 0;
     TimePoint now_{};

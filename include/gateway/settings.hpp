@@ -88,6 +88,8 @@ struct LinkSettings {
     AgeLimits age;
     RuleSettings rules;
     bool required = false;    // the program ends with 1 when this link is not up within 10 s
+    bool enabled = true;      // no: its wire is not opened
+    bool manage = false;      // who comes by it may change the gateway itself, where that is a device
 
     KindSettings of_kind;    // what links of its kind have beside that
     bool operator==(const LinkSettings&) const = default;
@@ -207,6 +209,7 @@ struct ControlSettings {
     std::vector<std::string> origins;    // pages of others that may ask
     TlsFiles tls;
     std::uint8_t host = ano::address::host;    // as whom devices are asked
+    bool manage = true;                        // of the link `control`, as of any other link
     RuleSettings rules;                        // of the link `control`
     bool operator==(const ControlSettings&) const = default;
 };

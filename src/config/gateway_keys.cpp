@@ -92,6 +92,7 @@ constexpr Key<C> own_control_rows[] = {
                       .least = 1,
                       .most = max_path}),
     address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),
+    boolean<&C::manage>("manage", "who asks by it may change the gateway itself as a device, where it has an id"),
     text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |
         as("PATH"),
     text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),

@@ -64,6 +64,9 @@ constexpr Key<L> own_rows[] = {
     duration<&L::age, &AgeLimits::telemetry>("age.telemetry", 1, day, "telemetry that waited longer is dropped"),
     duration<&L::age, &AgeLimits::rest>("age.rest", 1, day, "any other frame that waited longer is dropped"),
     boolean<&L::required>("required", "the program ends with 1 when this link is not up within 10 s"),
+    boolean<&L::enabled>("enabled", "no: its wire is not opened, and frames for it are dropped (link_down)"),
+    boolean<&L::manage>(
+        "manage", "who comes by this link may write the parameters of the gateway itself and command it, where it has an id"),
 };
 
 constexpr auto rows = own_rows + rules_of<L, &L::rules>();

@@ -141,6 +141,7 @@ LinkSettings ControlLink::link_settings(const Settings& settings) {
     for (const LinkSettings& other : settings.links) link.max_data = std::max(link.max_data, other.max_data);
     link.queue = std::max(link.queue, 2 * (static_cast<std::uint32_t>(ano::overhead) + link.max_data));
     link.rules = settings.control.rules;
+    link.manage = settings.control.manage;
     return link;
 }
 

@@ -149,16 +149,22 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     started_at_ = turn().now();
     for (LinkState& s : links_) {
         s.since = started_at_;
-        s.must_come = s.link->settings().required;
+        s.must_come = s.link->settings().required && s.link->settings().enabled;
     }
     gpio_->start();
     restore_brought();
-    for (LinkState& s : links_) s.link->start();
+    for (LinkState& s : links_) start(s);
     restore_addresses();
     stored_ = {};
     beat();    // to open them may take long
     if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
         required_check_.set(started_at_ + required_within);
+}
+
+void Gateway::start(LinkState& state) {
+    if (state.link->settings().enabled) return state.link->start();
+    state.error = LinkError{"disabled", "it is disabled (enabled=false)", {}};
+    spdlog::info("{}: disabled", state.link->name());
 }
 
 void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
@@ -196,7 +202,7 @@ void Gateway::restore_brought() {
 
 void Gateway::check_required() {
     for (const LinkState& s : links_)
-        if (s.must_come && !s.was_up) return on_required_missing_(s.link->name());
+        if (s.must_come && !s.was_up && s.link->settings().enabled) return on_required_missing_(s.link->name());
 }
 
 void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
@@ -279,15 +285,21 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     beat_.heard(streams_.contains(from.link), std::min(from.arrived_at, now_));
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     forwarder_.receive(from, frame, now_);
+    if (voice_) voice_->speak();
 }
 
 // A link that is flushed may report a failure, and that may bring frames: until nothing is left to do.
 void Gateway::flush() {
+    if (voice_) voice_->speak();
     while (Channel* const channel = forwarder_.next_to_flush()) {
         if (gpio_->watches(channel->link)) gpio_->sends(channel->link, now_);
         links_by_id_[index(channel->link)]->flush(*channel);
     }
-    while (const auto conflict = forwarder_.take_conflict()) spdlog::warn(conflict_text(*this, *conflict));
+    while (const auto conflict = forwarder_.take_conflict()) {
+        const std::string what = conflict_text(*this, *conflict);
+        spdlog::warn(what);
+        if (voice_) voice_->conflict_began(what);
+    }
     await_forwarder();
 }
 
@@ -308,15 +320,18 @@ void Gateway::link_up(Link& link) {
     gpio_->link_state(link.id(), true);
     await_forwarder();
     spdlog::info("{}: up", link.name());
+    if (voice_) voice_->link_changed(s);
 }
 
 void Gateway::link_down(Link& link, LinkError why) {
     LinkState& s = state(link);
     forwarder_.link_down(link.id());
-    if (s.up || s.error.text != why.text) spdlog::warn("{}: {}; waiting for it", link.name(), why.text);
+    const bool is_news = s.up || s.error.text != why.text;
+    if (is_news) spdlog::warn("{}: {}; waiting for it", link.name(), why.text);
     if (s.up) s.since = now_;
     s.up = false;
     s.error = std::move(why);
+    if (is_news && voice_) voice_->link_changed(s);
     gpio_->link_state(link.id(), false);
 }
 

@@ -14,6 +14,8 @@
 #include <link/link_context.hpp>
 #include <link/tunnel_link.hpp>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <deque>
 #include <functional>
 #include <memory>
@@ -33,6 +35,20 @@ struct LinkState {
     bool must_come = false;    // it is `required`, and was there at the start
     TimePoint since{};         // of `up` or not
     LinkError error;           // why it is not up
+};
+
+/// The gateway as a device, as far as its loop has to know.
+class GatewayVoice {
+public:
+    /// Whatever it has to say leaves now. Called behind every frame that came in, and at the end of every batch.
+    virtual void speak() = 0;
+    virtual void link_changed(const LinkState& link) = 0;
+    virtual void conflict_began(const std::string& what) = 0;
+    /// Adds what it has to the section `gateway` of the status.
+    virtual void describe(nlohmann::ordered_json& gateway) const = 0;
+
+protected:
+    ~GatewayVoice() = default;
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -96,6 +112,24 @@ public:
     /// As of the Forwarder.
     void add_observer(Forwarder::Observer& observer) { forwarder_.add_observer(observer); }
     void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
+    /// nullptr: it is no device, as at first. `voice` outlives the gateway's last call, or is taken back.
+    void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }
+    const GatewayVoice* voice() const noexcept { return voice_; }
+    void set_own(Forwarder::Own* own) noexcept { forwarder_.set_own(own); }
+    /// What the gateway itself says to who asked by the channel, and to hosts that were heard: as of the Forwarder.
+    void answer(ChannelId to, ano::FrameView frame) { forwarder_.answer(to, frame, now()); }
+    void say_to_heard(ano::FrameView frame) { forwarder_.say_to_heard(frame, now()); }
+    /// Who asks devices in the name of the gateway, and may ask the gateway itself; empty: nobody.
+    void on_answer_to_ourselves(std::function<void(ano::FrameView)> call) { hears_own_ = std::move(call); }
+    void answer_ourselves(ano::FrameView frame) {
+        if (hears_own_) hears_own_(frame);
+    }
+    /// Asks everybody who is there; `tell` gets a line for each that was heard. Why not, in a clause; empty: it begins.
+    using Scan = std::function<std::string(const std::function<void(const std::string&)>& tell)>;
+    void on_scan(Scan call) { scan_ = std::move(call); }
+    std::string scan(const std::function<void(const std::string&)>& tell) {
+        return scan_ ? scan_(tell) : "nothing here asks devices";
+    }
     /// When the clock was looked at last.
     TimePoint time() const noexcept { return now_; }
     TimePoint started_at() const noexcept { return started_at_; }
@@ -116,6 +150,7 @@ private:
         std::vector<std::unique_ptr<Link>> links{};    // end first: they may call lines
     };
     bool goes(const LinkState& state) const;
+    void start(LinkState& state);
     void check_change();
     void finish_change();
     void unpin_routes();
@@ -178,6 +213,9 @@ private:
     ClockReading unread_since_{};
     TimePoint stop_by_{};
     ConfigState config_state_;
+    GatewayVoice* voice_ = nullptr;
+    std::function<void(ano::FrameView)> hears_own_;
+    Scan scan_;
     std::optional<Changing> changing_;
     Alarm change_check_;
     std::vector<std::unique_ptr<Link>> former_controls_;    // a program that joins now may still know of one

@@ -117,7 +117,7 @@ void Gateway::start_links(LinkSet fresh) {
         if (fresh.contains(s.link->id())) s.since = now_;
     for (LinkState& s : links_) gpio_->link_state(s.link->id(), s.up);    // for lamps that are new
     for (LinkState& s : links_)
-        if (fresh.contains(s.link->id())) s.link->start();
+        if (fresh.contains(s.link->id())) start(s);
     flush();
     beat();    // to open them may take long
 }

@@ -7,6 +7,8 @@
 #include <daemon/kept_file.hpp>
 #include <daemon/route_rows.hpp>
 #include <daemon/state_folder.hpp>
+#include <devices/scan_work.hpp>
+#include <managed/managed_parameters.hpp>
 
 #include <spdlog/spdlog.h>
 
@@ -35,7 +37,23 @@ GatewayDevices::GatewayDevices(Gateway& gateway)
       alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
       errand_{gateway.io()},
       service_{*this, gateway.settings().control.host} {
+    gateway_.on_scan([this](const std::function<void(const std::string&)>& tell) { return scan(tell); });
     remember_notes();
+}
+
+GatewayDevices::~GatewayDevices() { gateway_.on_scan({}); }
+
+std::string GatewayDevices::scan(const std::function<void(const std::string&)>& tell) {
+    JobOrder order{JobKind::scan, ano::host::Deed::read, std::nullopt, false, "the gateway as a device", anogate::scan};
+    order.result = [this, tell] {
+        for (const DeviceReport& device : service_.devices(gateway_.now()))
+            tell(ano::hex_byte(device.heard.address) + " " + (device.info ? device.info->name : "of no name") +
+                 (device.heard.link.empty() ? "" : " by " + device.heard.link));
+        return std::string{"[]"};
+    };
+    const auto begun = service_.begin(std::move(order), gateway_.now());
+    const auto* const refused = std::get_if<NotBegun>(&begun);
+    return refused ? refused->error : std::string{};
 }
 
 // Before the loop runs.
@@ -100,6 +118,8 @@ ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
 void GatewayDevices::listen(bool wants) {
     if (wants) gateway_.add_observer(*this);
     else gateway_.remove_observer(*this);
+    gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
+                                          : std::function<void(ano::FrameView)>{});
 }
 
 bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
@@ -110,7 +130,7 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 std::string GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
     if (!link) return "all 64 links are in use: there is no place for the link 'control'";
-    if (frame.destination() == gateway_.settings().gateway.id)
+    if (frame.destination() == gateway_.settings().gateway.id && !is_device(gateway_.settings().gateway))
         return ano::hex_byte(frame.destination()) + " is the gateway itself";
     was_taken_ = false;
     refusal_.clear();
@@ -144,6 +164,8 @@ void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
 
 std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {
     std::vector<HeardAddress> all;
+    if (const GatewaySettings& gateway = gateway_.settings().gateway; is_device(gateway))
+        all.push_back({gateway.id, {}, {}, now});
     for (const RouteRow& row : route_rows(gateway_, now)) {
         if (row.via != Via::learned || ano::address::is_host(row.address) || row.address == service_.own()) continue;
         HeardAddress heard{row.address, {}, {}, row.heard_at};

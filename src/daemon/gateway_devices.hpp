@@ -20,6 +20,7 @@ class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
 public:
     /// `gateway` outlives it.
     explicit GatewayDevices(Gateway& gateway);
+    ~GatewayDevices() override;
 
     DeviceService& service() noexcept { return service_; }
     /// The gateway ends.
@@ -48,6 +49,7 @@ private:
         std::function<void()> work;
         std::function<void(std::string)> done;
     };
+    std::string scan(const std::function<void(const std::string&)>& tell);
     void next_chore();
     void remember_notes();
 

@@ -73,6 +73,11 @@ void Gpio::connect(Line& line, const FindLink& find, LinkSet fresh) {
     if (line.inhibit_place) inhibit_.set_links(*line.inhibit_place, line.links);
     else if (s.use == GpioUse::inhibit) line.inhibit_place = inhibit_.add(line.links);
     if (s.use == GpioUse::power && !line.started) line.pin.set(true);
+    const bool is_disabled = !s.link.empty() && !find(s.link).settings().enabled;
+    if (std::exchange(line.link_is_disabled, is_disabled) && !is_disabled) {
+        line.reset.heard(Clock::now());
+        arm(line);
+    }
     if (s.use == GpioUse::activity || s.silent_for) watched_ |= line.links;
     if (s.use == GpioUse::rs485 && fresh.contains(find(s.link).id())) {
         Link& link = find(s.link);    // of a kind that can: the configuration was checked for it
@@ -138,7 +143,7 @@ void Gpio::ring(Line& line) {
         line.pulsing = false;
         line.pin.set(line.settings().use == GpioUse::power);
         arm(line);
-    } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held()) {
+    } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held() && !line.link_is_disabled) {
         if (begin_pulse(line, now))
             spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
     } else {
@@ -148,7 +153,8 @@ void Gpio::ring(Line& line) {
 
 // While the line is not held there is nothing to wait for: changed() calls this again.
 void Gpio::arm(Line& line) {
-    if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held()) line.alarm.set(*due);
+    if (const auto due = line.reset.due(); due && !line.pulsing && line.pin.is_held() && !line.link_is_disabled)
+        line.alarm.set(*due);
 }
 
 bool Gpio::begin_pulse(Line& line, TimePoint now) {

@@ -90,6 +90,7 @@ struct Gpio::Line {
     Blink blink;
     ResetPolicy reset;
     std::optional<std::size_t> inhibit_place{};    // of an inhibit switch
+    bool link_is_disabled = false;                 // so its silence says nothing
     bool pulsing = false;                          // a reset is on, or power is off for a while
     std::uint64_t pulses = 0;
     bool was_held = false;

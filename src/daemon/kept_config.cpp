@@ -31,13 +31,15 @@ std::vector<ConfigText> files_of(const nlohmann::json& list) {
 
 }    // namespace
 
-std::string kept_config_path(const std::string& config_file) {
+std::string kept_path(const std::string& what, const std::string& config_file) {
     const std::string folder = state_folder();
     if (folder.empty() || config_file.empty()) return {};
     std::error_code ec;
     const fs::path absolute = fs::weakly_canonical(fs::absolute(config_file, ec), ec);
-    return folder + "/unconfirmed-" + std::to_string(std::hash<std::string>{}(absolute.string()));
+    return folder + "/" + what + "-" + std::to_string(std::hash<std::string>{}(absolute.string()));
 }
+
+std::string kept_config_path(const std::string& config_file) { return kept_path("unconfirmed", config_file); }
 
 bool have_same_texts(const std::vector<ConfigText>& one, const std::vector<ConfigText>& other) {
     const auto same = [](const ConfigText& a, const ConfigText& b) { return a.text == b.text; };

@@ -13,6 +13,10 @@ struct KeptConfig {
     std::vector<ConfigText> confirmed;      // what ran before
 };
 
+/// Where `what` is kept of the gateway that has this configuration file, in state_folder(): one of several that a user runs has its
+/// own. Empty: there is no folder, or no file.
+std::string kept_path(const std::string& what, const std::string& config_file);
+
 /// Where that of `config_file` is kept: in $STATE_DIRECTORY of the unit, else in the user's folder for the state of programs. Empty:
 /// there is none.
 std::string kept_config_path(const std::string& config_file);

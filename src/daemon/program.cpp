@@ -4,8 +4,10 @@
 #include <daemon/first_line.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/handover.hpp>
+#include <daemon/kept_parameters.hpp>
 #include <daemon/log.hpp>
 #include <daemon/notify.hpp>
+#include <daemon/own_device.hpp>
 #include <daemon/program.hpp>
 #include <daemon/reload.hpp>
 #include <daemon/reload_routes.hpp>
@@ -54,12 +56,15 @@ void fill_standard_files() {
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
-    Program(const CommandLine& line, std::string source, ReadAgain read_again, ConfigState::Runs runs)
-        : gateway_{io_, line.settings},
+    Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept, std::string source,
+            ReadAgain read_again, ConfigState::Runs runs)
+        : gateway_{io_, written.applied(line.settings)},
           source_{std::move(source)},
-          reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file)},
+          reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file), written},
+          own_device_{gateway_, reload_, kept_parameters_path(line.config_file), kept},
           signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         gateway_.set_config_state({line.config_file, runs});
+        own_device_.keep_in_step();
         reload_.on_links_changed([this](const std::vector<std::string>& names) {
             for (const std::string& name : names) hint_log_.forget(name);
         });
@@ -127,6 +132,7 @@ private:
         watchdog_.stop();
         hints_.stop();
         reload_.stop();
+        if (!again) own_device_.stop();
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
@@ -140,6 +146,7 @@ private:
     std::string source_;    // where the configuration is from
     std::string why_;       // it ends
     Reload reload_;
+    OwnDevice own_device_;
     ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
@@ -200,10 +207,16 @@ int run(int argc, char** argv) {
     fill_standard_files();
     const ConfigState::Runs runs = line.config_file.empty() ? ConfigState::Runs::file : take_kept_config(line, argc, argv);
     start_log(line.settings.log);
+    WrittenValues kept;
+    if (is_device(line.settings.gateway)) kept = kept_parameters(kept_parameters_path(line.config_file));
+    WrittenValues written = kept;
+    for (const std::string& key : written.forget_stale(line.settings))
+        spdlog::info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
     if (runs == ConfigState::Runs::not_the_file)
         spdlog::warn("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
                      line.config_file);
-    return Program{line, source_of(line), read_again(argc, argv), runs}.run();
+    if (!written.empty()) spdlog::default_logger()->set_level(spdlog::level::from_str(written.applied(line.settings).log.level));
+    return Program{line, written, kept, source_of(line), read_again(argc, argv), runs}.run();
 }
 
 }    // namespace

@@ -5,21 +5,22 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 namespace anogate {
 namespace {
 
-void log_difference(const Difference& difference) {
+void log_difference(const Difference& difference, std::string_view why = "reload") {
     for (const LinkDifference& link : difference.links) {
         if (link.change == Change::same) continue;
         std::string what;
         for (const std::string& line : link.differences) what += (what.empty() ? ": " : ", ") + line;
-        spdlog::info("reload: {} {}{}", link.name, text(link.change), what);
+        spdlog::info("{}: {} {}{}", why, link.name, text(link.change), what);
     }
-    for (const std::string& line : difference.gateway) spdlog::info("reload: {}", line);
-    for (const std::string& line : difference.needs_restart) spdlog::warn("reload: takes effect at the next start: {}", line);
+    for (const std::string& line : difference.gateway) spdlog::info("{}: {}", why, line);
+    for (const std::string& line : difference.needs_restart) spdlog::warn("{}: takes effect at the next start: {}", why, line);
 }
 
 void log_outcome(const ReloadOutcome& outcome) {
@@ -50,8 +51,10 @@ struct Reload::Job {
     Settings running;
     ReadConfig confirmed;
     std::string kept_path;
+    WrittenValues written;
 
     ReadConfig wanted{};
+    Settings applied{};    // with what was written behind it
     ReloadOutcome outcome{};
 
     void work();
@@ -66,7 +69,9 @@ void Reload::Job::work() {
         return;
     }
     wanted = std::get<ReadConfig>(std::move(read));
-    outcome.difference = difference(running, wanted.settings);
+    applied = written.applied(wanted.settings);
+    outcome.difference = difference(running, applied);
+    applied = without_restart(running, std::move(applied));
     wanted.settings = without_restart(running, std::move(wanted.settings));
     if (request.confirm_within && !difference(confirmed.settings, wanted.settings).is_none())
         outcome.confirm_within = request.confirm_within;
@@ -82,17 +87,20 @@ bool Reload::Job::prepare_restart() {
     return fault.empty();
 }
 
-Reload::Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path)
+Reload::Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path,
+               WrittenValues written)
     : gateway_{gateway},
       confirmed_{std::move(running)},
       read_again_{std::move(read_again)},
       kept_path_{std::move(kept_path)},
       errand_{io},
-      confirm_by_{io, [this] {
+      confirm_by_{io,
+                  [this] {
                       if (may_still_be_confirmed()) return;
                       confirm_by_.stop();
                       enqueue([this] { roll_back(); });
-                  }} {}
+                  }},
+      written_{std::move(written)} {}
 
 void Reload::reload(const ReloadRequest& request, Done done) {
     enqueue([this, request, done = std::move(done)] { begin(request, done); });
@@ -132,7 +140,7 @@ void Reload::next() {
 }
 
 void Reload::begin(const ReloadRequest& request, const Done& done) {
-    const auto job = std::make_shared<Job>(Job{request, read_again_, gateway_.settings(), confirmed_, kept_path_});
+    const auto job = std::make_shared<Job>(Job{request, read_again_, gateway_.settings(), confirmed_, kept_path_, written_});
     if (!request.dry_run) {
         const auto now = std::chrono::duration_cast<std::chrono::microseconds>(ano::Clock::now().time_since_epoch());
         notify_systemd("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(now.count()));
@@ -151,7 +159,7 @@ void Reload::begin(const ReloadRequest& request, const Done& done) {
 void Reload::carry_out(const std::shared_ptr<Job>& job, const Done& done) {
     const ReloadOutcome& outcome = job->outcome;
     if (outcome.dry_run || !outcome.faults.empty() || !outcome.refusal.empty()) return finish(outcome, done);
-    change_gateway(job->wanted.settings, outcome.difference, [this, job, done] { changed(job, done); });
+    change_gateway(job->applied, outcome.difference, [this, job, done] { changed(job, done); });
 }
 
 void Reload::change_gateway(const Settings& settings, const Difference& difference, std::function<void()> done) {
@@ -178,8 +186,10 @@ void Reload::changed(const std::shared_ptr<Job>& job, const Done& done) {
         unconfirmed_.reset();
         state.runs = ConfigState::Runs::file;
         state.confirm_by.reset();
+        forget_stale();
     }
     gateway_.set_config_state(std::move(state));
+    settle();
     finish(outcome, done);
 }
 
@@ -208,6 +218,8 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
             state.confirm_by.reset();
             gateway_.set_config_state(std::move(state));
             spdlog::info("reload: confirmed");
+            forget_stale();
+            settle();
         }
         done(std::move(fault));
         next();
@@ -225,8 +237,9 @@ void Reload::roll_back() {
     if (!unconfirmed_ || may_still_be_confirmed()) return next();
     unconfirmed_.reset();
     spdlog::warn("reload: not confirmed in time, the configuration before is back; the file stays as it is");
-    const Difference back = difference(gateway_.settings(), confirmed_.settings);
-    change_gateway(confirmed_.settings, back, [this, back] { rolled_back(back); });
+    const Settings before = without_restart(gateway_.settings(), written_.applied(confirmed_.settings));
+    const Difference back = difference(gateway_.settings(), before);
+    change_gateway(before, back, [this, back] { rolled_back(back); });
 }
 
 void Reload::rolled_back(const Difference& difference) {
@@ -236,7 +249,61 @@ void Reload::rolled_back(const Difference& difference) {
     state.confirm_by.reset();
     state.needs_restart.clear();
     gateway_.set_config_state(std::move(state));
+    settle();
     next();
+}
+
+void Reload::write(WrittenValues written) {
+    written_ = std::move(written);
+    if (std::exchange(applies_, true)) return;
+    enqueue([this] {
+        applies_ = false;
+        apply_written();
+    });
+}
+
+// To compare two large configurations takes a while.
+void Reload::apply_written() {
+    struct Comparison {
+        Settings running, wanted;
+        Difference difference{};
+    };
+    const auto both = std::make_shared<Comparison>(
+        Comparison{gateway_.settings(), without_restart(gateway_.settings(), written_.applied(of_files()))});
+    const auto compare = [both] { both->difference = difference(both->running, both->wanted); };
+    const auto carry_out = [this, both](const std::string&) {
+        change_gateway(both->wanted, both->difference, [this, both] {
+            log_difference(both->difference, "parameters");
+            settle();
+            next();
+        });
+    };
+    if (errand_.run(compare, carry_out)) return;
+    compare();
+    carry_out({});
+}
+
+void Reload::restart(const std::string& link) {
+    enqueue([this, link] {
+        const auto& links = gateway_.settings().links;
+        if (std::none_of(links.begin(), links.end(), [&](const LinkSettings& l) { return l.name == link; })) return next();
+        Difference again;
+        again.links.push_back({link, Change::changed, {"restarted"}});
+        change_gateway(Settings{gateway_.settings()}, again, [this, again] {
+            log_difference(again, "restart");
+            next();
+        });
+    });
+}
+
+// A file that says something else than it did when a value was written has the last word.
+void Reload::forget_stale() {
+    for (const std::string& key : written_.forget_stale(confirmed_.settings))
+        spdlog::info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
+}
+
+void Reload::settle() {
+    if (on_settled_) on_settled_();
 }
 
 }    // namespace anogate

@@ -6,6 +6,7 @@
 #include <daemon/kept_config.hpp>
 #include <daemon/ticker.hpp>
 #include <gateway/settings.hpp>
+#include <managed/managed_parameters.hpp>
 
 #include <deque>
 #include <functional>
@@ -43,9 +44,10 @@ struct ReloadOutcome {
 /// in the loop.
 class Reload {
 public:
-    /// `running`: what the gateway was made of, and that is its last confirmed configuration. `kept_path`: kept_config_path(). The
-    /// gateway outlives this.
-    Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path);
+    /// `running`: the configuration of the gateway, which is its last confirmed one; `written`: what hosts wrote behind it, the gateway
+    /// was made of both. `kept_path`: kept_config_path(). The gateway outlives this.
+    Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadAgain read_again, std::string kept_path,
+           WrittenValues written = {});
 
     /// For which frames that wait in a link that goes it is waited so long.
     static constexpr ano::Duration patience = std::chrono::milliseconds{300};
@@ -56,6 +58,15 @@ public:
     void reload_soon();
     /// What runs is to stay. `done`: empty, or why it was not confirmed.
     void confirm(std::function<void(std::string refusal)> done);
+    /// What hosts wrote as parameters of the gateway: takes effect as a reload does, and behind each of them.
+    void write(WrittenValues written);
+    /// The link is closed, and made anew.
+    void restart(const std::string& link);
+    /// What the files say of what runs, and what was written behind that.
+    const Settings& of_files() const noexcept { return unconfirmed_ ? unconfirmed_->settings : confirmed_.settings; }
+    const WrittenValues& written() const noexcept { return written_; }
+    /// What runs may be something else now, or what it comes from.
+    void on_settled(std::function<void()> call) { on_settled_ = std::move(call); }
     /// The names of links that were changed, added or removed.
     void on_links_changed(std::function<void(const std::vector<std::string>&)> call) { on_links_changed_ = std::move(call); }
     /// Nothing is done or answered any more.
@@ -73,6 +84,9 @@ private:
     bool may_still_be_confirmed() const;
     void roll_back();
     void rolled_back(const Difference& difference);
+    void apply_written();
+    void settle();
+    void forget_stale();
     void change_gateway(const Settings& settings, const Difference& difference, std::function<void()> done);
 
     Gateway& gateway_;
@@ -83,9 +97,12 @@ private:
     Ticker confirm_by_;
     std::deque<std::function<void()>> tasks_;
     std::function<void(const std::vector<std::string>&)> on_links_changed_;
+    std::function<void()> on_settled_;
+    WrittenValues written_;
     std::optional<ReadConfig> unconfirmed_;    // it runs, and waits to be confirmed
     bool busy_ = false;
-    bool soon_ = false;    // reload_soon() was called, and waits to begin
+    bool soon_ = false;       // reload_soon() was called, and waits to begin
+    bool applies_ = false;    // write() was called, and waits to begin
     bool stopped_ = false;
 };
 

@@ -111,6 +111,7 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["longest_standstill_s"] = in_seconds(gateway.loop().longest());
     json["own_frames"] = gateway.forwarder().router().own_frames();
     json["config"] = config_json(gateway.config_state(), now);
+    if (gateway.voice()) gateway.voice()->describe(json);
     return json;
 }
 

@@ -136,6 +136,7 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
         for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
     note_taker(from, frame, route, is_ours);
+    tell_own(from, frame, route.via);
     if (route.new_conflict) note_claimants();
     if (router_.has_question(now_)) ask_holders();
 }

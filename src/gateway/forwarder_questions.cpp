@@ -57,6 +57,22 @@ void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     for (const ChannelId to : route.channels) offer(ourselves, to, frame, policy_of(frame.id()), arrived_at_);
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop(from, frame, &ReceiveCounters::no_route);
+    tell_own(from, frame, route.via);
+}
+
+void Forwarder::answer(ChannelId to, ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    say_and_remember(to, frame);
+}
+
+void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
+    now_ = now;
+    ++frame_number_;
+    ChannelSet heard;
+    for (const ChannelId id : used_)
+        if (router_.heard_at(frame.destination(), id)) heard.insert(id);
+    if (!heard.empty()) loop_guard_.remember(said_by(frame), *heard.begin(), heard, now_);    // it may come back by any link
+    for (const ChannelId to : heard) offer(ourselves, to, frame, policy_of(frame.id()), now_);
 }
 
 // It may come back by any link.

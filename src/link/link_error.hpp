@@ -63,6 +63,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"bus_errors", "interface", "while it is up: the CAN controller counts many errors"},
     {"bus_passive", "interface", "while it is up: the CAN controller is error-passive"},
     {"bus_blocked", "interface", "while it is up: the CAN bus takes nothing"},
+    {"disabled", "", "its configuration, or the parameter of the gateway, says enabled=false"},
     {"other", "", "anything else: the text says it"},
 };
 

@@ -1,0 +1,347 @@
+// What hosts hear of a gateway: bytes that were counted by hand from the protocol text.
+#include <gtest/gtest.h>
+#include <managed/gateway_device.hpp>
+
+#include <support/bytes.hpp>
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+using support::Bytes;
+using support::frame;
+using support::hex;
+
+constexpr std::uint8_t host = 0xFE, self = 21, everybody = 0xFF;
+constexpr ano::TimePoint start{1000s};
+constexpr std::uint16_t forget_after = 1, en_fc = 3, en_ground = 5;
+
+class FakeDeeds final : public GatewayDeeds {
+public:
+    void apply(const WrittenValues& written) override { applied.push_back(written); }
+    std::string save(const WrittenValues& written) override { return saved.push_back(written), refusal; }
+    std::string reload() override { return done("reload"); }
+    std::string restart(const std::string& link) override { return done("restart " + link); }
+    std::string scan() override { return done("scan"); }
+    std::string pulse(std::size_t line) override { return done("pulse " + std::to_string(line)); }
+    std::vector<LinkSummary> summaries() override {
+        return {{LinkSummary::State::up, 0x0102030405, 2, 3}, {LinkSummary::State::waiting, 0, 0, 0}};
+    }
+    void warn(const std::string& line) override { warnings.push_back(line); }
+
+    std::vector<WrittenValues> applied, saved;
+    std::vector<std::string> did, warnings;
+    std::string refusal;
+
+private:
+    std::string done(std::string what) { return did.push_back(std::move(what)), refusal; }
+};
+
+LinkSettings link(const std::string& name) {
+    LinkSettings one;
+    one.name = name;
+    return one;
+}
+
+Bytes text(std::string_view words, std::size_t size = 0) {
+    Bytes bytes(words.begin(), words.end());
+    bytes.resize(std::max(size, bytes.size()));
+    return bytes;
+}
+
+class GatewayAsDevice : public testing::Test {
+protected:
+    GatewayAsDevice() {
+        file.gateway.id = self;
+        file.gateway.name = "vehicle";
+        file.links = {link("fc"), link("ground")};
+        device.configure(file, {});
+    }
+    std::vector<Bytes> heard() {
+        std::vector<Bytes> frames;
+        while (const auto out = device.next()) {
+            frames.emplace_back(out->frame.bytes().begin(), out->frame.bytes().end());
+            last_link = out->link;
+        }
+        return frames;
+    }
+    std::vector<Bytes> answers(const Bytes& question, const GatewayDevice::Asker& asker, ano::TimePoint now = start) {
+        device.take(ano::FrameView{question}, asker, now);
+        return heard();
+    }
+    /// The one answer to a question by the link `fc`, which may manage.
+    Bytes answer(const Bytes& question, ano::TimePoint now = start) {
+        const auto all = answers(question, manager, now);
+        return all.size() == 1 ? all.front() : Bytes{};
+    }
+    static Bytes ask(std::uint8_t id, const Bytes& data, std::uint8_t from = host) { return frame(from, self, id, data); }
+    static Bytes write(std::uint16_t id, const Bytes& value) {
+        Bytes data{static_cast<std::uint8_t>(id), static_cast<std::uint8_t>(id >> 8)};
+        data.insert(data.end(), value.begin(), value.end());
+        return ask(0xE1, data);
+    }
+    static Bytes says(std::uint8_t id, const Bytes& data) { return frame(self, host, id, data); }
+    static Bytes acknowledges(const Bytes& question) {
+        return frame(self, question[1], 0x00, {question[3], question[question.size() - 2], question.back()});
+    }
+    double value(std::size_t id) const { return device.values().at(id).value; }
+
+    Settings file;
+    FakeDeeds deeds;
+    GatewayDevice device{deeds};
+    GatewayDevice::Asker manager{7, "fc", true, false}, stranger{8, "ground", false, false};
+    GatewayDevice::Link last_link = 0;
+};
+
+TEST_F(GatewayAsDevice, says_who_it_is_to_a_host_that_knows_the_text_alone) {
+    // AB, from 254 to 21, 0xE0, LEN 3: cmd 0, val 0; and 0xE3: dev_id 21, hw 100, sw 100, bl 0, pt 800, the name.
+    EXPECT_EQ(answer(hex("AB FE 15 E0 03 00 00 00 00 A1 D5")),
+              hex("AB 15 FE E3 10 00 15 64 00 64 00 00 00 20 03 76 65 68 69 63 6C 65 "
+                  "91 5E"));
+    EXPECT_EQ(last_link, 7u) << "by the link that asked";
+    EXPECT_EQ(answer(hex("AB FE FF E0 03 00 00 00 00 8B 3B")).size(), 24u) << "everybody is asked";
+}
+
+TEST_F(GatewayAsDevice, tells_count_descriptions_and_values_of_its_parameters) {
+    EXPECT_EQ(answer(ask(0xE0, {1, 0, 0})), says(0xE0, {1, 7, 0}));
+    EXPECT_EQ(answer(ask(0xE0, {2, 0, 0})), says(0xE1, {0, 0, 2}));
+    EXPECT_EQ(answer(ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0x30, 0x75, 0, 0}));
+    Bytes described{3, 0, 0};
+    for (const Bytes& part : {text("EN_fc", 20), text("the link fc: 1 open, 0 not")})
+        described.insert(described.end(), part.begin(), part.end());
+    EXPECT_EQ(answer(ask(0xE0, {3, 3, 0})), says(0xE2, described));
+    EXPECT_TRUE(answer(ask(0xE0, {2, 7, 0})).empty()) << "there are seven";
+}
+
+TEST_F(GatewayAsDevice, stores_what_is_written_within_its_limits) {
+    const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
+    EXPECT_EQ(answer(question), acknowledges(question));
+    EXPECT_EQ(value(forget_after), 5000);
+    ASSERT_EQ(deeds.applied.size(), 1u);
+    EXPECT_EQ(deeds.applied[0].applied(file).gateway.forget_after, 5s);
+    answer(write(forget_after, {1, 0, 0, 0}));
+    EXPECT_EQ(answer(ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0xE8, 3, 0, 0})) << "at least a second";
+    answer(write(forget_after, {0xE8, 3, 0, 0}));
+    EXPECT_EQ(deeds.applied.size(), 2u) << "what holds already changes nothing";
+}
+
+TEST_F(GatewayAsDevice, answers_questions_by_every_link_and_acts_by_those_that_may_manage) {
+    EXPECT_EQ(answers(ask(0xE0, {1, 0, 0}), stranger).size(), 1u);
+    EXPECT_EQ(answers(ask(0xC1, {0, 0, 0}), stranger).size(), 1u);
+    std::uint64_t refused = 0;
+    for (const Bytes& act : {write(forget_after, {0x88, 0x13, 0, 0}), ask(0xC0, {1, 0, 1}), ask(0xE0, {0x10, 0xAB, 0}),
+                             ask(0xE0, {0x10, 0xAA, 0}), ask(0xE0, {0x77, 0, 0})}) {
+        for (const Bytes& said : answers(act, stranger)) EXPECT_EQ(said[3], 0xA0) << "a line of words at most";
+        EXPECT_EQ(device.counters().not_managed, ++refused);
+    }
+    EXPECT_EQ(value(forget_after), 30'000);
+    EXPECT_TRUE(deeds.applied.empty() && deeds.did.empty() && deeds.saved.empty());
+}
+
+TEST_F(GatewayAsDevice, tells_a_host_why_it_refuses_but_not_each_time) {
+    const auto first = answers(ask(0xC0, {1, 0, 1}), stranger);
+    ASSERT_EQ(first.size(), 1u);
+    EXPECT_EQ(first[0], says(0xA0, [] {
+                  Bytes data{1};
+                  const Bytes words = text("refused: what 0xFE asks of the gateway: it came by ground, which has no manage=yes");
+                  data.insert(data.end(), words.begin(), words.end());
+                  return data;
+              }()));
+    EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}), stranger, start + 4s).empty());
+    EXPECT_EQ(deeds.warnings.size(), 1u);
+    EXPECT_EQ(answers(ask(0xC0, {1, 0, 1}), stranger, start + 5s).size(), 1u);
+    EXPECT_TRUE(deeds.warnings.back().ends_with("(1 more since the last)")) << deeds.warnings.back();
+    EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}, 0x21), stranger, start + 20s).empty()) << "a device does not read";
+}
+
+TEST_F(GatewayAsDevice, takes_no_act_that_is_for_everybody) {
+    EXPECT_TRUE(answer(frame(host, everybody, 0xE1, {3, 0, 0})).empty());
+    EXPECT_TRUE(answer(frame(host, everybody, 0xE0, {0x10, 0xAA, 0})).empty());
+    EXPECT_EQ(device.counters().to_everybody, 2u);
+    EXPECT_TRUE(deeds.applied.empty());
+}
+
+TEST_F(GatewayAsDevice, does_not_let_a_writer_close_his_own_link) {
+    const auto said = answers(write(en_fc, {0}), manager);
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0][3], 0xA0) << "no acknowledgement";
+    EXPECT_EQ(value(en_fc), 1);
+    EXPECT_EQ(device.counters().would_lock_out, 1u);
+    const Bytes other = write(en_ground, {0});
+    EXPECT_EQ(answer(other), acknowledges(other));
+    EXPECT_EQ(value(en_ground), 0);
+}
+
+TEST_F(GatewayAsDevice, does_not_restore_what_would_close_the_link_of_who_asks) {
+    file.links[0].enabled = false;    // and a parameter opened it
+    device.configure(file, {});
+    answers(write(en_fc, {1}), {9, "control", true, true});
+    ASSERT_EQ(value(en_fc), 1);
+    const auto said = answers(ask(0xE0, {0x10, 0xAA, 0}), manager);
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0][3], 0xA0);
+    EXPECT_EQ(value(en_fc), 1);
+    const Bytes restore = ask(0xE0, {0x10, 0xAA, 0});
+    EXPECT_EQ(answers(restore, {9, "control", true, true}), std::vector<Bytes>{acknowledges(restore)});
+    EXPECT_EQ(value(en_fc), 0) << "who comes by another way may";
+}
+
+TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
+    answer(write(forget_after, {0x88, 0x13, 0, 0}));
+    const Bytes save = ask(0xE0, {0x10, 0xAB, 0});
+    EXPECT_TRUE(answers(save, manager).empty());
+    ASSERT_EQ(deeds.saved.size(), 1u);
+    EXPECT_EQ(deeds.saved[0].applied(file).gateway.forget_after, 5s);
+    device.saved("", start + 20ms);
+    EXPECT_EQ(heard(), std::vector<Bytes>{acknowledges(save)});
+    EXPECT_EQ(last_link, 7u);
+    answers(save, manager);
+    device.saved("the disk is full", start + 30ms);
+    const auto said = heard();
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0][3], 0xA0);
+    answers(save, manager);
+    device.forget(7);
+    device.saved("", start + 1s);
+    EXPECT_TRUE(heard().empty()) << "who asked is gone";
+}
+
+TEST_F(GatewayAsDevice, describes_its_commands_and_does_them) {
+    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 4, 0}));
+    Bytes described{2, 0, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0};
+    for (const Bytes& part : {text("RESTART_LINK", 20), text("the link, by its number: 0 fc 1 ground")})
+        described.insert(described.end(), part.begin(), part.end());
+    EXPECT_EQ(answer(ask(0xC1, {1, 2, 0})), says(0xC2, described));
+    for (const Bytes& command : {ask(0xC0, {1, 0, 1}), ask(0xC0, {1, 0, 2}), ask(0xC0, {1, 0, 3, 1})})
+        EXPECT_EQ(answer(command), acknowledges(command));
+    EXPECT_EQ(deeds.did, (std::vector<std::string>{"reload", "scan", "restart ground"}));
+    for (const Bytes& said : answers(ask(0xC0, {1, 0, 3, 2}), manager)) EXPECT_EQ(said[3], 0xA0);
+    EXPECT_EQ(device.counters().refused, 1u) << "there is no link 2";
+    EXPECT_TRUE(answer(ask(0xC0, {9, 9, 9})).empty());
+}
+
+TEST_F(GatewayAsDevice, pulses_the_lines_that_can_be_asked) {
+    GpioSettings lamp, reset;
+    lamp.use = GpioUse::link_up;
+    reset.use = GpioUse::reset;
+    reset.link = "fc";
+    file.gpio = {lamp, reset};
+    device.configure(file, {});
+    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 5, 0}));
+    const Bytes command = ask(0xC0, {1, 0, 5, 0});
+    EXPECT_EQ(answer(command), acknowledges(command));
+    EXPECT_EQ(deeds.did, std::vector<std::string>{"pulse 0"});
+    deeds.refusal = "it was reset less than a minute ago";
+    for (const Bytes& said : answers(command, manager)) EXPECT_EQ(said[3], 0xA0) << "not acknowledged";
+}
+
+TEST_F(GatewayAsDevice, sums_up_its_links_once_a_second_until_told_not_to) {
+    const Bytes begin = ask(0xC0, {1, 0, 4, 2});
+    EXPECT_EQ(answer(begin), acknowledges(begin));
+    ASSERT_EQ(device.due(), start);
+    device.run(start);
+    EXPECT_EQ(heard(), (std::vector<Bytes>{says(0xF2, {0, 2, 5, 4, 3, 2, 2, 0, 0, 0, 3, 0, 0, 0}),
+                                           says(0xF2, {1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0})}));
+    EXPECT_EQ(device.due(), start + 1s);
+    device.run(start + 10s);
+    EXPECT_EQ(heard().size(), 2u) << "what was missed is not made up for";
+    EXPECT_EQ(device.due(), start + 10s);
+    device.run(start + 10s);
+    heard();
+    answer(ask(0xC0, {1, 0, 4, 0}));
+    EXPECT_EQ(device.due(), std::nullopt);
+    answer(begin);
+    device.forget(7);
+    EXPECT_EQ(device.due(), std::nullopt) << "who listened is gone";
+}
+
+TEST_F(GatewayAsDevice, tells_hosts_in_a_few_lines_what_happens) {
+    for (int i = 0; i < 15; ++i) device.log("fc: up", GatewayDevice::LogColor::green, start + i * 1ms);
+    const auto lines = heard();
+    ASSERT_EQ(lines.size(), 10u);
+    EXPECT_EQ(lines[0], says(0xA0, hex("02 66 63 3A 20 75 70")));
+    EXPECT_EQ(last_link, ano::device::every_link);
+    ASSERT_EQ(device.due(), start + 5s);
+    device.run(start + 5s);
+    const auto rest = heard();
+    ASSERT_EQ(rest.size(), 1u);
+    EXPECT_EQ(rest[0][3], 0xA1);
+    EXPECT_EQ(Bytes(rest[0].begin() + 6, rest[0].begin() + 10), hex("00 00 A0 40")) << "5, as f32";
+    EXPECT_EQ(device.counters().lines_left_out, 5u);
+}
+
+TEST_F(GatewayAsDevice, is_none_without_an_id_and_with_that_of_hosts) {
+    for (const int id : {0, 0xFE, 0xD2}) {
+        file.gateway.id = static_cast<std::uint8_t>(id);
+        device.configure(file, {});
+        EXPECT_FALSE(device.is_there());
+        EXPECT_TRUE(answer(frame(host, everybody, 0xE0, {0, 0, 0})).empty());
+        device.log("fc: up", GatewayDevice::LogColor::green, start);
+        EXPECT_TRUE(heard().empty());
+    }
+}
+
+TEST_F(GatewayAsDevice, goes_on_with_what_was_written_when_its_links_are_others) {
+    answer(write(forget_after, {0x88, 0x13, 0, 0}));
+    file.links.push_back(link("radio"));
+    device.configure(file, device.written());
+    EXPECT_EQ(answer(ask(0xE0, {1, 0, 0})), says(0xE0, {1, 9, 0}));
+    EXPECT_EQ(value(forget_after), 5000);
+}
+
+TEST_F(GatewayAsDevice, lets_who_came_by_a_link_that_closes_anyway_write_the_rest) {
+    file.links[0].enabled = false;
+    device.configure(file, {});
+    const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
+    EXPECT_EQ(answer(question), acknowledges(question));
+}
+
+TEST_F(GatewayAsDevice, loses_no_answer_by_a_configuration_that_changes_nothing_of_it) {
+    const Bytes question = ask(0xE0, {1, 0, 0});
+    device.take(ano::FrameView{question}, manager, start);
+    file.gateway.forget_after = 60s;
+    device.configure(file, {});
+    EXPECT_EQ(heard(), std::vector<Bytes>{says(0xE0, {1, 7, 0})});
+    EXPECT_EQ(value(forget_after), 60'000);
+}
+
+// Whatever one says, the other hears; the first word is a question in the name of the other.
+TEST_F(GatewayAsDevice, does_not_talk_with_another_gateway_for_ever) {
+    for (const std::uint8_t other_id : {std::uint8_t{22}, self}) {
+        Settings others = file;
+        others.gateway.id = other_id;
+        FakeDeeds its_deeds;
+        GatewayDevice other{its_deeds};
+        other.configure(others, {});
+        const GatewayDevice::Asker from_here{1, "way", true, false};
+        for (const std::uint8_t to : {self, everybody})
+            for (const Bytes& data : std::vector<Bytes>{{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {3, 1, 0}, {0x10, 0xAA, 0}})
+                for (const std::uint8_t id : Bytes{0xE0, 0xC1}) {
+                    std::vector<Bytes> on_the_way{frame(other_id, to, id, data)};
+                    std::size_t said = 0;
+                    while (!on_the_way.empty() && said < 10) {
+                        const Bytes next = on_the_way.back();
+                        on_the_way.pop_back();
+                        for (GatewayDevice* one : {&device, &other}) {
+                            if (next[1] == (one == &device ? self : other_id)) continue;
+                            if (next[2] != everybody && next[2] != (one == &device ? self : other_id)) continue;
+                            one->take(ano::FrameView{next}, from_here, start);
+                            while (const auto out = one->next()) {
+                                on_the_way.emplace_back(out->frame.bytes().begin(), out->frame.bytes().end());
+                                ++said;
+                            }
+                        }
+                    }
+                    EXPECT_LE(said, 2u) << int{to} << ' ' << int{id} << ' ' << int{data[0]};
+                }
+        EXPECT_EQ(deeds.applied.size() + its_deeds.applied.size(), 0u);
+    }
+}
+
+}    // namespace
