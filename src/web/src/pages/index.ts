@@ -1,0 +1,21 @@
+// Every page, in the order in which it is offered: a row each.
+import type { FunctionComponent } from "preact";
+import type { Key } from "../i18n";
+import type { Place } from "../route";
+import { Frames } from "./frames";
+import { Overview } from "./overview";
+
+export interface Page {
+  name: string;
+  title: Key;
+  ofDevice: boolean;
+  view: FunctionComponent<{ device: number }>;
+}
+
+export const pages: Page[] = [
+  { name: "overview", title: "overview", ofDevice: false, view: Overview },
+  { name: "frames", title: "frames", ofDevice: false, view: Frames },
+];
+
+export const pageAt = (place: Place): Page =>
+  pages.find((page) => page.name === place.page && page.ofDevice === (place.device !== undefined)) ?? pages[0]!;
