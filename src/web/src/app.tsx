@@ -6,6 +6,7 @@ import { access, contact, devices, logIn, silentFor, status, tokenNeeded } from 
 import { useStore, useTick } from "./live/store";
 import { nameOf } from "./addresses";
 import { hexByte } from "./protocol/table";
+import { Pinned } from "./parts/pinned";
 import { pages, pageAt, type Page } from "./pages";
 import { hashOf, place } from "./route";
 import { setTheme, theme, themes } from "./theme";
@@ -179,6 +180,7 @@ export function App() {
           </>
         )}
       </Body>
+      {!needed && page.ofDevice && now.device !== undefined && <Pinned key={now.device} device={now.device} />}
     </>
   );
 }

@@ -7,6 +7,9 @@ export function digitsOf(scale: number | undefined): number {
   return Math.min(Math.max(Math.ceil(-Math.log10(scale) - 1e-9), 0), 7);
 }
 
+/** No minus before a zero. */
+export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
+
 /** Short enough for a table: four digits that count. */
 export function shortNumber(value: number): string {
   const size = Math.abs(value);

@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { digitsOf, duration, shortNumber, valueText } from "../src/format";
+import { digitsOf, duration, fixed, shortNumber, valueText } from "../src/format";
 import { frameOf } from "../src/parts/frame_of";
+import { gridStep, addPoint, type Point } from "../src/parts/track";
+import { pinnedOf, type Command } from "../src/live/device";
 import type { MessageRow } from "../src/protocol/table";
 import { hashOf, placeOf } from "../src/route";
 import { words } from "../src/words";
@@ -29,6 +31,7 @@ test("writes numbers with the digits that their scale has", () => {
   assert.equal(valueText(45.6, { name: "rol", type: "i16", offset: 0, scale: 0.01 }), "45.60");
   assert.equal(valueText(null, { name: "rol", type: "i16", offset: 0 }), "–");
   assert.equal(shortNumber(544123), "544 k");
+  assert.deepEqual([fixed(-0.04, 1), fixed(-0.06, 1), fixed(-0.4, 0)], ["0.0", "-0.1", "0"]);
   assert.equal(duration(3725), "1 h 2 min");
 });
 
@@ -41,4 +44,27 @@ test("makes a frame of what was typed, or says which field is none", () => {
   assert.deepEqual(frameOf(row, "0xFE", "220", { val: "0xAB" }), { frame: { from: 254, to: 220, name: "parameter_command", fields: { cmd: 16, val: 171 } } });
   assert.deepEqual(frameOf(row, "254", "x", {}), { fault: "to" });
   assert.deepEqual(frameOf(row, "254", "1", { val: "five" }), { fault: "val" });
+});
+
+test("draws a grid that can be read at every scale", () => {
+  for (const scale of [0.002, 0.013, 0.05, 0.3, 7, 100]) {
+    const pixels = gridStep(scale) / scale;
+    assert.ok(pixels >= 45 && pixels < 120, `${scale}: ${pixels}`);
+  }
+});
+
+test("keeps the way of a long flight in a bounded track", () => {
+  const track: Point[] = [];
+  for (let i = 0; i < 20000; ++i) addPoint(track, { x: i, y: 0 });
+  assert.ok(track.length <= 6000);
+  assert.equal(track[track.length - 1]!.x, 19999);
+  addPoint(track, { x: 19999.01, y: 0 });
+  assert.equal(track[track.length - 1]!.x, 19999, "too near to be another");
+});
+
+test("pins what ends a flight, where it wants no values", () => {
+  const command = (name: string, values: string[] = []): Command => ({ id: 0, name, values });
+  assert.deepEqual(pinnedOf([command("LAND"), command("Lock"), command("UNLOCK")]), { land: command("LAND"), lock: command("Lock") });
+  assert.equal(pinnedOf([command("一键降落")]).land?.name, "一键降落");
+  assert.deepEqual(pinnedOf([command("LAND", ["u8"]), command("ISLAND"), command("BLOCK")]), { land: undefined, lock: undefined });
 });

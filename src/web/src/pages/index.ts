@@ -4,6 +4,7 @@ import type { Key } from "../i18n";
 import type { Place } from "../route";
 import { Frames } from "./frames";
 import { Overview } from "./overview";
+import { Vehicle } from "./vehicle";
 
 export interface Page {
   name: string;
@@ -15,6 +16,7 @@ export interface Page {
 export const pages: Page[] = [
   { name: "overview", title: "overview", ofDevice: false, view: Overview },
   { name: "frames", title: "frames", ofDevice: false, view: Frames },
+  { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
 ];
 
 export const pageAt = (place: Place): Page =>
