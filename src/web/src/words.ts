@@ -146,4 +146,20 @@ export const words = {
   module_unusable: ["unusable", "不可用"],
   module_normal: ["normal", "正常"],
   module_good: ["good", "良好"],
+
+  charts: ["Charts", "曲线"],
+  choose_fields: ["Choose fields", "选择字段"],
+  window: ["Window", "时间窗"],
+  in_seconds: ["{s} s", "{s} 秒"],
+  in_minutes: ["{n} min", "{n} 分钟"],
+  newest: ["newest", "最新"],
+  at_pointer: ["at the pointer", "指针处"],
+  remove: ["Remove", "移除"],
+  no_fields: ["No fields are chosen.", "没有选择字段。"],
+  chart_hint: ["Draw over a part to see it closely; click to measure from there.", "拖选一段可放大；点击一处作为测量起点。"],
+
+  log: ["Log", "日志"],
+  log_empty: ["Nothing was said yet while this page was open.", "打开此页以来还没有日志。"],
+  search_log: ["Device or words", "设备或文字"],
+  save_file: ["Save", "保存"],
 } satisfies Record<string, [string, string]>;

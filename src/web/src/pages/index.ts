@@ -2,7 +2,9 @@
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import type { Place } from "../route";
+import { Charts } from "./charts";
 import { Frames } from "./frames";
+import { Log } from "./log";
 import { Overview } from "./overview";
 import { Vehicle } from "./vehicle";
 
@@ -16,6 +18,8 @@ export interface Page {
 export const pages: Page[] = [
   { name: "overview", title: "overview", ofDevice: false, view: Overview },
   { name: "frames", title: "frames", ofDevice: false, view: Frames },
+  { name: "charts", title: "charts", ofDevice: false, view: Charts },
+  { name: "log", title: "log", ofDevice: false, view: Log },
   { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
 ];
 

@@ -13,7 +13,7 @@ export function evidenceText(evidence: Record<string, unknown> | undefined): str
   const parts: string[] = [];
   const { sent, rtt_ms: trip, ...rest } = evidence ?? {};
   if (typeof sent === "number" && sent > 0) parts.push(t("evidence_sent", { n: sent }));
-  if (typeof trip === "number") parts.push(t("evidence_trip", { ms: Math.round(trip) }));
+  if (typeof trip === "number" && trip >= 1) parts.push(t("evidence_trip", { ms: Math.round(trip) }));
   for (const [name, value] of Object.entries(rest)) if (typeof value !== "object") parts.push(`${name} ${String(value)}`);
   return parts.length > 0 ? ` (${parts.join(", ")})` : "";
 }
@@ -21,7 +21,7 @@ export function evidenceText(evidence: Record<string, unknown> | undefined): str
 export function refusalText(refusal: Refusal): string {
   if (refusal.status === 0) return t("no_contact") + t("may_have_been_done");
   const why = refusal.error + evidenceText(refusal.evidence);
-  return refusal.what === "timeout" ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
+  return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
 }
 
 export interface Action {
