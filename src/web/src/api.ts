@@ -14,14 +14,14 @@ export type Answer<T> = { ok: true; value: T; status: number } | { ok: false; re
 export const onHeard: { call: () => void } = { call: () => undefined };
 export const onTokenNeeded: { call: () => void } = { call: () => undefined };
 
-interface Options {
+export interface Options {
   method?: string;
   body?: unknown; // JSON, or a Blob as it is
   timeout?: number; // milliseconds; 0: none
-  signal?: AbortSignal;
+  accept?: string;
 }
 
-function refusalOf(status: number, body: unknown): Refusal {
+export function refusalOf(status: number, body: unknown): Refusal {
   const json = typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
   return {
     status,
@@ -34,31 +34,32 @@ function refusalOf(status: number, body: unknown): Refusal {
 
 /** Where the page is, without its file: it may stand behind a proxy's path. */
 const base = (): string => location.pathname.replace(/[^/]*$/, "");
+export const path = (route: string): string => base() + route.replace(/^\//, "");
 
-export async function ask<T>(path: string, options: Options = {}): Promise<Answer<T>> {
-  const { method = "GET", body, timeout = 0 } = options;
-  const abort = new AbortController();
-  const timer = timeout > 0 ? setTimeout(() => abort.abort(), timeout) : undefined;
-  options.signal?.addEventListener("abort", () => abort.abort());
+export function requestOf({ method = "GET", body, accept = "application/json" }: Options): RequestInit {
+  const isFile = body instanceof Blob;
+  const type: Record<string, string> = body === undefined ? {} : { "Content-Type": isFile ? "application/octet-stream" : "application/json" };
+  const init: RequestInit = { method, cache: "no-store", credentials: "same-origin", headers: { Accept: accept, ...type } };
+  if (body !== undefined) init.body = isFile ? body : JSON.stringify(body);
+  return init;
+}
+
+function jsonIn(text: string): unknown {
   try {
-    const init: RequestInit = { method, signal: abort.signal, cache: "no-store", credentials: "same-origin", headers: { Accept: "application/json" } };
-    if (body instanceof Blob) {
-      init.body = body;
-      init.headers = { Accept: "application/json", "Content-Type": "application/octet-stream" };
-    } else if (body !== undefined) {
-      init.body = JSON.stringify(body);
-      init.headers = { Accept: "application/json", "Content-Type": "application/json" };
-    }
-    const response = await fetch(base() + path.replace(/^\//, ""), init);
+    return JSON.parse(text);
+  } catch {
+    return undefined;
+  }
+}
+
+export async function ask<T>(route: string, options: Options = {}): Promise<Answer<T>> {
+  const abort = new AbortController();
+  const timer = options.timeout ? setTimeout(() => abort.abort(), options.timeout) : undefined;
+  try {
+    const response = await fetch(path(route), { ...requestOf(options), signal: abort.signal });
     onHeard.call();
-    const text = await response.text();
-    let json: unknown;
-    try {
-      json = JSON.parse(text);
-    } catch {
-      json = undefined;
-    }
-    if (response.status === 401 && path !== "/login") onTokenNeeded.call();
+    const json = jsonIn(await response.text());
+    if (response.status === 401 && route !== "/login") onTokenNeeded.call();
     if (!response.ok) return { ok: false, refusal: refusalOf(response.status, json) };
     return { ok: true, value: json as T, status: response.status };
   } catch {
@@ -68,7 +69,7 @@ export async function ask<T>(path: string, options: Options = {}): Promise<Answe
   }
 }
 
-export function socketAddress(path: string): string {
+export function socketAddress(route: string): string {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  return `${scheme}//${location.host}${base()}${path.replace(/^\//, "")}`;
+  return `${scheme}//${location.host}${path(route)}`;
 }

@@ -48,11 +48,12 @@ function useDevices(chosen: number | undefined): number[] {
   return [...all].sort((a, b) => a - b);
 }
 
-function Tab({ page, device, here }: { page: Page; device?: number | undefined; here: boolean }) {
+/** `among`: how many there are; with more of them it may be out of sight again. */
+function Tab({ page, device, here, among }: { page: Page; device?: number | undefined; here: boolean; among: number }) {
   const ref = useRef<HTMLAnchorElement>(null);
   useEffect(() => {
-    if (here) ref.current?.scrollIntoView({ block: "nearest", inline: "nearest" });
-  }, [here]);
+    if (here) ref.current?.scrollIntoView({ block: "nearest", inline: "center" });
+  }, [here, among]);
   return (
     <li>
       <a ref={ref} href={hashOf({ page: page.name, device })} aria-current={here ? "page" : undefined}>
@@ -74,7 +75,7 @@ function Navigation() {
     <nav aria-label={t("pages")}>
       <ul>
         {pages.filter((page) => !page.ofDevice).map((page) => (
-          <Tab key={page.name} page={page} here={page === here} />
+          <Tab key={page.name} page={page} here={page === here} among={all.length} />
         ))}
       </ul>
       {device !== undefined && ofDevice.length > 0 && (
@@ -95,7 +96,7 @@ function Navigation() {
           </select>
           <ul>
             {ofDevice.map((page) => (
-              <Tab key={page.name} page={page} device={device} here={page === here} />
+              <Tab key={page.name} page={page} device={device} here={page === here} among={all.length} />
             ))}
           </ul>
         </>

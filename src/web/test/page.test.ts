@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { digitsOf, duration, fixed, shortNumber, valueText } from "../src/format";
 import { frameOf } from "../src/parts/frame_of";
 import { gridStep, addPoint, type Point } from "../src/parts/track";
+import { changesOf, fileOf, isSame, valuesIn, type Parameter } from "../src/parts/parameter_set";
 import { pinnedOf, type Command } from "../src/live/device";
 import type { MessageRow } from "../src/protocol/table";
 import { hashOf, placeOf } from "../src/route";
@@ -67,4 +68,25 @@ test("pins what ends a flight, where it wants no values", () => {
   assert.deepEqual(pinnedOf([command("LAND"), command("Lock"), command("UNLOCK")]), { land: command("LAND"), lock: command("Lock") });
   assert.equal(pinnedOf([command("一键降落")]).land?.name, "一键降落");
   assert.deepEqual(pinnedOf([command("LAND", ["u8"]), command("ISLAND"), command("BLOCK")]), { land: undefined, lock: undefined });
+});
+
+const parameters: Parameter[] = [
+  { id: 0, name: "GAIN", type: "f32", value: 0.1 },
+  { id: 1, name: "BIG", type: "u64", value: "18446744073709551615" },
+  { id: 2, name: "NAME", type: "string", value: "a" },
+  { id: 3, name: "N", type: "u8", value: 5 },
+];
+
+test("writes only what differs, however the same value is written", () => {
+  assert.deepEqual(changesOf(parameters, { GAIN: "0.10", BIG: "18446744073709551615", NAME: "a", N: "0x05" }), {});
+  assert.deepEqual(changesOf(parameters, { GAIN: "0.2", BIG: "18446744073709551614", NAME: "a ", N: "6", GONE: "1" }), { GAIN: "0.2", BIG: "18446744073709551614", NAME: "a ", N: "6" });
+  assert.equal(isSame(5, "", "u8"), false);
+  assert.equal(isSame("nan", "nan", "f32"), true);
+});
+
+test("a file of parameters comes back with every digit", () => {
+  const text = fileOf({ address: "0xDC", name: "SimFC", sw: 100 }, parameters);
+  assert.deepEqual(changesOf(parameters, valuesIn(text)!), {});
+  assert.deepEqual(valuesIn('{"parameters": {"BIG": 18446744073709551615}}'), { BIG: "18446744073709551615" });
+  for (const bad of ["", "[]", "7", "null", '{"parameters": [1]}']) assert.equal(valuesIn(bad), undefined, bad);
 });

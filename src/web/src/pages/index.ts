@@ -3,9 +3,11 @@ import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import type { Place } from "../route";
 import { Charts } from "./charts";
+import { Commands } from "./commands";
 import { Frames } from "./frames";
 import { Log } from "./log";
 import { Overview } from "./overview";
+import { Parameters } from "./parameters";
 import { Vehicle } from "./vehicle";
 
 export interface Page {
@@ -21,6 +23,8 @@ export const pages: Page[] = [
   { name: "charts", title: "charts", ofDevice: false, view: Charts },
   { name: "log", title: "log", ofDevice: false, view: Log },
   { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
+  { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
+  { name: "commands", title: "commands", ofDevice: true, view: Commands },
 ];
 
 export const pageAt = (place: Place): Page =>

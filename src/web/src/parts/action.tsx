@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Refusal } from "../api";
 import { t } from "../i18n";
+import type { Job } from "../live/jobs";
 
 export interface Outcome {
   words: string;
@@ -51,6 +52,20 @@ export function useAction(): Action {
     });
   };
   return { busy, outcome, run, say: setOutcome };
+}
+
+/** What takes long, with a way to end it. */
+export function JobLine({ job, onCancel }: { job: Job | undefined; onCancel?: () => void }) {
+  if (!job) return null;
+  const { progress, done, total, unit } = job;
+  return (
+    <div class="job">
+      <progress max={1} value={progress} aria-label={job.message || job.kind} />
+      <span class="number">{total ? `${done ?? 0} / ${total} ${unit ?? ""}` : ""}</span>
+      <span>{job.message}</span>
+      {onCancel && <button type="button" onClick={onCancel}>{t("cancel")}</button>}
+    </div>
+  );
 }
 
 export function OutcomeLine({ action }: { action: Action }) {
