@@ -24,9 +24,9 @@ export const words = {
 
   up_for: ["running for {time}", "已运行 {time}"],
   links: ["Links", "链路"],
-  links_n: ["{n} links", "{n} 条链路"],
-  links_waiting: ["{n} waiting", "{n} 条在等待"],
-  devices_n: ["{n} devices", "{n} 个设备"],
+  links_n: ["links: {n}", "{n} 条链路"],
+  links_waiting: ["waiting: {n}", "{n} 条在等待"],
+  devices_n: ["devices: {n}", "{n} 个设备"],
   frames_rate: ["{n} frames/s in", "每秒收到 {n} 帧"],
   network: ["Network", "网络"],
   troubles: ["Needs attention", "需要处理"],
