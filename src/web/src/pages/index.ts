@@ -5,10 +5,12 @@ import type { Place } from "../route";
 import { Charts } from "./charts";
 import { Commands } from "./commands";
 import { Frames } from "./frames";
+import { Images } from "./images";
 import { Log } from "./log";
 import { Overview } from "./overview";
 import { Parameters } from "./parameters";
 import { Vehicle } from "./vehicle";
+import { Waypoints } from "./waypoints";
 
 export interface Page {
   name: string;
@@ -22,9 +24,11 @@ export const pages: Page[] = [
   { name: "frames", title: "frames", ofDevice: false, view: Frames },
   { name: "charts", title: "charts", ofDevice: false, view: Charts },
   { name: "log", title: "log", ofDevice: false, view: Log },
+  { name: "images", title: "images", ofDevice: false, view: Images },
   { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
   { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
   { name: "commands", title: "commands", ofDevice: true, view: Commands },
+  { name: "waypoints", title: "waypoints", ofDevice: true, view: Waypoints },
 ];
 
 export const pageAt = (place: Place): Page =>

@@ -40,7 +40,20 @@ export interface Mark extends Point {
   label: string;
 }
 
-function draw(canvas: HTMLCanvasElement, track: readonly Point[], marks: readonly Mark[], now: Point | undefined, yaw: number, scale: number): void {
+/** Between the marks and where it began. */
+function middleOf(marks: readonly Point[]): Point {
+  const xs = [0, ...marks.map((mark) => mark.x)], ys = [0, ...marks.map((mark) => mark.y)];
+  return { x: (Math.min(...xs) + Math.max(...xs)) / 2, y: (Math.min(...ys) + Math.max(...ys)) / 2 };
+}
+
+/** Metres a pixel with which all marks are seen. */
+function scaleFor(marks: readonly Point[]): number {
+  const middle = middleOf(marks);
+  const farthest = Math.max(10, ...marks.map((mark) => Math.max(Math.abs(mark.x - middle.x), Math.abs(mark.y - middle.y))));
+  return farthest / 150;
+}
+
+function draw(canvas: HTMLCanvasElement, track: readonly Point[], marks: readonly Mark[], now: Point | undefined, yaw: number, scale: number, way: boolean): void {
   const ratio = devicePixelRatio || 1;
   const width = canvas.clientWidth, height = canvas.clientHeight;
   if (canvas.width !== Math.round(width * ratio)) canvas.width = Math.round(width * ratio);
@@ -51,7 +64,7 @@ function draw(canvas: HTMLCanvasElement, track: readonly Point[], marks: readonl
   const colour = (name: string): string => style.getPropertyValue(name).trim();
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);
-  const middle = now ?? { x: 0, y: 0 };
+  const middle = now ?? middleOf(marks);
   const px = (p: Point): number => width / 2 - (p.y - middle.y) / scale;
   const py = (p: Point): number => height / 2 - (p.x - middle.x) / scale;
 
@@ -79,6 +92,15 @@ function draw(canvas: HTMLCanvasElement, track: readonly Point[], marks: readonl
   pen.stroke();
 
   const home = { x: 0, y: 0 };
+  if (way) {
+    pen.strokeStyle = colour("--warn");
+    pen.setLineDash([6, 5]);
+    pen.beginPath();
+    pen.moveTo(px(home), py(home));
+    for (const mark of marks) pen.lineTo(px(mark), py(mark));
+    pen.stroke();
+    pen.setLineDash([]);
+  }
   pen.strokeStyle = colour("--ink");
   pen.beginPath(); pen.arc(px(home), py(home), 5, 0, 7); pen.stroke();
   pen.fillStyle = colour("--ink");
@@ -96,13 +118,17 @@ function draw(canvas: HTMLCanvasElement, track: readonly Point[], marks: readonl
   }
 }
 
-export function Track({ device, now, yaw, marks = [] }: { device: number; now: Point | undefined; yaw: number; marks?: Mark[] }) {
+/** `way`: the marks are gone to in their order. */
+export function Track({ device, now, yaw, marks = [], way = false }: { device: number; now: Point | undefined; yaw: number; marks?: Mark[]; way?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const [scale, setScale] = useState(0.05); // metres a pixel
-  const zoom = (factor: number): void => setScale((was) => Math.min(Math.max(was * factor, 0.002), 100));
+  const [chosen, setScale] = useState<number>(); // metres a pixel
+  const scale = chosen ?? (way ? scaleFor(marks) : 0.05);
+  const current = useRef(scale);
+  current.current = scale;
+  const zoom = (factor: number): void => setScale(Math.min(Math.max(current.current * factor, 0.002), 100));
   const track = trackOf(device);
   useEffect(() => {
-    if (canvas.current) draw(canvas.current, track, marks, now, yaw, scale);
+    if (canvas.current) draw(canvas.current, track, marks, now, yaw, scale, way);
   });
   useEffect(() => {
     const element = canvas.current;
