@@ -3,6 +3,8 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { Pictures, pixelsOf } from "../src/live/pictures";
+import { firmwareFile } from "../src/parts/firmware_file";
+import { boxFaces, dot, faceNames, sphereCells, turnedUp, viewFrom } from "../src/parts/solid";
 import { foreignForm, onEarth, onGround, waypointsIn, type Waypoint } from "../src/parts/waypoint_set";
 import { MessageTable, Reading, type MessageRow } from "../src/protocol/table";
 
@@ -55,4 +57,33 @@ test("draws a bit a pixel from the highest on", () => {
   const [picture] = new Pictures().take(rows(1, 2, 8, 1, [0b10000001]), 220, 0);
   const pixels = pixelsOf(picture!);
   assert.deepEqual([pixels[0], pixels[4], pixels[28]], [255, 0, 255]);
+});
+
+test("turns a box so that the face that is up is up, and mirrors nothing", () => {
+  for (const face of faceNames) {
+    const axis = "xyz".indexOf(face[1]!), normal = [0, 0, 0];
+    normal[axis] = face.startsWith("-") ? -1 : 1;
+    assert.deepEqual(turnedUp(face, normal as [number, number, number]).map((n) => n + 0), [0, 0, 1], face);
+    const [x, y, z] = [turnedUp(face, [1, 0, 0]), turnedUp(face, [0, 1, 0]), turnedUp(face, [0, 0, 1])];
+    const cross = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]] as const;
+    assert.equal(dot(cross, z), 1, face);
+    const seen = boxFaces(face, viewFrom(25, 30)).map((one) => one.name);
+    assert.equal(seen.length, 3);
+    assert.ok(seen.includes(face), face);
+  }
+});
+
+test("shows each cell of the sphere from the front or from the back", () => {
+  const seen = new Set([0, 180].flatMap((azimuth) => sphereCells(6, 12, viewFrom(azimuth, 0)).map((cell) => cell.index)));
+  assert.ok(seen.size >= 70, String(seen.size));
+});
+
+test("reads the header of a .bia, and takes nothing else for one", () => {
+  const start = new Uint8Array(100);
+  start.set([0x62, 0x69, 0x61]);
+  new DataView(start.buffer).setUint16(10, 205, true);
+  start[20] = 7;
+  assert.deepEqual(firmwareFile(start.buffer, 1100), { bytes: 1000, header: { version: 205, crc: 0, hwType: 7, hwMin: 0, hwMax: 0 } });
+  assert.deepEqual(firmwareFile(start.slice(0, 50).buffer, 50), { bytes: 50 });
+  assert.deepEqual(firmwareFile(new ArrayBuffer(0), 0), { bytes: 0 });
 });

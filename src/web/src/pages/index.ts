@@ -2,8 +2,10 @@
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
 import type { Place } from "../route";
+import { Calibration } from "./calibration";
 import { Charts } from "./charts";
 import { Commands } from "./commands";
+import { Firmware } from "./firmware";
 import { Frames } from "./frames";
 import { Images } from "./images";
 import { Log } from "./log";
@@ -29,6 +31,8 @@ export const pages: Page[] = [
   { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
   { name: "commands", title: "commands", ofDevice: true, view: Commands },
   { name: "waypoints", title: "waypoints", ofDevice: true, view: Waypoints },
+  { name: "calibration", title: "calibration", ofDevice: true, view: Calibration },
+  { name: "firmware", title: "firmware", ofDevice: true, view: Firmware },
 ];
 
 export const pageAt = (place: Place): Page =>
