@@ -10,7 +10,7 @@ fault() {
     echo "$*"
     missing=1
 }
-mapfile -t readmes < <(find . -name build -prune -o -name 'README*.md' -print | sed 's|^\./||' | sort)
+mapfile -t readmes < <(find . \( -name build -o -name node_modules \) -prune -o -name 'README*.md' -print | sed 's|^\./||' | sort)
 
 # explained_in FILE...: every line of standard input, at least one, stands in one of them.
 explained_in() {

@@ -68,7 +68,8 @@ public:
         reload_.on_links_changed([this](const std::vector<std::string>& names) {
             for (const std::string& name : names) hint_log_.forget(name);
         });
-        add_routes(control_.routes(), gateway_, [this] { return control_.network_door(); });
+        add_routes(
+            control_.routes(), gateway_, [this] { return control_.network_door(); }, installed_page());
         add_reload_routes(control_.routes(), reload_);
         control_.add_login_route();
         gateway_.go_on_from(take_handover());

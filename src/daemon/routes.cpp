@@ -41,6 +41,20 @@ http::Response list_of(const http::Routes& routes) {
     return json(line_of(std::move(list)));
 }
 
+// A browser is let in to ask for a token there; the list is for who has one.
+http::Response front(const http::Routes& routes, const Page& page, const Request& request) {
+    if (page.is_wanted_by(request)) return page.file({}, request);
+    return request.access == Access::open ? http::needs_token("this path needs a token") : list_of(routes);
+}
+
+void add_page(http::Routes& routes, Page page) {
+    const auto kept = std::make_shared<const Page>(std::move(page));
+    routes.add({"GET", "/", Access::open, "the page, to who takes text/html; else this list, to who may view",
+                [&routes, kept](const Request& request) { return front(routes, *kept, request); }});
+    routes.add({"GET", "/web/{file}", Access::open, "a file of the page",
+                [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
+}
+
 http::Response metrics_answer(const Request& request, Gateway& gateway) {
     const MetricsForm form = metrics_form(request.header("Accept"));
     http::Response response;
@@ -98,8 +112,8 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 
 }    // namespace
 
-void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door) {
-    routes.add({"GET", "/", Access::view, "this list", [&routes](const Request&) { return list_of(routes); }});
+void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door, Page page) {
+    add_page(routes, std::move(page));
     routes.add({"GET", "/status", Access::view,
                 "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
                 [&gateway, door = std::move(door)](const Request&) { return json(status_json(gateway, door())); }});

@@ -21,6 +21,7 @@ constexpr std::pair<unsigned, std::string_view> reasons[] = {
     {403, "Forbidden"},
     {404, "Not Found"},
     {405, "Method Not Allowed"},
+    {406, "Not Acceptable"},
     {408, "Request Timeout"},
     {409, "Conflict"},
     {413, "Payload Too Large"},
@@ -67,6 +68,7 @@ std::string_view what_of(unsigned status) noexcept {
     case 507: return "refused";
     case 404: return "unknown";
     case 405:
+    case 406:
     case 415:
     case 426: return "unsupported";
     case 409:

@@ -67,6 +67,15 @@ TEST_F(NetworkDoor, lets_in_who_has_a_token) {
     EXPECT_NE(http(port, request("GET /status")).find("WWW-Authenticate: Bearer"), std::string::npos);
 }
 
+TEST_F(NetworkDoor, tells_a_stranger_nothing_but_the_page) {
+    const std::string page = "Accept: text/html\r\nAccept-Encoding: gzip\r\n";
+    EXPECT_EQ(code_of(http(port, request("GET /"))), "401") << "the list of routes";
+    EXPECT_EQ(code_of(http(port, request("GET /web/none.js", page))), "404") << "which files there are is no secret";
+    const std::string code = code_of(http(port, request("GET /", page)));
+    EXPECT_TRUE(code == "200" || code == "401") << code << ": the page, where it was built";
+    EXPECT_EQ(code_of(http(port, request("POST /", "Content-Type: application/json\r\n" + page, "{}"))), "405");
+}
+
 TEST_F(NetworkDoor, who_may_look_may_not_act) {
     const std::string json = "Content-Type: application/json\r\n";
     EXPECT_EQ(code_of(http(port, request("POST /gpio", json + bearer(looks), "{}"))), "403");

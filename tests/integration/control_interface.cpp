@@ -57,7 +57,10 @@ protected:
         EXPECT_TRUE(all.at("version").is_string());
         for (const json& row : all.at("routes")) {
             EXPECT_NE(row.at("answers"), "") << row << " does not say what it answers";
-            EXPECT_EQ(row.at("access") == "view", row.at("method") == "GET" && row.at("path") != "/link") << row;
+            const std::string path = row.at("path");
+            const bool is_page = path == "/" || path == "/web/{file}";
+            EXPECT_EQ(row.at("access") == "open", is_page || path == "/login") << row;
+            EXPECT_EQ(row.at("access") == "view", row.at("method") == "GET" && path != "/link" && !is_page) << row;
         }
     }
     void status() const {
@@ -128,6 +131,7 @@ protected:
 TEST_F(ControlInterface, answers_every_route_of_its_list) {
     const std::pair<std::string, std::function<void()>> tests[]{
         {"GET /", [this] { list(); }},
+        {"GET /web/{file}", [this] { refuses("GET", "/web/none.js", 404, "unknown", "no such file"); }},    // Page
         {"GET /status", [this] { status(); }},
         {"GET /links", [this] { links(); }},
         {"GET /routes", [this] { routes(); }},

@@ -1,0 +1,187 @@
+// What stands around every page: where one is, whether the gateway is there, how to go elsewhere.
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { t, setLanguage, useLanguage } from "./i18n";
+import { access, contact, devices, logIn, silentFor, status, tokenNeeded } from "./live/gateway";
+import { useStore, useTick } from "./live/store";
+import { nameOf } from "./addresses";
+import { hexByte } from "./protocol/table";
+import { Pinned } from "./parts/pinned";
+import { pages, pageAt, type Page } from "./pages";
+import { hashOf, place } from "./route";
+import { setTheme, theme, themes } from "./theme";
+
+function ContactLamp() {
+  useTick(500);
+  const state = useStore(contact);
+  const words = state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
+  return (
+    <span class={`contact ${state}`} role="status">
+      <i class="lamp" aria-hidden="true" />
+      {words}
+    </span>
+  );
+}
+
+function Switches() {
+  const language = useLanguage();
+  const now = useStore(theme);
+  const next = themes[(themes.indexOf(now) + 1) % themes.length]!;
+  const sign = { auto: "◐", light: "☀", dark: "☾" }[now];
+  return (
+    <span class="switches">
+      <button class="plain" lang={language === "zh" ? "en" : "zh-CN"} onClick={() => setLanguage(language === "zh" ? "en" : "zh")}>
+        {t("language")}
+      </button>
+      <button class="plain" title={t(`theme_${now}`)} aria-label={t(`theme_${now}`)} onClick={() => setTheme(next)}>
+        {sign}
+      </button>
+    </span>
+  );
+}
+
+/** The addresses whose pages are offered: who was heard, but for hosts; and the one that is looked at. */
+function useDevices(chosen: number | undefined): number[] {
+  const heard = useStore(devices).map((device) => Number(device.address));
+  const all = new Set(heard.filter((address) => address !== 0xfe && address !== 0xd2));
+  if (chosen !== undefined) all.add(chosen);
+  return [...all].sort((a, b) => a - b);
+}
+
+/** `among`: how many there are; with more of them it may be out of sight again. */
+function Tab({ page, device, here, among }: { page: Page; device?: number | undefined; here: boolean; among: number }) {
+  const ref = useRef<HTMLAnchorElement>(null);
+  useEffect(() => {
+    if (here) ref.current?.scrollIntoView({ block: "nearest", inline: "center" });
+  }, [here, among]);
+  return (
+    <li>
+      <a ref={ref} href={hashOf({ page: page.name, device })} aria-current={here ? "page" : undefined}>
+        {t(page.title)}
+      </a>
+    </li>
+  );
+}
+
+function Navigation() {
+  const now = useStore(place);
+  const here = pageAt(now);
+  const all = useDevices(now.device);
+  const remembered = useRef<number | undefined>(undefined);
+  if (now.device !== undefined) remembered.current = now.device;
+  const device = now.device ?? remembered.current ?? all.find((address) => address === 0xdc) ?? all[0];
+  const ofDevice = pages.filter((page) => page.ofDevice);
+  return (
+    <nav aria-label={t("pages")}>
+      <ul>
+        {pages.filter((page) => !page.ofDevice).map((page) => (
+          <Tab key={page.name} page={page} here={page === here} among={all.length} />
+        ))}
+      </ul>
+      {device !== undefined && ofDevice.length > 0 && (
+        <>
+          <select
+            aria-label={t("device")}
+            value={String(device)}
+            onChange={(event) => {
+              const page = here.ofDevice ? here.name : ofDevice[0]!.name;
+              location.hash = hashOf({ page, device: Number(event.currentTarget.value) });
+            }}
+          >
+            {all.map((address) => (
+              <option key={address} value={String(address)}>
+                {hexByte(address)} {nameOf(address)}
+              </option>
+            ))}
+          </select>
+          <ul>
+            {ofDevice.map((page) => (
+              <Tab key={page.name} page={page} device={device} here={page === here} among={all.length} />
+            ))}
+          </ul>
+        </>
+      )}
+    </nav>
+  );
+}
+
+function Login() {
+  const [token, setToken] = useState("");
+  const [wrong, setWrong] = useState("");
+  const [busy, setBusy] = useState(false);
+  const enter = async (event: Event): Promise<void> => {
+    event.preventDefault();
+    if (busy) return;
+    setBusy(true);
+    const fault = await logIn(token);
+    setBusy(false);
+    setWrong(fault === "no_contact" ? t("no_contact") : fault);
+  };
+  return (
+    <form class="login card" onSubmit={(event) => void enter(event)}>
+      <h1>{t("token_title")}</h1>
+      <p>{t("token_where")}</p>
+      <label>
+        {t("token")}
+        <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />
+      </label>
+      <button class="main" disabled={busy}>{t("token_enter")}</button>
+      {wrong && <p class="bad" role="alert">{wrong}</p>}
+    </form>
+  );
+}
+
+function Banner() {
+  const state = useStore(contact);
+  if (state !== "lost") return null;
+  return (
+    <p class="banner" role="alert">
+      <b>{t("no_contact")}.</b> {t("old_values")}
+    </p>
+  );
+}
+
+function Body({ children }: { children: ComponentChildren }) {
+  const state = useStore(contact);
+  return (
+    <main id="content" tabIndex={-1} class={state === "lost" ? "old" : ""}>
+      {children}
+    </main>
+  );
+}
+
+export function App() {
+  useLanguage();
+  const now = useStore(place);
+  const needed = useStore(tokenNeeded);
+  const known = useStore(status);
+  const may = useStore(access);
+  const page = pageAt(now);
+  useEffect(() => {
+    const whose = page.ofDevice && now.device !== undefined ? nameOf(now.device) || hexByte(now.device) : known?.gateway.name;
+    document.title = `${t(page.title)} · ${whose ?? "anogate"}`;
+  });
+  const View = page.view;
+  return (
+    <>
+      <a class="skip" href="#content" onClick={(event) => { event.preventDefault(); document.getElementById("content")?.focus(); }}>{t("skip")}</a>
+      <header class="top">
+        <a class="brand" href="#/">anogate</a>
+        <span class="of">{known && known.gateway.name !== "anogate" ? known.gateway.name : ""}</span>
+        <ContactLamp />
+        <Switches />
+      </header>
+      {!needed && <Navigation />}
+      <Body>
+        <Banner />
+        {needed ? <Login /> : (
+          <>
+            {may === "view" && known?.http.token_needed && <p class="note">{t("only_view")}</p>}
+            <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />
+          </>
+        )}
+      </Body>
+      {!needed && page.ofDevice && now.device !== undefined && <Pinned key={now.device} device={now.device} />}
+    </>
+  );
+}

@@ -1,0 +1,62 @@
+// Numbers and times as people read them.
+import type { FieldRow, Value } from "./protocol/table";
+
+/** As many digits as the scale of the field gives, and no more. */
+export function digitsOf(scale: number | undefined): number {
+  if (scale === undefined || scale >= 1) return 0;
+  return Math.min(Math.max(Math.ceil(-Math.log10(scale) - 1e-9), 0), 7);
+}
+
+/** No minus before a zero. */
+export const fixed = (value: number, digits: number): string => value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
+
+/** Short enough for a table: four digits that count. */
+export function shortNumber(value: number): string {
+  const size = Math.abs(value);
+  if (!Number.isFinite(value)) return "–";
+  if (size >= 1e9) return (value / 1e9).toFixed(size >= 1e10 ? 1 : 2) + " G";
+  if (size >= 1e6) return (value / 1e6).toFixed(size >= 1e7 ? 1 : 2) + " M";
+  if (size >= 1e4) return (value / 1e3).toFixed(size >= 1e5 ? 0 : 1) + " k";
+  if (size >= 100 || size === 0 || Number.isInteger(value)) return value.toFixed(0);
+  return value.toFixed(size >= 10 ? 1 : 2);
+}
+
+export function rateText(perSecond: number | undefined): string {
+  if (perSecond === undefined) return "–";
+  if (perSecond === 0) return "0";
+  return perSecond > 0 && perSecond < 0.05 ? "<0.1" : perSecond >= 10 ? shortNumber(Math.round(perSecond)) : perSecond.toFixed(1);
+}
+
+export function duration(seconds: number, zh = false): string {
+  const s = Math.max(0, Math.floor(seconds));
+  const unit = zh ? [" 天 ", " 小时", " 分", " 秒"] : [" d ", " h", " min", " s"];
+  if (s >= 86400) return `${Math.floor(s / 86400)}${unit[0]}${Math.floor((s % 86400) / 3600)}${unit[1]}`;
+  if (s >= 3600) return `${Math.floor(s / 3600)}${unit[1]} ${Math.floor((s % 3600) / 60)}${unit[2]}`;
+  if (s >= 60) return `${Math.floor(s / 60)}${unit[2]} ${s % 60}${unit[3]}`;
+  return `${s}${unit[3]}`;
+}
+
+export function numberText(value: number | bigint, field: FieldRow): string {
+  if (typeof value === "bigint") return value.toString();
+  if (field.type === "f32") return Number(value.toPrecision(7)).toString();
+  if (field.type === "f64") return value.toString();
+  return field.scale !== undefined && field.scale < 1 ? value.toFixed(digitsOf(field.scale)) : String(value);
+}
+
+const longest = 400; // characters of a text that a device sent
+
+/** Without its unit. Whatever a device sends stays text. */
+export function valueText(value: Value, field: FieldRow): string {
+  if (value === null) return "–";
+  if (typeof value === "number" || typeof value === "bigint") return numberText(value, field);
+  if (typeof value === "string") return value.length > longest ? value.slice(0, longest) + "…" : value;
+  if (Array.isArray(value)) {
+    const shown = value.slice(0, 16).map((one) => valueText(one, field));
+    return "[" + shown.join(", ") + (value.length > 16 ? `, … ${value.length}` : "") + "]";
+  }
+  return Object.entries(value).map(([name, one]) => `${name} ${one === null ? "–" : String(one)}`).join(" ");
+}
+
+/** What a number of an enumeration means. */
+export const meaningOf = (value: Value, field: FieldRow): string | undefined =>
+  typeof value === "number" ? field.values?.[String(value)] : undefined;

@@ -1,0 +1,49 @@
+// The page's words in two languages. {x} is filled in.
+import { Store, useStore } from "./live/store";
+import { remember, remembered } from "./kept";
+import { words } from "./words";
+import { causes, errors, hints, titles, unhandled } from "./words_of_gateway";
+
+export type Language = "en" | "zh";
+export type Key = keyof typeof words;
+
+export function languageOf(kept: string, wanted: readonly string[]): Language {
+  if (kept === "en" || kept === "zh") return kept;
+  const first = wanted.find((tag) => /^(zh|en)\b/i.test(tag));
+  return first && /^zh/i.test(first) ? "zh" : "en";
+}
+
+export const language = new Store<Language>("en");
+
+export function setLanguage(to: Language, keep = true): void {
+  document.documentElement.lang = to === "zh" ? "zh-CN" : "en";
+  if (keep) remember("language", to);
+  language.set(to);
+}
+
+export function beginLanguage(): void {
+  setLanguage(languageOf(remembered("language"), navigator.languages), false);
+}
+
+const filled = (text: string, args: Record<string, unknown> = {}): string =>
+  text.replace(/\{(\w+)\}/g, (whole, name: string) => (name in args ? String(args[name]) : whole));
+
+export function t(key: Key, args?: Record<string, unknown>): string {
+  return filled(words[key][language.get() === "zh" ? 1 : 0], args);
+}
+
+export const useLanguage = (): Language => useStore(language);
+
+/** What the gateway says of a link: in Chinese where its id is known, else as it says it. */
+export function hintText(id: string, text: string, args: Record<string, unknown>): string {
+  if (language.get() !== "zh") return text;
+  const known = hints[id];
+  return known === undefined ? text : filled(known, args) + (args.try_hello ? unhandled.try_hello : "");
+}
+export function errorText(id: string, text: string, args: Record<string, unknown>): string {
+  const known = language.get() === "zh" ? errors[id] : undefined;
+  return known === undefined ? text : filled(known, args);
+}
+/** What a counter counts; its name where it is not known. */
+export const causeText = (name: string): string => causes[name]?.[language.get() === "zh" ? 1 : 0] ?? name;
+export const titleText = (name: string, title: string): string => (language.get() === "zh" ? (titles[name] ?? title) : title);

@@ -1,0 +1,60 @@
+// Questions to one device, by the gateway's host engine.
+import { ask, type Answer } from "../api";
+import { Store } from "./store";
+
+export interface Command {
+  id: number;
+  name: string;
+  text?: string;
+  values: string[];
+}
+
+interface Identity {
+  address: string;
+  name?: string;
+  hw?: number;
+  sw?: number;
+  bl?: number;
+  pt?: number;
+}
+
+export interface Commands {
+  device: Identity;
+  commands: Command[];
+}
+
+export const path = (device: number, rest: string): string => `/devices/${device}/${rest}`;
+const part = (name: string | number): string => encodeURIComponent(String(name));
+
+const kept = new Map<number, Store<Commands | undefined>>();
+const asking = new Set<number>();
+
+/** What a device describes; asked for once, and again when that did not come. */
+export function commandsOf(device: number): Store<Commands | undefined> {
+  let store = kept.get(device);
+  if (!store) kept.set(device, (store = new Store<Commands | undefined>(undefined)));
+  return store;
+}
+
+export async function readCommands(device: number): Promise<Answer<Commands> | undefined> {
+  if (asking.has(device)) return undefined;
+  asking.add(device);
+  const answer = await ask<Commands>(path(device, "commands"), { timeout: 60000 });
+  asking.delete(device);
+  if (answer.ok && Array.isArray(answer.value.commands)) commandsOf(device).set(answer.value);
+  return answer;
+}
+
+export const call = (device: number, command: Command, values: unknown[], repeat = false): Promise<Answer<{ name: string; called: boolean }>> =>
+  ask(path(device, "commands/" + part(command.id)), { method: "POST", body: { values, repeat }, timeout: 60000 });
+
+const plain = (name: string): string => name.replace(/[\s_-]+/g, "").toLowerCase();
+
+/** The commands that end a flight, where the device has them under a name that says so and they want no values. */
+export function pinnedOf(commands: readonly Command[]): { lock: Command | undefined; land: Command | undefined } {
+  const called = (...names: string[]): Command | undefined => commands.find((command) => command.values.length === 0 && names.includes(plain(command.name)));
+  return {
+    lock: called("lock", "disarm", "上锁", "锁定", "加锁", "飞控上锁"),
+    land: called("land", "landing", "一键降落", "降落", "着陆"),
+  };
+}

@@ -1,0 +1,154 @@
+// What the page knows of the gateway: whether it is there, its status, its message table, who is heard.
+import { ask, onHeard, onTokenNeeded } from "../api";
+import { MessageTable, type MessageRow } from "../protocol/table";
+import { remember, remembered } from "../kept";
+import { CounterRates, type Counters } from "./counters";
+import { frameStream } from "./frames";
+import { Liveness, type Contact } from "./liveness";
+import { Store } from "./store";
+
+export interface Channel extends Counters {
+  peer: string;
+  heard_s?: number;
+}
+export interface Link extends Counters {
+  name: string;
+  kind: string;
+  id: number | null;
+  state: string;
+  since_s: number;
+  error: string;
+  error_id: string;
+  error_args: Record<string, unknown>;
+  hint: string;
+  hint_id: string;
+  hint_args: Record<string, unknown>;
+  channels: Channel[];
+}
+export interface Route {
+  address: string;
+  who: string;
+  links: string[];
+  via: string;
+  age_s?: number;
+}
+export interface Status {
+  gateway: { id: number | null; name: string; version: string; uptime_s: number; standstills: number; longest_standstill_s: number };
+  links: Link[];
+  routes: Route[];
+  conflicts: { address: string; links?: string[]; [key: string]: unknown }[];
+  tunnel: Counters;
+  http: { token_needed: boolean; tls: boolean };
+}
+export interface Device {
+  address: string;
+  name?: string;
+  link?: string;
+  peer?: string;
+  age?: number;
+  rate?: number;
+  hw?: number;
+  sw?: number;
+  parameters?: number;
+  job?: number;
+  in_loader?: boolean;
+}
+
+export const contact = new Store<Contact>("never");
+export const status = new Store<Status | undefined>(undefined);
+export const table = new Store<MessageTable | undefined>(undefined);
+export const devices = new Store<Device[]>([]);
+export const tokenNeeded = new Store(false);
+/** Seconds of the page's own clock at which the status came. */
+export const statusAt = new Store(0);
+export const linkRates = new CounterRates();
+
+export const seconds = (): number => performance.now() / 1000;
+
+const liveness = new Liveness();
+export const silentFor = (): number => liveness.silentFor(performance.now()) / 1000;
+
+function took(value: Status): void {
+  const now = seconds();
+  for (const link of value.links) {
+    linkRates.look("link:" + link.name, link, now);
+    link.channels.forEach((channel, i) => linkRates.look(`channel:${link.name}:${channel.peer}:${i}`, channel, now));
+  }
+  statusAt.set(now);
+  status.set(value);
+}
+
+// Another run of the gateway may have another configuration, and so another table.
+let tableOfRun = "";
+
+async function keepTable(value: Status): Promise<void> {
+  const run = `${value.gateway.version} ${Math.round((Date.now() / 1000 - value.gateway.uptime_s) / 5)}`;
+  if (table.get() && near(run, tableOfRun)) return;
+  tableOfRun = run;
+  const answer = await ask<MessageRow[]>("/messages", { timeout: 5000 });
+  if (answer.ok && Array.isArray(answer.value)) table.set(new MessageTable(answer.value));
+  else tableOfRun = "";
+}
+
+/** Begun within 10 s of each other, by clocks that are set now and then. */
+function near(a: string, b: string): boolean {
+  const [va, ta] = a.split(" "), [vb, tb] = b.split(" ");
+  return va === vb && Math.abs(Number(ta) - Number(tb)) <= 2;
+}
+
+let askedForDevices = Number.NEGATIVE_INFINITY;
+
+async function keepDevices(now: number): Promise<void> {
+  if (now - askedForDevices < 2000) return;
+  askedForDevices = now;
+  const answer = await ask<{ devices: Device[] }>("/devices", { timeout: 4000 });
+  if (answer.ok && Array.isArray(answer.value.devices)) devices.set(answer.value.devices);
+}
+
+async function askStatus(question: number): Promise<void> {
+  const answer = await ask<Status>("/status", { timeout: 5000 });
+  liveness.ended(question);
+  if (!answer.ok || tokenNeeded.get()) return;
+  took(answer.value);
+  void keepTable(answer.value);
+  void keepDevices(performance.now());
+}
+
+function beat(): void {
+  if (document.hidden || tokenNeeded.get()) return;
+  const now = performance.now();
+  const question = liveness.ask(now);
+  if (question !== undefined) void askStatus(question);
+  const before = contact.get();
+  const after = liveness.contact(now);
+  contact.set(after);
+  if (before === "lost" && after === "live") frameStream.reopen();
+}
+
+export function begin(): void {
+  onHeard.call = () => {
+    liveness.heard(performance.now());
+    if (contact.get() === "never") contact.set("live");
+  };
+  onTokenNeeded.call = () => tokenNeeded.set(true);
+  document.addEventListener("visibilitychange", () => {
+    if (!document.hidden) liveness.restart(performance.now());
+  });
+  beat();
+  setInterval(beat, 100);
+}
+
+export async function logIn(token: string): Promise<string> {
+  const answer = await ask<{ access: string }>("/login", { method: "POST", body: { token: token.trim() }, timeout: 5000 });
+  if (!answer.ok) return answer.refusal.error || "no_contact";
+  access.set(answer.value.access);
+  remember("access", answer.value.access);
+  tokenNeeded.set(false);
+  liveness.restart(performance.now());
+  frameStream.reopen();
+  return "";
+}
+
+/** "view": who looks only. What he may not is not offered; the gateway decides. */
+export const access = new Store(remembered("access"));
+export const mayAct = (): boolean => access.get() !== "view" || status.get()?.http.token_needed === false;

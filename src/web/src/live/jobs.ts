@@ -1,0 +1,81 @@
+// What takes long: the gateway tells of it line by line, and at its end what came of it.
+import { ask, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
+
+export interface Job<T = unknown> {
+  id: number;
+  device?: string;
+  kind: string;
+  state: "running" | "waiting" | "done" | "failed" | "cancelled";
+  progress?: number;
+  done?: number;
+  total?: number;
+  unit?: string;
+  message: string;
+  step?: unknown;
+  error?: string;
+  what?: string;
+  status?: number;
+  evidence?: Record<string, unknown>;
+  result?: T;
+}
+
+/** Takes whole lines off what came so far, and keeps the rest. */
+export class Lines {
+  private rest = "";
+
+  put(text: string): string[] {
+    const parts = (this.rest + text).split("\n");
+    this.rest = parts.pop() ?? "";
+    return parts.filter((line) => line.trim() !== "");
+  }
+  end(): string[] {
+    return this.put("\n");
+  }
+}
+
+export function endOf<T>(job: Job<T>): Answer<T> {
+  if (job.state === "done") return { ok: true, value: job.result as T, status: 200 };
+  return { ok: false, refusal: { ...refusalOf(job.status ?? 0, { ...job, error: job.error || job.message || job.state }), body: job.result } };
+}
+
+const over = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
+
+/** Follows a job to its end; `onJob` is told of each change. Without an end the contact was lost: the job goes on without us. */
+export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
+  const lost: Answer<T> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
+  try {
+    const response = await fetch(path(route), requestOf({ ...options, accept: "application/x-ndjson" }));
+    onHeard.call();
+    const reader = response.body?.getReader();
+    if (!reader) return lost;
+    const lines = new Lines(), text = new TextDecoder();
+    let last: Job<T> | undefined;
+    const take = (all: string[]): void => {
+      for (const line of all) {
+        last = JSON.parse(line) as Job<T>;
+        if (response.ok) onJob(last);
+      }
+    };
+    for (let part = await reader.read(); !part.done; part = await reader.read()) {
+      onHeard.call();
+      take(lines.put(text.decode(part.value, { stream: true })));
+    }
+    take(lines.end());
+    if (!response.ok) return { ok: false, refusal: refusalOf(response.status, last) };
+    return last && over(last) ? endOf(last) : lost;
+  } catch {
+    return lost;
+  }
+}
+
+/** A route that answers with the job at once, and then with what comes of it. */
+export async function begin<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
+  const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
+  if (!answer.ok) return answer;
+  onJob(answer.value);
+  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob);
+}
+
+export const cancel = (job: Job): Promise<Answer<Job>> => ask(`/jobs/${job.id}`, { method: "DELETE" });
+export const goOn = (job: Job): Promise<Answer<Job>> => ask(`/jobs/${job.id}/next`, { method: "POST", body: {} });
+export const jobs = (): Promise<Answer<{ jobs: Job[] }>> => ask("/jobs", { timeout: 5000 });

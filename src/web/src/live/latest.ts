@@ -1,0 +1,63 @@
+// The last frame of each message of one device.
+import type { FrameRecord } from "../protocol/records";
+import { Reading, type MessageTable, type Value } from "../protocol/table";
+import { FrameRow } from "./rows";
+
+export interface Seen {
+  value: number;
+  unit: string;
+  late: boolean;
+}
+
+/** Lengths and speeds as people say them. */
+export function inPeoplesUnits(value: number, unit: string): [number, string] {
+  if (unit === "cm") return [value / 100, "m"];
+  if (unit === "cm/s") return [value / 100, "m/s"];
+  if (unit === "mm") return [value / 1000, "m"];
+  return [value, unit];
+}
+
+export class Latest {
+  private readonly rows = new Map<number, FrameRow>();
+  version = 0;
+
+  constructor(private readonly table: MessageTable) {}
+
+  take(record: FrameRecord, now: number): void {
+    let row = this.rows.get(record.id);
+    if (!row) this.rows.set(record.id, (row = new FrameRow("", record.link, record.from, record.id, -1)));
+    row.data = record.data.slice();
+    row.time = record.time;
+    row.rate.add(now);
+    ++this.version;
+  }
+
+  private row(message: string): FrameRow | undefined {
+    const id = this.table.rows.find((row) => row.name === message)?.id;
+    return id === undefined ? undefined : this.rows.get(id);
+  }
+
+  reading(message: string): Reading | undefined {
+    const row = this.row(message);
+    const reading = row && this.table.read(row.id, row.from, row.data);
+    return reading instanceof Reading ? reading : undefined;
+  }
+
+  value(message: string, field: string): Value | undefined {
+    return this.reading(message)?.get(field);
+  }
+
+  isLate(message: string, now: number): boolean {
+    return this.row(message)?.rate.isLate(now) ?? true;
+  }
+
+  /** A number in people's units; undefined where it was never said, or is said to be no data. */
+  number(message: string, field: string, now: number): Seen | undefined {
+    const reading = this.reading(message);
+    const row = reading?.row.fields.find((one) => one.name === field);
+    const value = row && reading?.value(row);
+    if (typeof value !== "number") return undefined;
+    const [said, unit] = inPeoplesUnits(value, row?.unit ?? "");
+    return { value: said, unit, late: this.isLate(message, now) };
+  }
+}

@@ -1,0 +1,49 @@
+// Whether the gateway is there, from when it was heard last. It decides only; times are milliseconds of one clock.
+
+export const askEvery = 400;
+export const lostAfter = 1000;
+export const mostOutstanding = 3;
+
+export type Contact = "never" | "live" | "lost";
+
+export class Liveness {
+  private heardAt = Number.NEGATIVE_INFINITY;
+  private askedAt = Number.NEGATIVE_INFINITY;
+  private readonly outstanding = new Map<number, number>();
+  private asked = 0;
+  private restartedAt = Number.NEGATIVE_INFINITY;
+
+  heard(now: number): void {
+    this.heardAt = now;
+  }
+
+  /** A page that was hidden asked nothing: its silence was its own. */
+  restart(now: number): void {
+    this.outstanding.clear();
+    this.askedAt = Number.NEGATIVE_INFINITY;
+    this.restartedAt = now;
+  }
+
+  contact(now: number): Contact {
+    if (this.heardAt === Number.NEGATIVE_INFINITY) return "never";
+    return now - Math.max(this.heardAt, this.restartedAt) > lostAfter ? "lost" : "live";
+  }
+
+  silentFor(now: number): number {
+    return now - this.heardAt;
+  }
+
+  /** The number of a question that is to be asked now. On a slow line several are on their way at a time. */
+  ask(now: number): number | undefined {
+    const patience = 5000;
+    for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);
+    if (now - this.askedAt < askEvery || this.outstanding.size >= mostOutstanding) return undefined;
+    this.askedAt = now;
+    this.outstanding.set(++this.asked, now);
+    return this.asked;
+  }
+
+  ended(question: number): void {
+    this.outstanding.delete(question);
+  }
+}

@@ -1,0 +1,47 @@
+// How often something comes, and whether it is late.
+
+/** All times are seconds of one clock. */
+export class Rate {
+  private readonly times: number[] = [];
+  private last = Number.NEGATIVE_INFINITY;
+  private interval = 0; // smoothed
+
+  constructor(private readonly window = 2) {}
+
+  add(now: number): void {
+    if (this.last > Number.NEGATIVE_INFINITY) {
+      const step = now - this.last;
+      this.interval = this.interval === 0 ? step : this.interval + (step - this.interval) * 0.1;
+    }
+    this.last = now;
+    this.times.push(now);
+    this.forget(now);
+  }
+
+  /** Events a second over the window; of what is rarer, from the smoothed interval. */
+  perSecond(now: number): number {
+    this.forget(now);
+    if (this.times.length >= 4) {
+      const span = now - this.times[0]!;
+      return span > 0 ? (this.times.length - 1) / Math.max(this.times[this.times.length - 1]! - this.times[0]!, span - this.interval * 2) : 0;
+    }
+    if (this.interval > 0 && !this.isLate(now)) return 1 / this.interval;
+    return this.times.length / this.window;
+  }
+
+  age(now: number): number {
+    return now - this.last;
+  }
+
+  /** It should have come again by now, by its own rate. What came once promises nothing for five seconds. */
+  isLate(now: number): boolean {
+    const promised = this.interval > 0 ? Math.min(Math.max(3 * this.interval, 0.5), 30) : 5;
+    return now - this.last > promised;
+  }
+
+  private forget(now: number): void {
+    let gone = 0;
+    while (gone < this.times.length && (this.times[gone]! < now - this.window || this.times.length - gone > 4096)) ++gone;
+    if (gone > 0) this.times.splice(0, gone);
+  }
+}

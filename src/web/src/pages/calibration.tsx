@@ -1,0 +1,132 @@
+// Calibration of accelerometer and compass: what is to be done, and how far it is.
+import { useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { t, useLanguage } from "../i18n";
+import { path } from "../live/device";
+import { mayAct } from "../live/gateway";
+import { cancel, goOn } from "../live/jobs";
+import { useRunning } from "../live/running";
+import { OutcomeLine, refusalText, useAction } from "../parts/action";
+import { boxFaces, faceNames, sphereCells, viewFrom, type FaceName } from "../parts/solid";
+import { hexByte } from "../protocol/table";
+
+interface FacesStep {
+  face: FaceName | null;
+  still: number;
+  faces: Record<string, number>;
+  done: string[];
+}
+interface SphereStep {
+  bands: number;
+  sectors: number;
+  coverage: number[];
+  filled: number;
+}
+
+const pointsText = (points: [number, number][]): string => points.map(([x, y]) => `${x.toFixed(3)},${y.toFixed(3)}`).join(" ");
+
+function Box({ step }: { step: FacesStep }) {
+  const up = faceNames.find((name) => name === step.face);
+  const next = faceNames.find((name) => !step.done.includes(name));
+  const shown = up ?? next ?? "+z";
+  return (
+    <div class="turning">
+      <svg class="solid" viewBox="-1.5 -1.35 3 2.7" role="img" aria-label={up ? t("face_up", { face: up }) : t("face_unknown")}>
+        {boxFaces(shown, viewFrom(25, 30)).map((face) => (
+          <g key={face.name} class={step.done.includes(face.name) ? "done" : face.name === up ? "now" : ""}>
+            <polygon points={pointsText(face.points)} />
+            <text x={face.middle[0]} y={face.middle[1] + 0.07}>{face.name}</text>
+          </g>
+        ))}
+      </svg>
+      <ul class="faces">
+        {faceNames.map((name) => (
+          <li key={name} class={step.done.includes(name) ? "good" : name === up ? "now" : ""}>
+            <span>{step.done.includes(name) ? "✓" : name === up ? "▸" : "·"} {t("face_up", { face: name })}</span>
+            <progress max={1} value={step.faces[name] ?? 0} aria-label={name} />
+          </li>
+        ))}
+      </ul>
+      <p role="status">{up === undefined ? t("face_unknown") : step.done.includes(up) ? t("face_enough") : t("face_still", { percent: Math.round(step.still * 100) })}</p>
+    </div>
+  );
+}
+
+function Sphere({ step }: { step: SphereStep }) {
+  const half = (azimuth: number, label: string) => (
+    <svg class="solid" viewBox="-1.1 -1.1 2.2 2.2" role="img" aria-label={`${label}: ${Math.round(step.filled * 100)} %`}>
+      <circle class="rim" r="1" />
+      {sphereCells(step.bands, step.sectors, viewFrom(azimuth, 20)).map((cell) => (
+        <polygon key={cell.index} class={step.coverage[cell.index] ? "filled" : ""} points={pointsText(cell.points)} />
+      ))}
+    </svg>
+  );
+  return (
+    <div class="turning">
+      <div class="halves">{half(0, t("front"))}{half(180, t("back"))}</div>
+      <p role="status"><progress max={1} value={step.filled} aria-label={t("sphere_filled")} /> {t("sphere_filled")} {Math.round(step.filled * 100)} %</p>
+    </div>
+  );
+}
+
+function Step({ step }: { step: unknown }) {
+  if (typeof step !== "object" || step === null) return null;
+  if ("faces" in step) return <Box step={step as FacesStep} />;
+  if ("coverage" in step) return <Sphere step={step as SphereStep} />;
+  return null;
+}
+
+const shown = (value: unknown): string => (typeof value === "number" ? String(Number(value.toPrecision(5))) : String(value));
+
+/** Whatever the gateway tells of how well it went. */
+function Result({ value }: { value: unknown }) {
+  const rows = typeof value === "object" && value !== null ? Object.entries(value) : [];
+  return (
+    <div class="card">
+      <p class="good">✓ {t("calibrated")}</p>
+      <table>
+        <tbody>
+          {rows.map(([name, one]) => (
+            <tr key={name}><th scope="row">{name === "before" ? t("residual_before") : name === "after" ? t("residual_after") : name === "values" ? t("values_written") : name}</th><td>{typeof one === "object" && one !== null ? Object.entries(one).map(([k, v]) => `${k} ${shown(v)}`).join(", ") : shown(one)}</td></tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+export function Calibration({ device }: { device: number }) {
+  useLanguage();
+  const { job, ended, start } = useRunning<unknown>(device, "calibration");
+  const [what, setWhat] = useState<"accelerometer" | "compass">("accelerometer");
+  const action = useAction();
+  return (
+    <div>
+      <h1>{t("calibration")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      <p class="muted">{t("calibration_about")}</p>
+      {mayAct() && !job && (
+        <div class="tools">
+          <select aria-label={t("calibration")} value={what} onChange={(event) => setWhat(event.currentTarget.value as typeof what)}>
+            <option value="accelerometer">{t("accelerometer")}</option>
+            <option value="compass">{t("compass")}</option>
+          </select>
+          <button class="main" onClick={() => start(path(device, "calibration"), { body: { what } })}>{t("begin")}</button>
+        </div>
+      )}
+      {job && (
+        <section class="card">
+          <p role="status"><b>{job.message}</b></p>
+          <Step step={job.step} />
+          {mayAct() && (
+            <div class="tools">
+              {job.state === "waiting" && <button class="main" disabled={action.busy} onClick={() => action.run(() => goOn(job), () => t("goes_on"))}>{t("go_on")}</button>}
+              <button disabled={action.busy} onClick={() => action.run(() => cancel(job), () => t("cancelled"))}>{t("cancel_restore")}</button>
+              <OutcomeLine action={action} />
+            </div>
+          )}
+        </section>
+      )}
+      {ended && (ended.ok ? <Result value={ended.value} /> : <p class="bad" role="alert">✕ {refusalText(ended.refusal)}</p>)}
+    </div>
+  );
+}

@@ -1,0 +1,82 @@
+// The commands of a device, as it describes them itself.
+import { useEffect, useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { t, useLanguage } from "../i18n";
+import { call, commandsOf, readCommands, type Command } from "../live/device";
+import { mayAct } from "../live/gateway";
+import { useStore } from "../live/store";
+import { OutcomeLine, refusalText, useAction } from "../parts/action";
+import { Confirm } from "../parts/confirm";
+import { numberIn } from "../parts/frame_of";
+import { hexByte } from "../protocol/table";
+
+/** What was typed, for each type that the device declares; undefined: that is no number. A whole number beyond 2^53 stays text. */
+export function valuesOf(types: readonly string[], typed: readonly string[]): unknown[] | undefined {
+  const values = types.map((type, i) => {
+    const text = typed[i] ?? "";
+    const number = text.trim() === "" ? 0 : numberIn(text);
+    if (number === undefined) return undefined;
+    return type.endsWith("64") && type !== "f64" && !Number.isSafeInteger(number) ? text.trim() : number;
+  });
+  return values.some((value) => value === undefined) ? undefined : values;
+}
+
+function CommandRow({ device, command }: { device: number; command: Command }) {
+  const action = useAction();
+  const [typed, setTyped] = useState<string[]>([]);
+  const [repeat, setRepeat] = useState(false);
+  const id = `command-${command.id}`;
+  const values = valuesOf(command.values, typed);
+  const run = (): void => {
+    if (values) action.run(() => call(device, command, values, repeat), () => t("called", { name: command.name }));
+  };
+  const question = t("call_question", { name: command.name + (values?.length ? ` ${values.join(" ")}` : ""), device: nameOf(device) || hexByte(device) });
+  return (
+    <li class="card command">
+      <h2>{command.name}</h2>
+      {command.text && <p class="muted">{command.text}</p>}
+      {command.values.length > 0 && (
+        <div class="values">
+          {command.values.map((type, i) => (
+            <label key={i} for={`${id}-${i}`}>{type}
+              <input id={`${id}-${i}`} inputMode="decimal" placeholder="0" value={typed[i] ?? ""} onInput={(event) => { const next = [...typed]; next[i] = event.currentTarget.value; setTyped(next); }} />
+            </label>
+          ))}
+        </div>
+      )}
+      {mayAct() && (
+        <div class="tools">
+          <Confirm label={t("call")} question={question} yes={t("yes_call")} disabled={action.busy || !values} kind="main" onYes={run} />
+          <label class="check"><input type="checkbox" checked={repeat} onChange={() => setRepeat(!repeat)} />{t("repeat")}</label>
+        </div>
+      )}
+      {!values && <p class="bad">{t("bad_number", { name: command.values.join(", ") })}</p>}
+      <OutcomeLine action={action} />
+    </li>
+  );
+}
+
+export function Commands({ device }: { device: number }) {
+  useLanguage();
+  const known = useStore(commandsOf(device));
+  const [fault, setFault] = useState("");
+  const read = (): void => {
+    setFault("");
+    void readCommands(device).then((answer) => {
+      if (answer && !answer.ok) setFault(refusalText(answer.refusal));
+    });
+  };
+  useEffect(read, [device]);
+  return (
+    <div>
+      <h1>{t("commands")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      <div class="tools">
+        <button onClick={read}>{t("read_again")}</button>
+        <span role="status" class="bad">{fault}</span>
+      </div>
+      {!known && !fault && <p class="muted" role="status">{t("asking_device")}</p>}
+      {known?.commands.length === 0 && <p class="muted">{t("no_commands")}</p>}
+      <ul class="commands">{known?.commands.map((command) => <CommandRow key={command.id} device={device} command={command} />)}</ul>
+    </div>
+  );
+}

@@ -1,0 +1,65 @@
+// A firmware upgrade: what the file is, what the device is, and each step until the device has checked the image.
+import { useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { shortNumber } from "../format";
+import { t, useLanguage } from "../i18n";
+import { path } from "../live/device";
+import { devices, mayAct } from "../live/gateway";
+import { cancel } from "../live/jobs";
+import { useRunning } from "../live/running";
+import { useStore } from "../live/store";
+import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { Confirm } from "../parts/confirm";
+import { firmwareFile, type FirmwareFile } from "../parts/firmware_file";
+import { hexByte } from "../protocol/table";
+
+const crcs = ["crc16/ibm-3740", "xmodem", "kermit", "modbus", "arc"];
+
+interface Flashed {
+  bytes: number;
+  frames: number;
+  repeats: number;
+  seconds: number;
+}
+
+export function Firmware({ device }: { device: number }) {
+  useLanguage();
+  const known = useStore(devices).find((one) => Number(one.address) === device);
+  const { job, ended, start } = useRunning<Flashed>(device, "firmware");
+  const [file, setFile] = useState<{ file: File; about: FirmwareFile }>();
+  const [crc, setCrc] = useState(crcs[0]!);
+  const [force, setForce] = useState(false);
+  const action = useAction();
+  const choose = async (chosen: File | undefined): Promise<void> => {
+    if (chosen) setFile({ file: chosen, about: firmwareFile(await chosen.slice(0, 100).arrayBuffer(), chosen.size) });
+  };
+  const flash = (): void => {
+    if (file) start(path(device, `firmware?crc=${encodeURIComponent(crc)}${force ? "&force" : ""}`), { body: file.file });
+  };
+  const header = file?.about.header;
+  return (
+    <div>
+      <h1>{t("firmware")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      {known?.hw !== undefined && <p>{t("device_versions", { hw: known.hw, sw: known.sw ?? "–" })}</p>}
+      {known?.in_loader && <p class="note warn">{t("in_loader")}</p>}
+      {mayAct() && !job && (
+        <div class="card">
+          <div class="tools">
+            <label class="file button">{t("choose_firmware")}<input type="file" accept=".bin,.bia" onChange={(event) => void choose(event.currentTarget.files?.[0])} /></label>
+            {file && <span>{file.file.name}: {shortNumber(file.about.bytes)} {t("size")}{header ? `, ${t("bia_says", { version: header.version, type: header.hwType, min: header.hwMin, max: header.hwMax })}` : `, ${t("bin_says")}`}</span>}
+          </div>
+          <div class="tools">
+            <label>CRC <select value={crc} onChange={(event) => setCrc(event.currentTarget.value)}>{crcs.map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
+            <label class="check"><input type="checkbox" checked={force} onChange={() => setForce(!force)} />{t("force_firmware")}</label>
+          </div>
+          <Confirm label={t("flash")} question={t("flash_question", { file: file?.file.name ?? "", device: nameOf(device) || hexByte(device) })} yes={t("flash")} kind="main" disabled={!file} onYes={flash} />
+        </div>
+      )}
+      <JobLine job={job} {...(job && mayAct() ? { onCancel: () => action.run(() => cancel(job), () => t("cancelled")) } : {})} />
+      <OutcomeLine action={action} />
+      {ended && (ended.ok
+        ? <p class="good" role="status">✓ {t("flashed", { bytes: ended.value.bytes, frames: ended.value.frames, repeats: ended.value.repeats, s: ended.value.seconds })}</p>
+        : <p class="bad" role="alert">✕ {refusalText(ended.refusal)}</p>)}
+    </div>
+  );
+}

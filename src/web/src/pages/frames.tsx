@@ -1,0 +1,145 @@
+// What passes, a row for each sender and message; opened, its fields and bytes.
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { meaningOf, rateText, valueText } from "../format";
+import { causeText, t, titleText, useLanguage } from "../i18n";
+import { frameStream } from "../live/frames";
+import { devices, mayAct, seconds, table } from "../live/gateway";
+import { FrameRows, type FrameRow } from "../live/rows";
+import { useStore, useTick } from "../live/store";
+import { directions, type Direction, type Tables } from "../protocol/records";
+import { hexByte, hexOf, type MessageTable, type Reading, type Unreadable } from "../protocol/table";
+import { SendForm } from "../parts/send_form";
+
+const mostShown = 300;
+
+export const unreadableText = (why: Unreadable): string => t(why);
+
+/** A few values, as they fit into a line. */
+function Brief({ reading }: { reading: Reading | Unreadable }) {
+  if (typeof reading === "string") return <span class="muted">{unreadableText(reading)}</span>;
+  const shown = reading.fields().filter(({ field }) => field.type !== "bytes" && field.type !== "list" && field.type !== "frames").slice(0, 8);
+  return (
+    <span class="brief">
+      {shown.map(({ field, value }) => (
+        <span key={field.name}><small>{field.label ?? field.name}</small> {valueText(value, field).slice(0, 60)}{value !== null && field.unit ? <small> {field.unit}</small> : null}</span>
+      ))}
+    </span>
+  );
+}
+
+function Bytes({ data }: { data: Uint8Array }) {
+  const shown = data.subarray(0, 256);
+  const text = hexOf(shown).replace(/../g, "$& ").trim();
+  return <pre class="bytes" tabIndex={0} aria-label={t("raw")}>{text}{data.length > 256 ? ` … (${data.length})` : ""}</pre>;
+}
+
+function Opened({ row, reading, tables }: { row: FrameRow; reading: Reading | Unreadable; tables: Tables | undefined }) {
+  return (
+    <div class="opened">
+      <p class="muted">
+        {t("to")} {row.to === 255 ? t("broadcast") : `${hexByte(row.to)} ${nameOf(row.to)}`} · {t("link")} {tables?.links[row.link] ?? row.link} · {t("count")} {row.count} · {row.data.length} {t("size")}
+        {row.cause > 0 && <> · <b class="warn">{causeText(tables?.causes[row.cause] ?? String(row.cause))}</b></>}
+      </p>
+      {typeof reading !== "string" && (
+        <table class="fields">
+          <tbody>
+            {reading.fields().map(({ field, value }) => (
+              <tr key={field.name}>
+                <th scope="row">{field.label ?? field.name}</th>
+                <td class="number">{value === null ? <span class="muted">{t("no_data")}</span> : valueText(value, field)}</td>
+                <td class="unit">{field.unit ?? ""}{meaningOf(value, field) ? <i>{meaningOf(value, field)}</i> : null}{field.note ? <span class="muted"> {field.note}</span> : null}</td>
+              </tr>
+            ))}
+            {reading.extra().length > 0 && <tr><th scope="row">{t("extra")}</th><td colSpan={2}><code>{hexOf(reading.extra().subarray(0, 64))}</code></td></tr>}
+          </tbody>
+        </table>
+      )}
+      <Bytes data={row.data} />
+    </div>
+  );
+}
+
+function Row({ row, of, open, onToggle, now, tables }: { row: FrameRow; of: MessageTable; open: boolean; onToggle: () => void; now: number; tables: Tables | undefined }) {
+  const reading = of.read(row.id, row.from, row.data);
+  const layout = typeof reading === "string" ? undefined : reading.row.layout;
+  const late = row.rate.isLate(now);
+  return (
+    <li class={late ? "late" : ""}>
+      <button class="row" aria-expanded={open} onClick={onToggle}>
+        <span class="from"><b>{hexByte(row.from)}</b> {nameOf(row.from)}</span>
+        <span class="message"><b>{of.name(row.id)}</b>{layout ? <small> {layout}</small> : null} <code class="muted">{hexByte(row.id)}</code><small class="muted title">{titleText(of.name(row.id), typeof reading === "string" ? of.title(row.id) : reading.row.title)}</small></span>
+        <span class="rate number">{late ? "–" : rateText(row.rate.perSecond(now))}<small> {t("per_second")}</small></span>
+        <Brief reading={reading} />
+      </button>
+      {open && <Opened row={row} reading={reading} tables={tables} />}
+    </li>
+  );
+}
+
+function matches(row: FrameRow, of: MessageTable, words: string[]): boolean {
+  if (words.length === 0) return true;
+  const text = `${hexByte(row.from)} ${nameOf(row.from)} ${of.name(row.id)} ${hexByte(row.id)} ${titleText(of.name(row.id), of.title(row.id))}`.toLowerCase();
+  return words.every((word) => text.includes(word));
+}
+
+/** The rows of one direction, as long as it is looked at. */
+function useRows(direction: Direction): { rows: FrameRows; tables: Tables | undefined; lost: number } {
+  const of = useStore(table);
+  const rows = useMemo(() => new FrameRows(), [direction]);
+  const [tables, setTables] = useState<Tables>();
+  useEffect(() => rows.setTable(of), [rows, of]);
+  useEffect(
+    () => frameStream.use({ wish: { direction }, take: (record) => void rows.add(record, seconds()), tables: setTables }),
+    [rows, direction],
+  );
+  return { rows, tables, lost: frameStream.lostFrames };
+}
+
+export function Frames() {
+  useLanguage();
+  useStore(devices);
+  const of = useStore(table);
+  const [direction, setDirection] = useState<Direction>("in");
+  const [search, setSearch] = useState("");
+  const [open, setOpen] = useState<ReadonlySet<string>>(new Set());
+  const [paused, setPaused] = useState(false);
+  const [sends, setSends] = useState(false);
+  const { rows, tables, lost } = useRows(direction);
+  useTick(250);
+  const drawn = useRef<{ all: FrameRow[]; now: number }>({ all: [], now: 0 });
+  if (!paused || drawn.current.all.length === 0) drawn.current = { all: rows.sorted(), now: seconds() };
+  const { all, now } = drawn.current;
+  if (!of) return <p class="muted" role="status">{t("waiting_first")}</p>;
+  const found = all.filter((row) => matches(row, of, search.toLowerCase().split(/\s+/).filter(Boolean)));
+  const toggle = (key: string): void => {
+    const next = new Set(open);
+    if (!next.delete(key)) next.add(key);
+    setOpen(next);
+  };
+  return (
+    <div class="frames">
+      <h1>{t("frames")}</h1>
+      <div class="tools">
+        <input type="search" aria-label={t("search")} placeholder={t("search_frames")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
+        <select aria-label={t("direction")} value={direction} onChange={(event) => { setDirection(event.currentTarget.value as Direction); setOpen(new Set()); }}>
+          {directions.map((one) => <option key={one} value={one}>{t(`direction_${one}`)}</option>)}
+        </select>
+        <button aria-pressed={paused} onClick={() => setPaused(!paused)}>{paused ? t("go_on") : t("pause")}</button>
+        <button onClick={() => { rows.clear(); drawn.current = { all: [], now: 0 }; }}>{t("clear")}</button>
+        {mayAct() && <button aria-expanded={sends} onClick={() => setSends(!sends)}>{t("send_frame")}</button>}
+      </div>
+      {sends && <SendForm of={of} onClose={() => setSends(false)} />}
+      {lost > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: lost })}</p>}
+      {rows.left_out > 0 && <p class="note warn">{t("rows_left_out", { n: rows.left_out })}</p>}
+      {found.length === 0 ? <p class="muted">{t("no_frames_yet")}</p> : (
+        <ul class="rows">
+          {found.slice(0, mostShown).map((row) => (
+            <Row key={row.key} row={row} of={of} open={open.has(row.key)} onToggle={() => toggle(row.key)} now={now} tables={tables} />
+          ))}
+        </ul>
+      )}
+      {found.length > mostShown && <p class="muted">{t("rows_more", { n: found.length - mostShown })}</p>}
+    </div>
+  );
+}

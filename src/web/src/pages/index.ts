@@ -1,0 +1,39 @@
+// Every page, in the order in which it is offered: a row each.
+import type { FunctionComponent } from "preact";
+import type { Key } from "../i18n";
+import type { Place } from "../route";
+import { Calibration } from "./calibration";
+import { Charts } from "./charts";
+import { Commands } from "./commands";
+import { Firmware } from "./firmware";
+import { Frames } from "./frames";
+import { Images } from "./images";
+import { Log } from "./log";
+import { Overview } from "./overview";
+import { Parameters } from "./parameters";
+import { Vehicle } from "./vehicle";
+import { Waypoints } from "./waypoints";
+
+export interface Page {
+  name: string;
+  title: Key;
+  ofDevice: boolean;
+  view: FunctionComponent<{ device: number }>;
+}
+
+export const pages: Page[] = [
+  { name: "overview", title: "overview", ofDevice: false, view: Overview },
+  { name: "frames", title: "frames", ofDevice: false, view: Frames },
+  { name: "charts", title: "charts", ofDevice: false, view: Charts },
+  { name: "log", title: "log", ofDevice: false, view: Log },
+  { name: "images", title: "images", ofDevice: false, view: Images },
+  { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
+  { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
+  { name: "commands", title: "commands", ofDevice: true, view: Commands },
+  { name: "waypoints", title: "waypoints", ofDevice: true, view: Waypoints },
+  { name: "calibration", title: "calibration", ofDevice: true, view: Calibration },
+  { name: "firmware", title: "firmware", ofDevice: true, view: Firmware },
+];
+
+export const pageAt = (place: Place): Page =>
+  pages.find((page) => page.name === place.page && page.ofDevice === (place.device !== undefined)) ?? pages[0]!;

@@ -1,0 +1,85 @@
+// What devices say in words: 0xA0 and 0xA1.
+import { useEffect, useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { t, useLanguage } from "../i18n";
+import { frameStream } from "../live/frames";
+import { table } from "../live/gateway";
+import { useStore, useTick } from "../live/store";
+import { download, stamp } from "../parts/download";
+import { hexByte, Reading } from "../protocol/table";
+
+export interface Entry {
+  number: number;
+  time: number;
+  from: number;
+  colour: number;
+  value: number | undefined;
+  text: string;
+}
+
+const mostEntries = 2000;
+const longest = 2000; // characters of one: a device can send more than anybody reads
+
+/** They stay while the page is open. */
+const entries: Entry[] = [];
+let count = 0;
+
+function add(entry: Omit<Entry, "number">): void {
+  entries.push({ ...entry, number: ++count });
+  if (entries.length > mostEntries) entries.splice(0, entries.length - mostEntries);
+}
+
+const clock = (time: number): string => {
+  const date = new Date(time * 1000);
+  return `${date.toTimeString().slice(0, 8)}.${String(date.getMilliseconds()).padStart(3, "0")}`;
+};
+
+const lineOf = (entry: Entry): string =>
+  `${new Date(entry.time * 1000).toISOString()} ${hexByte(entry.from)} ${entry.value === undefined ? "" : entry.value + " "}${entry.text.replace(/[\r\n]+/g, " ")}`;
+
+export function Log() {
+  useLanguage();
+  const of = useStore(table);
+  const [search, setSearch] = useState("");
+  useTick(300);
+  useEffect(() => {
+    if (!of) return undefined;
+    const ids = of.rows.filter((row) => row.name === "log" || row.name === "log_value").map((row) => row.id);
+    return frameStream.use({
+      wish: { id: ids },
+      take: (record) => {
+        const reading = of.read(record.id, record.from, record.data);
+        if (!(reading instanceof Reading)) return;
+        const text = reading.get("str"), value = reading.get("val"), colour = reading.get("color");
+        add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, longest) : "" });
+      },
+    });
+  }, [of]);
+  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const found = entries.filter((entry) => {
+    const text = `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text}`.toLowerCase();
+    return words.every((word) => text.includes(word));
+  });
+  return (
+    <div>
+      <h1>{t("log")}</h1>
+      <div class="tools">
+        <input type="search" aria-label={t("search")} placeholder={t("search_log")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
+        <button disabled={found.length === 0} onClick={() => download(`anogate_${stamp()}.log`, new Blob([found.map(lineOf).join("\n") + "\n"], { type: "text/plain" }))}>{t("save_file")}</button>
+        <button onClick={() => void (entries.length = 0)}>{t("clear")}</button>
+      </div>
+      {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
+      {found.length === 0 ? <p class="muted">{t("log_empty")}</p> : (
+        <ol class="log card" aria-live="off">
+          {found.slice(-500).reverse().map((entry) => (
+            <li key={entry.number}>
+              <time class="muted number">{clock(entry.time)}</time>
+              <span class="muted">{nameOf(entry.from) || hexByte(entry.from)}</span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}{entry.text}</span>
+            </li>
+          ))}
+        </ol>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,141 @@
+// The gateway at a glance, bad news first.
+import { useState } from "preact/hooks";
+import { ask } from "../api";
+import { causeText, errorText, hintText, language, t, useLanguage } from "../i18n";
+import { drops } from "../live/counters";
+import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
+import { useStore } from "../live/store";
+import { duration, rateText, shortNumber } from "../format";
+import { Network } from "../parts/network";
+
+interface Trouble {
+  who: string;
+  text: string;
+  bad: boolean;
+}
+
+function troublesOf(status: Status): Trouble[] {
+  const all: Trouble[] = [];
+  for (const link of status.links) {
+    if (link.error) all.push({ who: link.name, text: errorText(link.error_id, link.error, link.error_args), bad: link.state !== "up" });
+    if (link.hint) all.push({ who: link.name, text: hintText(link.hint_id, link.hint, link.hint_args), bad: false });
+  }
+  for (const conflict of status.conflicts)
+    all.push({ who: conflict.address, text: t("conflict", { address: conflict.address, links: (conflict.links ?? []).join(", ") }), bad: true });
+  const { standstills, longest_standstill_s: longest } = status.gateway;
+  if (standstills > 0) all.push({ who: status.gateway.name, text: t("standstills", { n: standstills, s: longest }), bad: false });
+  return all.sort((a, b) => Number(b.bad) - Number(a.bad));
+}
+
+function Troubles({ status }: { status: Status }) {
+  const all = troublesOf(status);
+  if (all.length === 0) return <p class="well"><i class="lamp" aria-hidden="true" />{t("all_well")}</p>;
+  return (
+    <section aria-labelledby="troubles">
+      <h2 id="troubles">{t("troubles")}</h2>
+      <ul class="troubles">
+        {all.map((one) => (
+          <li key={one.who + one.text} class={one.bad ? "bad" : "warn"}>
+            <b>{one.who}</b> <span>{one.text}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+interface Drop {
+  cause: string;
+  total: number;
+  now: number;
+  links: string[];
+}
+
+function dropsOf(links: Link[]): Drop[] {
+  const byCause = new Map<string, Drop>();
+  for (const link of links)
+    for (const [cause, count] of drops(link)) {
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, links: [] };
+      drop.total += count;
+      drop.now += linkRates.perSecond("link:" + link.name, cause) ?? 0;
+      drop.links.push(link.name);
+      byCause.set(cause, drop);
+    }
+  return [...byCause.values()].sort((a, b) => b.now - a.now || b.total - a.total);
+}
+
+function Drops({ links }: { links: Link[] }) {
+  const all = dropsOf(links);
+  return (
+    <section aria-labelledby="drops">
+      <h2 id="drops">{t("drops")}</h2>
+      {all.length === 0 ? <p class="muted">{t("drops_none")}</p> : (
+        <div class="scroll" tabIndex={0} role="group" aria-labelledby="drops">
+          <table class="drops">
+            <thead>
+              <tr><th scope="col">{t("cause")}</th><th scope="col" class="number">{t("now_rate")}</th><th scope="col" class="number">{t("total")}</th><th scope="col">{t("where")}</th></tr>
+            </thead>
+            <tbody>
+              {all.map((drop) => (
+                <tr key={drop.cause}>
+                  <th scope="row">{causeText(drop.cause)} <code class="muted">{drop.cause}</code></th>
+                  <td class={`number ${drop.now > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
+                  <td class="number">{shortNumber(drop.total)}</td>
+                  <td>{drop.links.join(", ")}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </section>
+  );
+}
+
+function Scan() {
+  const [words, setWords] = useState("");
+  const [busy, setBusy] = useState(false);
+  if (!mayAct()) return null;
+  const scan = async (): Promise<void> => {
+    if (busy) return;
+    setBusy(true);
+    const answer = await ask<{ devices: Device[] }>("/devices/scan", { method: "POST", body: {} });
+    setBusy(false);
+    if (answer.ok) devices.set(answer.value.devices);
+    setWords(answer.ok ? t("scan_done", { n: answer.value.devices.length }) : t("failed", { why: answer.refusal.error || t("no_contact") }));
+  };
+  return (
+    <span class="scan">
+      <button disabled={busy} onClick={() => void scan()}>{busy ? t("scanning") : t("scan")}</button>
+      <span role="status">{words}</span>
+    </span>
+  );
+}
+
+export function Overview() {
+  useLanguage();
+  useStore(devices);
+  const now = useStore(status);
+  if (!now) return <p class="muted" role="status">{t("waiting_first")}</p>;
+  const waiting = now.links.filter((link) => link.state !== "up").length;
+  const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length;
+  const coming = now.links.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, "frames_in") ?? 0), 0);
+  return (
+    <div class="overview">
+      <h1>{now.gateway.name} <small class="muted">{now.gateway.version} · {t("up_for", { time: duration(now.gateway.uptime_s, language.get() === "zh") })}</small></h1>
+      <p class="facts">
+        <span>{t("links_n", { n: now.links.length })}</span>
+        {waiting > 0 && <span class="warn">{t("links_waiting", { n: waiting })}</span>}
+        <span>{t("devices_n", { n: heard })}</span>
+        <span>{t("frames_rate", { n: shortNumber(Math.round(coming)) })}</span>
+        <Scan />
+      </p>
+      <Troubles status={now} />
+      <section aria-labelledby="network">
+        <h2 id="network">{t("network")}</h2>
+        <Network status={now} />
+      </section>
+      <Drops links={now.links} />
+    </div>
+  );
+}

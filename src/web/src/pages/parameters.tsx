@@ -1,0 +1,159 @@
+// The parameters of a device: what is changed is written, and only that; what the device stored is shown.
+import { useEffect, useState } from "preact/hooks";
+import { nameOf as nameOfAddress } from "../addresses";
+import { ask, type Answer } from "../api";
+import { t, useLanguage } from "../i18n";
+import { path } from "../live/device";
+import { mayAct } from "../live/gateway";
+import { cancel, follow, type Job } from "../live/jobs";
+import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { Confirm } from "../parts/confirm";
+import { download, stamp } from "../parts/download";
+import { changesOf, fileOf, isSame, nameOf, valuesIn, type Parameter } from "../parts/parameter_set";
+import { hexByte } from "../protocol/table";
+
+interface All {
+  device: { address: string; name?: string; sw?: number };
+  parameters: Parameter[];
+}
+interface Written {
+  name: string;
+  stored?: number | string;
+  written?: number | string;
+  clamped?: boolean;
+  state: string;
+  what?: string;
+}
+
+function useParameters(device: number) {
+  const [all, setAll] = useState<All>();
+  const [job, setJob] = useState<Job>();
+  const [fault, setFault] = useState("");
+  const read = async (): Promise<void> => {
+    setFault("");
+    const answer = await follow<All>(path(device, "parameters"), {}, setJob);
+    setJob(undefined);
+    if (answer.ok) setAll(answer.value);
+    else setFault(refusalText(answer.refusal));
+  };
+  useEffect(() => void read(), [device]);
+  return { all, setAll, job, setJob, fault, read };
+}
+
+function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Parameter; typed: string | undefined; file: string | undefined; end: Written | undefined; disabled: boolean; onType: (text: string | undefined) => void }) {
+  const name = nameOf(parameter);
+  const id = "parameter-" + parameter.id;
+  const changed = typed !== undefined && !isSame(parameter.value, typed, parameter.type);
+  const differs = file !== undefined && !isSame(parameter.value, file, parameter.type);
+  return (
+    <li class={changed ? "changed" : ""}>
+      <label for={id}><b>{name}</b> <small>{parameter.type ?? ""}{parameter.min !== undefined ? ` ${parameter.min}…${parameter.max}` : ""}</small></label>
+      <input id={id} disabled={disabled || parameter.missing === true} value={typed ?? String(parameter.value ?? "")} aria-describedby={id + "-text"} onInput={(event) => onType(event.currentTarget.value)} />
+      <span id={id + "-text"} class="about">
+        {parameter.missing && <span class="bad">{t("parameter_missing")} </span>}
+        {changed && <button class="plain" onClick={() => onType(undefined)}>{t("undo_to", { value: String(parameter.value ?? "–") })}</button>}
+        {differs && <button class="plain warn" onClick={() => onType(file)}>{t("file_says", { value: file })}</button>}
+        {end && <span class={end.state === "failed" ? "bad" : end.clamped ? "warn" : "good"}>{end.state === "failed" ? end.what : end.clamped ? t("stored_clamped", { value: String(end.stored) }) : end.stored !== undefined ? t("stored", { value: String(end.stored) }) : end.state} </span>}
+        <span class="muted">{parameter.text}</span>
+      </span>
+    </li>
+  );
+}
+
+type Which = "all" | "changed" | "file";
+
+export function Parameters({ device }: { device: number }) {
+  useLanguage();
+  const { all, setAll, job, setJob, fault, read } = useParameters(device);
+  const [typed, setTyped] = useState<Record<string, string>>({});
+  const [file, setFile] = useState<Record<string, string>>();
+  const [ends, setEnds] = useState<Record<string, Written>>({});
+  const [search, setSearch] = useState("");
+  const [which, setWhich] = useState<Which>("all");
+  const action = useAction();
+  const parameters = all?.parameters ?? [];
+  const changes = changesOf(parameters, typed);
+  const differing = changesOf(parameters, file ?? {});
+  const unknown = Object.keys(file ?? {}).filter((name) => all && !parameters.some((one) => nameOf(one) === name));
+  const count = Object.keys(changes).length;
+
+  const stored = (written: Written[]): void => {
+    setEnds((before) => ({ ...before, ...Object.fromEntries(written.map((one) => [one.name, one])) }));
+    const now = new Map(written.filter((one) => one.stored !== undefined).map((one) => [one.name, one.stored!]));
+    setAll((before) => before && { ...before, parameters: before.parameters.map((one) => (now.has(nameOf(one)) ? { ...one, value: now.get(nameOf(one))! } : one)) });
+    setTyped((before) => Object.fromEntries(Object.entries(before).filter(([name]) => !now.has(name))));
+  };
+  const write = (): void =>
+    action.run(
+      async (): Promise<Answer<{ parameters: Written[] }>> => {
+        const answer = await follow<{ parameters: Written[] }>(path(device, "apply"), { method: "POST", body: { parameters: changes } }, setJob);
+        setJob(undefined);
+        const result = answer.ok ? answer.value : (answer.refusal.body as { parameters?: Written[] } | undefined);
+        if (Array.isArray(result?.parameters)) stored(result.parameters);
+        return answer;
+      },
+      (value) => t("written_n", { n: value.parameters.filter((one) => one.state === "written").length, clamped: value.parameters.filter((one) => one.clamped).length }),
+    );
+  const act = (name: "save" | "restore_defaults"): void =>
+    action.run(
+      async () => {
+        const answer = await ask(path(device, "actions"), { method: "POST", body: { action: name } });
+        if (answer.ok && name === "restore_defaults") void read();
+        return answer;
+      },
+      () => (name === "save" ? t("saved_in_device") : t("defaults_restored")),
+    );
+  const load = async (from: File | undefined): Promise<void> => {
+    if (!from) return;
+    const values = from.size < 1e6 ? valuesIn(await from.text()) : undefined;
+    if (!values) return action.say({ words: t("no_parameter_file", { name: from.name }), good: false });
+    setFile(values);
+    setWhich("file");
+  };
+  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  const shown = parameters.filter((one) => {
+    const name = nameOf(one);
+    if (which === "changed" && !(name in changes)) return false;
+    if (which === "file" && !(name in differing) && !(name in changes)) return false;
+    const text = `${name} ${one.text ?? ""}`.toLowerCase();
+    return words.every((word) => text.includes(word));
+  });
+  return (
+    <div class="parameters">
+      <h1>{t("parameters")} <small class="muted">{all?.device.name ?? nameOfAddress(device)} {hexByte(device)}</small></h1>
+      <div class="tools">
+        <input type="search" aria-label={t("search")} placeholder={t("search_parameters")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
+        <select aria-label={t("direction")} value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
+          <option value="all">{t("show_all")}</option>
+          <option value="changed">{t("show_changed", { n: count })}</option>
+          {file && <option value="file">{t("show_file", { n: Object.keys(differing).length })}</option>}
+        </select>
+        <button disabled={job !== undefined} onClick={() => void read()}>{t("read_again")}</button>
+        <button disabled={!all} onClick={() => all && download(`${all.device.name || "device"}_${stamp()}.json`, new Blob([fileOf(all.device, all.parameters)], { type: "application/json" }))}>{t("export")}</button>
+        <label class="file button">{t("compare_file")}<input type="file" accept=".json,application/json" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>
+      </div>
+      {mayAct() && (
+        <div class="tools">
+          <button class="main" disabled={count === 0 || action.busy} onClick={write}>{t("write_n", { n: count })}</button>
+          {file && Object.keys(differing).length > 0 && <button onClick={() => setTyped({ ...typed, ...differing })}>{t("take_from_file", { n: Object.keys(differing).length })}</button>}
+          <button disabled={action.busy || !all} onClick={() => act("save")}>{t("save_in_device")}</button>
+          <Confirm label={t("restore_defaults")} question={t("restore_question")} yes={t("restore_defaults")} disabled={action.busy || !all} onYes={() => act("restore_defaults")} />
+          <OutcomeLine action={action} />
+        </div>
+      )}
+      {unknown.length > 0 && <p class="note warn">{t("file_unknown", { names: unknown.slice(0, 8).join(", ") + (unknown.length > 8 ? " …" : "") })}</p>}
+      <JobLine job={job} {...(job && mayAct() ? { onCancel: () => void cancel(job) } : {})} />
+      {fault && <p class="bad" role="alert">{fault}</p>}
+      <ul class="set card">
+        {shown.map((one) => {
+          const name = nameOf(one);
+          return (
+            <Row key={one.id} parameter={one} typed={typed[name]} file={file?.[name]} end={ends[name]} disabled={!mayAct() || action.busy}
+              onType={(text) => setTyped((before) => { const next = { ...before }; if (text === undefined) delete next[name]; else next[name] = text; return next; })} />
+          );
+        })}
+      </ul>
+      {all && shown.length === 0 && <p class="muted">{t("nothing_fits")}</p>}
+    </div>
+  );
+}

@@ -1,0 +1,157 @@
+// One vehicle: where it looks, where it is, how it is.
+import { useEffect, useMemo } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { fixed } from "../format";
+import { t, useLanguage, type Key } from "../i18n";
+import { frameStream } from "../live/frames";
+import { seconds, table } from "../live/gateway";
+import { Latest, type Seen } from "../live/latest";
+import { useStore, useTick } from "../live/store";
+import { hexByte, type MessageTable } from "../protocol/table";
+import { Horizon, Rose } from "../parts/horizon";
+import { addPoint, Track, trackOf, type Point } from "../parts/track";
+
+/** Frames a second of each message that the page shows; the eye needs no more. */
+const wanted: Record<string, number> = {
+  euler: 30, altitude: 10, velocity: 10, position: 10, mode: 10, power: 4, gps: 5, module_status: 2, return_home: 4, wind: 2, remote_control: 20, pwm: 10,
+};
+const hosts = [0xfe, 0xd2];
+
+function useLatest(of: MessageTable | undefined, device: number): Latest | undefined {
+  const latest = useMemo(() => of && new Latest(of), [of, device]);
+  useEffect(() => {
+    if (!of || !latest) return undefined;
+    const known = of.rows.filter((row) => row.layout === undefined && row.name in wanted);
+    const sticks = known.find((row) => row.name === "remote_control")?.id;
+    const position = known.find((row) => row.name === "position")?.id;
+    return frameStream.use({
+      wish: { from: [...new Set([device, ...hosts])], id: known.map((row) => row.id), limit: Object.fromEntries(known.map((row) => [row.id, wanted[row.name]!])) },
+      take: (record) => {
+        if (record.from !== device && !(record.id === sticks && record.to === device)) return;
+        latest.take(record, seconds());
+        if (record.id === position) addPointOf(latest, device);
+      },
+    });
+  }, [of, latest, device]);
+  return latest;
+}
+
+function pointOf(latest: Latest): Point | undefined {
+  const x = latest.number("position", "pos_x", 0), y = latest.number("position", "pos_y", 0);
+  return x && y && { x: x.value, y: y.value };
+}
+
+function addPointOf(latest: Latest, device: number): void {
+  const point = pointOf(latest);
+  if (point) addPoint(trackOf(device), point);
+}
+
+function Figure({ label, seen, digits = 1 }: { label: string; seen: Seen | undefined; digits?: number }) {
+  return (
+    <div class={`figure ${seen?.late ? "late-value" : ""}`}>
+      <dt>{label}</dt>
+      <dd>{seen ? <>{fixed(seen.value, digits)}<small> {seen.unit}</small></> : <span class="muted">–</span>}</dd>
+    </div>
+  );
+}
+
+function Bars({ title, values, low, high, unit }: { title: string; values: [string, number][]; low: number; high: number; unit: string }) {
+  if (values.length === 0) return null;
+  return (
+    <section>
+      <h2>{title}</h2>
+      <ul class="bars">
+        {values.map(([name, value]) => (
+          <li key={name}>
+            <span>{name}</span>
+            <meter min={low} max={high} value={Math.min(Math.max(value, low), high)} aria-label={name} />
+            <span class="number">{Number.isInteger(value) ? value : value.toFixed(1)}{unit}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function numbersOf(latest: Latest, message: string): [string, number][] {
+  return (latest.reading(message)?.fields() ?? []).flatMap(({ field, value }): [string, number][] => (typeof value === "number" ? [[field.name, value]] : []));
+}
+
+const lockWords: Record<number, Key> = { 0: "flag_locked", 1: "flag_unlocked", 2: "flag_airborne" };
+
+function State({ latest, now }: { latest: Latest; now: number }) {
+  const flag = latest.number("mode", "sflag", now), mode = latest.number("mode", "mode", now);
+  const word = flag && lockWords[flag.value];
+  return (
+    <p class="state">
+      <b class={`flag ${flag?.late ?? true ? "late-value" : flag?.value === 0 ? "good" : "warn"}`}>{word ? t(word) : flag ? String(flag.value) : "–"}</b>
+      {mode && <span class={mode.late ? "late-value" : ""}>{t("mode_n", { n: mode.value })}</span>}
+    </p>
+  );
+}
+
+function speedOf(latest: Latest, now: number): Seen | undefined {
+  const x = latest.number("velocity", "speed_x", now), y = latest.number("velocity", "speed_y", now);
+  return x && y && { value: Math.hypot(x.value, y.value), unit: x.unit, late: x.late };
+}
+
+function Modules({ latest, now }: { latest: Latest; now: number }) {
+  const reading = latest.reading("module_status");
+  if (!reading) return null;
+  const names: Record<string, Key> = { sta_g_vel: "module_velocity", sta_g_pos: "module_position", sta_gps: "module_gps", sta_alt_add: "module_height" };
+  const words: Key[] = ["module_none", "module_unusable", "module_normal", "module_good"];
+  return (
+    <ul class={`modules ${latest.isLate("module_status", now) ? "late-value" : ""}`}>
+      {reading.fields().map(({ field, value }) => (
+        <li key={field.name} class={value === 0 ? "muted" : value === 1 ? "bad" : "good"}>
+          <i class="lamp" aria-hidden="true" />{names[field.name] ? t(names[field.name]!) : field.name}: {typeof value === "number" && words[value] ? t(words[value]!) : String(value)}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+export function Vehicle({ device }: { device: number }) {
+  useLanguage();
+  const of = useStore(table);
+  const latest = useLatest(of, device);
+  useTick(50);
+  const now = seconds();
+  if (!latest) return <p class="muted" role="status">{t("waiting_first")}</p>;
+  const angle = (name: string): number => latest.number("euler", name, now)?.value ?? 0;
+  const late = latest.isLate("euler", now);
+  const sticks = numbersOf(latest, "remote_control"), motors = numbersOf(latest, "pwm");
+  return (
+    <div class="vehicle">
+      <h1>{nameOf(device) || t("vehicle")} <small class="muted">{hexByte(device)}</small></h1>
+      <State latest={latest} now={now} />
+      <div class="panels">
+        <div class="attitude card">
+          <Horizon roll={angle("rol")} pitch={angle("pit")} yaw={angle("yaw")} late={late} />
+          <Rose yaw={angle("yaw")} late={late} />
+          <dl class="figures">
+            <Figure label={t("roll")} seen={latest.number("euler", "rol", now)} />
+            <Figure label={t("pitch")} seen={latest.number("euler", "pit", now)} />
+            <Figure label={t("yaw")} seen={latest.number("euler", "yaw", now)} />
+          </dl>
+        </div>
+        <div class="card">
+          <dl class="figures large">
+            <Figure label={t("altitude")} seen={latest.number("altitude", "alt_fu", now)} digits={2} />
+            <Figure label={t("speed")} seen={speedOf(latest, now)} digits={2} />
+            <Figure label={t("climb")} seen={latest.number("velocity", "speed_z", now)} digits={2} />
+            <Figure label={t("battery")} seen={latest.number("power", "voltage", now)} digits={2} />
+            <Figure label={t("current")} seen={latest.number("power", "current", now)} digits={2} />
+            <Figure label={t("satellites")} seen={latest.number("gps", "s_num", now)} digits={0} />
+            <Figure label={t("home_distance")} seen={latest.number("return_home", "r_d", now)} digits={0} />
+            <Figure label={t("barometer")} seen={latest.number("altitude", "alt_bar", now)} digits={2} />
+          </dl>
+          <Modules latest={latest} now={now} />
+        </div>
+        <div class="card wide"><Track device={device} now={pointOf(latest)} yaw={angle("yaw")} /></div>
+        {sticks.length > 0 && <div class="card"><Bars title={t("sticks")} values={sticks} low={1000} high={2000} unit="" /></div>}
+        {motors.length > 0 && <div class="card"><Bars title={t("motors")} values={motors} low={0} high={100} unit=" %" /></div>}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,134 @@
+// Waypoints, on the grid and in a table.
+import { useEffect, useState } from "preact/hooks";
+import { nameOf } from "../addresses";
+import { ask } from "../api";
+import { t, useLanguage } from "../i18n";
+import { path } from "../live/device";
+import { mayAct } from "../live/gateway";
+import { follow, type Job } from "../live/jobs";
+import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
+import { Confirm } from "../parts/confirm";
+import { download, stamp } from "../parts/download";
+import { numberIn } from "../parts/frame_of";
+import { Track } from "../parts/track";
+import { foreignForm, onEarth, onGround, waypointsIn, type Waypoint } from "../parts/waypoint_set";
+import { hexByte } from "../protocol/table";
+
+type Column = "lng" | "lat" | "alt" | "spd" | "yaw" | "fun";
+const columns: { name: Column; unit: string; factor: number }[] = [
+  { name: "lng", unit: "°", factor: 1 }, { name: "lat", unit: "°", factor: 1 }, { name: "alt", unit: "m", factor: 100 },
+  { name: "spd", unit: "m/s", factor: 100 }, { name: "yaw", unit: "°", factor: 1 }, { name: "fun", unit: "", factor: 1 },
+];
+
+/** A number that is being typed: what is none stays as it is, and the value with it. */
+function Cell({ label, value, disabled, onValue }: { label: string; value: number; disabled: boolean; onValue: (value: number) => void }) {
+  const [typed, setTyped] = useState<string>();
+  const bad = typed !== undefined && numberIn(typed) === undefined;
+  return (
+    <input aria-label={label} aria-invalid={bad} inputMode="decimal" disabled={disabled} value={typed ?? String(value)} onBlur={() => setTyped(undefined)}
+      onInput={(event) => { const text = event.currentTarget.value; setTyped(text); const number = numberIn(text); if (number !== undefined) onValue(number); }} />
+  );
+}
+
+function WaypointTable({ all, disabled, onChange }: { all: Waypoint[]; disabled: boolean; onChange: (all: Waypoint[]) => void }) {
+  const set = (i: number, change: Partial<Waypoint>): void => onChange(all.map((one, k) => (k === i ? { ...one, ...change } : one)));
+  return (
+    <div class="scroll" tabIndex={0} role="group" aria-label={t("waypoints")}>
+      <table class="waypoints">
+        <thead><tr><th scope="col">#</th>{columns.map((column) => <th key={column.name} scope="col">{t(`waypoint_${column.name}`)} <small>{column.unit}</small></th>)}<th scope="col">cmd 1–4</th><th><span class="hidden">{t("remove")}</span></th></tr></thead>
+        <tbody>
+          {all.map((one, i) => (
+            <tr key={i}>
+              <th scope="row">{one.num === 0 ? t("home") : one.num}</th>
+              {columns.map(({ name, factor }) => (
+                <td key={name}><Cell label={`${one.num} ${t(`waypoint_${name}`)}`} value={one[name] / factor} disabled={disabled} onValue={(value) => set(i, { [name]: factor === 1 ? value : Math.round(value * factor) })} /></td>
+              ))}
+              <td><input aria-label={`${one.num} cmd`} disabled={disabled} value={one.cmd.join(" ")} onChange={(event) => { const cmd = event.currentTarget.value.split(/[\s,]+/).map(Number); set(i, { cmd: [0, 1, 2, 3].map((k) => cmd[k] || 0) }); }} /></td>
+              <td>{one.num !== 0 && i === all.length - 1 && <button class="plain" disabled={disabled} aria-label={`${t("remove")} ${one.num}`} onClick={() => onChange(all.slice(0, -1))}>✕</button>}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+export function Waypoints({ device }: { device: number }) {
+  useLanguage();
+  const [all, setAll] = useState<Waypoint[]>();
+  const [job, setJob] = useState<Job>();
+  const [fault, setFault] = useState("");
+  const [foreign, setForeign] = useState<{ form: string; json: unknown; name: string }>();
+  const action = useAction();
+  const read = async (): Promise<void> => {
+    setFault("");
+    const answer = await follow<unknown>(path(device, "waypoints"), {}, setJob);
+    setJob(undefined);
+    if (answer.ok) setAll(waypointsIn(answer.value) ?? []);
+    else setFault(refusalText(answer.refusal));
+  };
+  useEffect(() => void read(), [device]);
+  const put = (form: string, body: unknown): void =>
+    action.run(
+      async () => {
+        const answer = await follow<{ written: number }>(path(device, "waypoints" + (form ? "?format=" + form : "")), { method: "PUT", body }, setJob);
+        setJob(undefined);
+        if (answer.ok) void read();
+        return answer;
+      },
+      (value) => t("waypoints_written", { n: value.written }),
+    );
+  const save = (form: "" | "geojson" | "qgc"): void =>
+    action.run(
+      async () => {
+        if (!form) return { ok: true as const, value: { waypoints: all } as unknown, status: 200 };
+        return ask<unknown>(path(device, "waypoints?format=" + form), { timeout: 60000 });
+      },
+      (value) => {
+        const name = `${nameOf(device) || "device"}_${stamp()}.${form === "qgc" ? "plan" : form || "json"}`;
+        download(name, new Blob([JSON.stringify(value, null, 1) + "\n"], { type: "application/json" }));
+        return name;
+      },
+    );
+  const load = async (from: File | undefined): Promise<void> => {
+    if (!from) return;
+    let json: unknown;
+    try {
+      json = from.size < 1e6 ? JSON.parse(await from.text()) : undefined;
+    } catch {
+      json = undefined;
+    }
+    const own = waypointsIn(json), form = foreignForm(json);
+    setForeign(form ? { form, json, name: from.name } : undefined);
+    if (own) setAll(own);
+    else if (!form) action.say({ words: t("no_waypoint_file", { name: from.name }), good: false });
+  };
+  const home = all?.find((one) => one.num === 0) ?? all?.[0];
+  const marks = home && all ? all.filter((one) => one.num !== 0).map((one) => ({ ...onGround(home, one), label: String(one.num) })) : [];
+  const add = (): void => {
+    const last = all?.[all.length - 1] ?? { num: 0, lng: 0, lat: 0, alt: 300, spd: 200, yaw: 400, fun: 0, cmd: [0, 0, 0, 0] };
+    const next = home ? onEarth(home, { x: onGround(home, last).x + 10, y: onGround(home, last).y }) : last;
+    setAll([...(all ?? []), { ...last, ...next, alt: last.alt || 300, spd: last.spd || 200, num: last.num + 1, yaw: 400 }]);
+  };
+  const may = mayAct() && !action.busy;
+  return (
+    <div>
+      <h1>{t("waypoints")} <small class="muted">{nameOf(device)} {hexByte(device)}</small></h1>
+      <div class="tools">
+        {mayAct() && <Confirm label={t("write_waypoints")} question={t("waypoints_question", { n: all?.length ?? 0 })} yes={t("write_waypoints")} kind="main" disabled={!all?.length || !may} onYes={() => put("", { waypoints: all })} />}
+        {mayAct() && <button disabled={!may} onClick={add}>{t("add_waypoint")}</button>}
+        <button disabled={job !== undefined} onClick={() => void read()}>{t("read_again")}</button>
+        <button disabled={!all} onClick={() => save("")}>JSON</button>
+        <button onClick={() => save("geojson")}>GeoJSON</button>
+        <button onClick={() => save("qgc")}>QGC</button>
+        {mayAct() && <label class="file button">{t("import")}<input type="file" accept=".json,.geojson,.plan" onChange={(event) => void load(event.currentTarget.files?.[0])} /></label>}
+        <OutcomeLine action={action} />
+      </div>
+      {foreign && <p class="note">{foreign.name}: <Confirm label={t("write_file")} question={t("write_file_question")} yes={t("write_file")} disabled={!may} onYes={() => { put(foreign.form, foreign.json); setForeign(undefined); }} /></p>}
+      <JobLine job={job} />
+      {fault && <p class="bad" role="alert">{fault}</p>}
+      <div class="card map"><Track device={device} now={undefined} yaw={0} marks={marks} way /></div>
+      {all && <WaypointTable all={all} disabled={!may} onChange={setAll} />}
+    </div>
+  );
+}

@@ -1,0 +1,78 @@
+// Something that is done to a device: once at a time, and with its end told.
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Answer, Refusal } from "../api";
+import { t } from "../i18n";
+import type { Job } from "../live/jobs";
+
+export interface Outcome {
+  words: string;
+  good: boolean;
+}
+
+/** What the gateway tells of how it came to that end. */
+export function evidenceText(evidence: Record<string, unknown> | undefined): string {
+  const parts: string[] = [];
+  const { sent, rtt_ms: trip, ...rest } = evidence ?? {};
+  if (typeof sent === "number" && sent > 0) parts.push(t("evidence_sent", { n: sent }));
+  if (typeof trip === "number" && trip >= 1) parts.push(t("evidence_trip", { ms: Math.round(trip) }));
+  for (const [name, value] of Object.entries(rest)) if (typeof value !== "object") parts.push(`${name} ${String(value)}`);
+  return parts.length > 0 ? ` (${parts.join(", ")})` : "";
+}
+
+export function refusalText(refusal: Refusal): string {
+  if (refusal.status === 0) return t("no_contact") + t("may_have_been_done");
+  const why = refusal.error + evidenceText(refusal.evidence);
+  return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
+}
+
+export interface Action {
+  busy: boolean;
+  outcome: Outcome | undefined;
+  /** Nothing while the last one has not ended: no action twice by a nervous finger. */
+  run<T>(work: () => Promise<Answer<T>>, words: (value: T) => string): void;
+  say(outcome: Outcome | undefined): void;
+}
+
+export function useAction(): Action {
+  const running = useRef(false);
+  const gone = useRef(false);
+  const [busy, setBusy] = useState(false);
+  const [outcome, setOutcome] = useState<Outcome>();
+  useEffect(() => () => void (gone.current = true), []);
+  const run = <T,>(work: () => Promise<Answer<T>>, words: (value: T) => string): void => {
+    if (running.current) return;
+    running.current = true;
+    setBusy(true);
+    setOutcome(undefined);
+    void work().then((answer) => {
+      running.current = false;
+      if (gone.current) return;
+      setBusy(false);
+      setOutcome(answer.ok ? { words: words(answer.value), good: true } : { words: refusalText(answer.refusal), good: false });
+    });
+  };
+  return { busy, outcome, run, say: setOutcome };
+}
+
+/** What takes long, with a way to end it. */
+export function JobLine({ job, onCancel }: { job: Job | undefined; onCancel?: () => void }) {
+  if (!job) return null;
+  const { progress, done, total, unit } = job;
+  return (
+    <div class="job">
+      <progress max={1} value={progress} aria-label={job.message || job.kind} />
+      <span class="number">{total ? `${done ?? 0} / ${total} ${unit ?? ""}` : ""}</span>
+      <span>{job.message}</span>
+      {onCancel && <button type="button" onClick={onCancel}>{t("cancel")}</button>}
+    </div>
+  );
+}
+
+export function OutcomeLine({ action }: { action: Action }) {
+  const { busy, outcome } = action;
+  return (
+    <span role="status" class={`outcome ${busy ? "muted" : outcome?.good ? "good" : "bad"}`}>
+      {busy ? t("at_work") : outcome ? `${outcome.good ? "✓" : "✕"} ${outcome.words}` : ""}
+    </span>
+  );
+}

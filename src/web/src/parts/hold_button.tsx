@@ -1,0 +1,45 @@
+// A button that acts when it is held, by finger, mouse or key, so that a brush against it does nothing.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../i18n";
+
+export const holdFor = 800; // milliseconds
+
+export function HoldButton({ label, kind, disabled, onHeld }: { label: string; kind?: string; disabled?: boolean; onHeld: () => void }) {
+  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  const [held, setHeld] = useState(false);
+  const stop = (): void => {
+    clearTimeout(timer.current);
+    timer.current = undefined;
+    setHeld(false);
+  };
+  const start = (): void => {
+    if (disabled || timer.current !== undefined) return;
+    setHeld(true);
+    timer.current = setTimeout(() => {
+      stop();
+      navigator.vibrate?.(60);
+      onHeld();
+    }, holdFor);
+  };
+  useEffect(() => stop, []);
+  const isHoldKey = (event: KeyboardEvent): boolean => event.key === " " || event.key === "Enter";
+  return (
+    <button
+      type="button"
+      class={`hold ${kind ?? ""} ${held ? "held" : ""}`}
+      disabled={disabled}
+      title={t("hold_hint")}
+      aria-label={`${label}: ${t("hold_hint")}`}
+      onPointerDown={(event) => { if (event.button === 0) start(); }}
+      onPointerUp={stop}
+      onPointerLeave={stop}
+      onPointerCancel={stop}
+      onContextMenu={(event) => event.preventDefault()}
+      onKeyDown={(event) => { if (isHoldKey(event)) { event.preventDefault(); if (!event.repeat) start(); } }}
+      onKeyUp={(event) => { if (isHoldKey(event)) stop(); }}
+      onBlur={stop}
+    >
+      <span>{label}</span>
+    </button>
+  );
+}

@@ -1,0 +1,125 @@
+// Who is joined to whom: the gateway, its links, who is behind each; what passes, as it passes.
+import { useState } from "preact/hooks";
+import { causeText, errorText, hintText, language, t } from "../i18n";
+import { drops } from "../live/counters";
+import { linkRates, type Link, type Route, type Status } from "../live/gateway";
+import { duration, rateText, shortNumber } from "../format";
+import { hashOf } from "../route";
+import { pages } from "../pages";
+import { nameOf } from "../addresses";
+
+/** A wire with what flows on it: the more, the faster; nothing flows without frames. */
+function Wire({ rate, back }: { rate: number; back: boolean }) {
+  const flows = rate > 0.05;
+  const period = flows ? Math.max(0.35, 2.2 - 0.55 * Math.log10(1 + rate)) : 0;
+  return (
+    <svg class={`wire ${flows ? "flows" : ""} ${back ? "back" : ""}`} viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true">
+      <line class="bed" x1="0" y1="3" x2="100" y2="3" vector-effect="non-scaling-stroke" />
+      {flows && <line class="flow" x1="0" y1="3" x2="100" y2="3" vector-effect="non-scaling-stroke" style={{ animationDuration: `${period.toFixed(2)}s` }} />}
+    </svg>
+  );
+}
+
+function Who({ route }: { route: Route }) {
+  const address = Number(route.address);
+  const first = pages.find((page) => page.ofDevice);
+  const isHost = address === 0xfe || address === 0xd2;
+  const age = route.age_s ?? 0;
+  const text = (
+    <>
+      <b>{route.address}</b> {nameOf(address)}
+      {age > 3 && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
+    </>
+  );
+  const title = t(`via_${route.via}` as "via_own");
+  return (
+    <li class={age > 3 ? "who late" : "who"} title={title}>
+      {first && !isHost && route.via !== "port" ? <a href={hashOf({ page: first.name, device: address })}>{text}</a> : text}
+    </li>
+  );
+}
+
+/** Peers that are worth a line: those of links that have several. */
+function Peers({ link }: { link: Link }) {
+  if (link.kind !== "udp-listen") return null;
+  const shown = link.channels.slice(0, 6);
+  if (shown.length === 0) return <p class="muted">{t("no_peers")}</p>;
+  return (
+    <ul class="peers" aria-label={t("peers")}>
+      {shown.map((channel) => (
+        <li key={channel.peer}><code>{channel.peer}</code></li>
+      ))}
+      {link.channels.length > shown.length && <li class="muted">{t("peers_more", { n: link.channels.length - shown.length })}</li>}
+    </ul>
+  );
+}
+
+function CounterTable({ link }: { link: Link }) {
+  const names = ["frames_in", "bytes_in", "skipped_bytes", "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
+  return (
+    <table class="counters" aria-label={t("details_of", { name: link.name })}>
+      <tbody>
+        {names.map((name) => (
+          <tr key={name}>
+            <th scope="row">{causeText(name)}</th>
+            <td class="number">{String(link[name] ?? "")}</td>
+            <td class="number">{rateText(linkRates.perSecond("link:" + link.name, name))} {t("per_second")}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Branch({ link, routes }: { link: Link; routes: Route[] }) {
+  const [open, setOpen] = useState(false);
+  const up = link.state === "up";
+  const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
+  const lost = drops(link).reduce((sum, [name]) => sum + rate(name), 0);
+  const error = errorText(link.error_id, link.error, link.error_args);
+  const hint = hintText(link.hint_id, link.hint, link.hint_args);
+  const where = link.device ?? link.address ?? link.peer;
+  return (
+    <li class={`branch ${up ? "up" : "down"} ${error || hint ? "troubled" : ""}`}>
+      <div class="wires">
+        <Wire rate={up ? rate("frames_in") : 0} back />
+        <Wire rate={up ? rate("frames_out") : 0} back={false} />
+      </div>
+      <article class="link" aria-label={link.name}>
+        <header>
+          <i class="lamp" aria-hidden="true" />
+          <h3>{link.name}</h3>
+          <span class="muted">{link.kind}{typeof where === "string" && where !== link.name ? <> · <code>{where}</code></> : null}{link.id ? ` · ${t("port_id", { id: link.id })}` : ""}</span>
+          {!up && <span class="tag">{t("state_waiting")}</span>}
+        </header>
+        <dl class="flows">
+          <div><dt>{t("in")}</dt><dd>{rateText(rate("frames_in"))}<small> {t("per_second")}</small></dd></div>
+          <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
+          <div class={lost > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(lost)}<small> {t("per_second")}</small></dd></div>
+        </dl>
+        {error && <p class="bad">{error}</p>}
+        {hint && <p class="warn">{hint}</p>}
+        <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
+        <Peers link={link} />
+        <button class="plain more" aria-expanded={open} onClick={() => setOpen(!open)}>{t("counters")} <span aria-hidden="true">{open ? "▴" : "▾"}</span></button>
+        {open && <CounterTable link={link} />}
+      </article>
+    </li>
+  );
+}
+
+export function Network({ status }: { status: Status }) {
+  const behind = (link: Link): Route[] => status.routes.filter((route) => route.links.includes(link.name) && route.via !== "port");
+  const all = status.links;
+  const total = (name: string): number => all.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, name) ?? 0), 0);
+  return (
+    <div class="network">
+      <div class="hub">
+        <b>{status.gateway.name}</b>
+        {status.gateway.id !== null && <span>{status.gateway.id}</span>}
+        <span class="muted">{shortNumber(Math.round(total("frames_in")))}{t("per_second")}</span>
+      </div>
+      <ol>{all.map((link) => <Branch key={link.name} link={link} routes={behind(link)} />)}</ol>
+    </div>
+  );
+}

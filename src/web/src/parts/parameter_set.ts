@@ -1,0 +1,61 @@
+// The parameters of a device, what was typed for them, and a file of them. Pure.
+export interface Parameter {
+  id: number;
+  name?: string;
+  type?: string | null;
+  value?: number | string;
+  text?: string;
+  min?: number;
+  max?: number;
+  missing?: boolean;
+}
+
+export const nameOf = (parameter: Parameter): string => parameter.name || String(parameter.id);
+
+/** The same value, however it is written: 5, 5.0, 0x05. */
+export function isSame(value: number | string | undefined, text: string, type: string | null | undefined): boolean {
+  if (value === undefined) return false;
+  if (type === "string" || type === "text") return String(value) === text;
+  const words = text.trim();
+  if (words === String(value)) return true;
+  if (words === "" || (typeof value === "string" && !/^-?\d+$/.test(value))) return false;
+  if (/64$/.test(type ?? "") && type !== "f64") {
+    try {
+      return BigInt(words) === BigInt(value);
+    } catch {
+      return false;
+    }
+  }
+  const number = Number(words);
+  return type === "f32" ? Math.fround(number) === Math.fround(Number(value)) : number === Number(value);
+}
+
+/** What differs from what the device has, by name. */
+export function changesOf(parameters: readonly Parameter[], typed: Readonly<Record<string, string>>): Record<string, string> {
+  const changes: Record<string, string> = {};
+  for (const parameter of parameters) {
+    const text = typed[nameOf(parameter)];
+    if (text !== undefined && !isSame(parameter.value, text, parameter.type)) changes[nameOf(parameter)] = text;
+  }
+  return changes;
+}
+
+/** The form that anoctl writes as well: {device, name, sw, parameters: {NAME: value}}. */
+export function fileOf(device: { address: string; name?: string; sw?: number }, parameters: readonly Parameter[]): string {
+  const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [nameOf(one), one.value]));
+  return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
+}
+
+/** Values by name; undefined: it is no such file. Whole numbers keep all their digits. */
+export function valuesIn(text: string): Record<string, string> | undefined {
+  let json: unknown;
+  try {
+    json = JSON.parse(text.replace(/(:\s*)(-?\d{16,})(?=\s*[,}\]])/g, '$1"$2"'));
+  } catch {
+    return undefined;
+  }
+  if (typeof json !== "object" || json === null) return undefined;
+  const values = (json as { parameters?: unknown }).parameters ?? json;
+  if (typeof values !== "object" || values === null || Array.isArray(values)) return undefined;
+  return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || typeof value === "string").map(([name, value]) => [name, String(value)]));
+}

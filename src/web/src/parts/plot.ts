@@ -1,0 +1,132 @@
+// The drawing of the chart: uPlot, fed with as many points as there are columns of pixels.
+import uPlot from "uplot";
+import type { Line } from "../live/chart_data";
+import { columnTimes, envelope } from "../live/series";
+
+export const colours = ["#1f77d0", "#d9541e", "#2a9d4a", "#a13fc4", "#c49a00", "#d43a6b", "#0a9aa8", "#7a5a3a", "#6a72e8", "#7d8b00", "#b0402f", "#3d7f6a"];
+const mostAxes = 4;
+
+const css = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const scaleOf = (unit: string): string => "y" + unit;
+
+function clock(time: number, step: number): string {
+  const date = new Date(time * 1000);
+  const text = date.toTimeString().slice(0, step >= 60 ? 5 : 8);
+  return step < 1 ? `${text}.${String(date.getMilliseconds()).padStart(3, "0")}` : text;
+}
+
+/** A value or two for each column of pixels: upright bars where columns stand side by side, lines over the gaps. Bars cost a tenth of what a
+ * line through all of them would. */
+function drawColumns(plot: uPlot, values: readonly (number | null)[], scale: string, colour: string): void {
+  const { ctx, bbox } = plot;
+  const range = plot.scales[scale];
+  if (range?.min == null || range.max == null || values.length === 0) return;
+  const { min, max } = range, times = plot.data[0] as number[];
+  const perUnit = bbox.height / (max - min || 1), bottom = bbox.top + bbox.height;
+  const thick = Math.max(1, Math.round(devicePixelRatio));
+  const x = plot.scales.x!, perSecond = bbox.width / (x.max! - x.min!);
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.fillStyle = ctx.strokeStyle = colour;
+  ctx.lineWidth = thick;
+  ctx.beginPath();
+  let before = -2, beforeX = 0, beforeY = 0, gaps = false;
+  for (let i = 0; i + 1 < values.length; i += 2) {
+    const first = values[i], second = values[i + 1];
+    if (first == null || second == null || Number.isNaN(first) || Number.isNaN(second)) continue;
+    const at = bbox.left + (times[i]! - x.min!) * perSecond;
+    const y1 = bottom - (first - min) * perUnit, y2 = bottom - (second - min) * perUnit;
+    let top = Math.min(y1, y2), low = Math.max(y1, y2);
+    if (before === i - 2) {
+      if (beforeY < top) top = beforeY;
+      else if (beforeY > low) low = beforeY;
+    } else if (before >= 0) {
+      ctx.moveTo(beforeX, beforeY);
+      ctx.lineTo(at, y1);
+      gaps = true;
+    }
+    ctx.fillRect(Math.round(at), Math.round(top - thick / 2), thick, Math.max(thick, Math.round(low - top)));
+    before = i;
+    beforeX = at;
+    beforeY = y2;
+  }
+  if (gaps) ctx.stroke();
+  ctx.restore();
+}
+
+export class Plot {
+  private plot: uPlot;
+  private readonly data: (number | null)[][];
+  private columns = 0;
+  private from = 0;
+  private to = 1;
+
+  /** `onLook`: the time under the pointer, or nothing; `onZoom`: a range that was drawn over. */
+  constructor(
+    private readonly holder: HTMLElement,
+    private readonly lines: readonly Line[],
+    onLook: (time: number | undefined) => void,
+    onZoom: (from: number, to: number) => void,
+  ) {
+    this.data = [[], ...lines.map(() => [])];
+    const units = [...new Set(lines.map((line) => line.unit))];
+    const ink = css("--soft"), grid = { stroke: css("--line"), width: 1 };
+    const options: uPlot.Options = {
+      width: 300,
+      height: 300,
+      legend: { show: false },
+      cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      scales: { x: { time: true, auto: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { auto: true }])) },
+      axes: [
+        { stroke: ink, grid, ticks: grid, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
+        ...units.slice(0, mostAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
+      ],
+      series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
+      hooks: {
+        draw: [(plot) => lines.forEach((line, i) => drawColumns(plot, this.data[i + 1]!, scaleOf(line.unit), colours[i % colours.length]!))],
+        setCursor: [(plot) => onLook(plot.cursor.left !== undefined && plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : undefined)],
+        setSelect: [
+          (plot) => {
+            const { left, width } = plot.select;
+            if (width > 8) onZoom(plot.posToVal(left, "x"), plot.posToVal(left + width, "x"));
+            plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+          },
+        ],
+      },
+    };
+    this.plot = new uPlot(options, this.data as unknown as uPlot.AlignedData, holder);
+    this.fit();
+  }
+
+  fit(): void {
+    const width = this.holder.clientWidth, height = this.holder.clientHeight;
+    if (width > 0 && (width !== this.plot.width || height !== this.plot.height)) this.plot.setSize({ width, height });
+    this.columns = Math.max(16, Math.floor(this.plot.bbox.width / devicePixelRatio));
+  }
+
+  /** Nothing where no pixel would change. */
+  draw(from: number, to: number, changed: boolean): void {
+    const pixel = (to - from) / Math.max(this.columns, 1);
+    if (!changed && Math.abs(from - this.from) < pixel && Math.abs(to - this.to) < pixel) return;
+    this.from = from;
+    this.to = to;
+    // Columns keep their place in time: a peak that is drawn stays what it is.
+    const start = Math.floor(from / pixel) * pixel, end = start + (this.columns + 1) * pixel;
+    columnTimes(start, end, this.columns + 1, this.data[0] as number[]);
+    this.lines.forEach((line, i) => envelope(line.series, start, end, this.columns + 1, this.data[i + 1]!));
+    this.plot.batch(() => {
+      this.plot.setData(this.data as unknown as uPlot.AlignedData, false);
+      this.plot.setScale("x", { min: from, max: to });
+    });
+  }
+
+  canvas(): HTMLCanvasElement {
+    return this.plot.ctx.canvas;
+  }
+
+  destroy(): void {
+    this.plot.destroy();
+  }
+}

@@ -1,0 +1,99 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { CounterRates, drops } from "../src/live/counters";
+import { Liveness } from "../src/live/liveness";
+import { Rate } from "../src/live/rate";
+import { FrameRows } from "../src/live/rows";
+import { takeRecords, textMessage, type FrameRecord } from "../src/protocol/records";
+
+function recordBytes(id: number, data: number[]): number[] {
+  const bytes = new Uint8Array(20 + 6 + data.length + 2);
+  const view = new DataView(bytes.buffer);
+  view.setBigUint64(0, 1_700_000_000_500_000_000n, true);
+  view.setBigUint64(8, 2_000_000_000n, true);
+  bytes.set([3, 2, 5, 1, 0xab, 220, 254, id, data.length & 255, data.length >> 8, ...data], 16);
+  return [...bytes];
+}
+
+test("takes many records out of one message", () => {
+  const seen: FrameRecord[] = [];
+  const bytes = new Uint8Array([...recordBytes(3, [1, 2]), ...recordBytes(4, [])]);
+  assert.ok(takeRecords(bytes.buffer, (record) => seen.push(record)));
+  assert.deepEqual(seen.map((r) => [r.id, r.from, r.to, r.link, r.direction, r.cause, r.channel, [...r.data]]), [
+    [3, 220, 254, 3, "dropped", 5, 1, [1, 2]],
+    [4, 220, 254, 3, "dropped", 5, 1, []],
+  ]);
+  assert.equal(seen[0]!.time, 1_700_000_000.5);
+  assert.equal(seen[0]!.boot, 2);
+});
+
+test("stops at a record that is cut off, wherever", () => {
+  const whole = recordBytes(3, [1, 2]);
+  for (let size = 1; size < whole.length; ++size) assert.equal(takeRecords(new Uint8Array(whole.slice(0, size)).buffer, () => assert.fail()), false);
+});
+
+test("tells tables and losses from what is neither", () => {
+  assert.deepEqual(textMessage('{"lost": {"euler": 3}, "since_ms": 5}'), { lost: { euler: 3 }, since_ms: 5 });
+  assert.ok("causes" in textMessage('{"links": [], "channels": [], "causes": []}')!);
+  for (const text of ["", "null", "7", "{}", "{"]) assert.equal(textMessage(text), undefined);
+});
+
+test("counts how often something comes, and sees that it is late", () => {
+  const rate = new Rate();
+  for (let i = 0; i <= 300; ++i) rate.add(i / 50);
+  assert.ok(Math.abs(rate.perSecond(6) - 50) < 0.5, String(rate.perSecond(6)));
+  assert.equal(rate.isLate(6.4), false);
+  assert.equal(rate.isLate(6.6), true);
+  const slow = new Rate();
+  for (let i = 0; i < 5; ++i) slow.add(i * 5);
+  assert.ok(Math.abs(slow.perSecond(21) - 0.2) < 0.01, String(slow.perSecond(21)));
+  assert.equal(slow.isLate(30), false);
+  assert.equal(slow.isLate(40), true);
+});
+
+test("a gateway that is silent for a second is lost, on a slow line as well", () => {
+  const alive = new Liveness();
+  assert.equal(alive.contact(0), "never");
+  assert.equal(alive.ask(0), 1);
+  assert.equal(alive.ask(399), undefined);
+  assert.equal(alive.ask(400), 2);
+  assert.equal(alive.ask(800), 3);
+  assert.equal(alive.ask(1200), undefined, "three are on their way");
+  alive.heard(1250);
+  alive.ended(1);
+  assert.equal(alive.contact(1250), "live");
+  assert.equal(alive.ask(1250), 4);
+  assert.equal(alive.contact(2250), "live");
+  assert.equal(alive.contact(2251), "lost");
+  alive.restart(9000);
+  assert.equal(alive.contact(9500), "live", "what was hidden asked nothing");
+  assert.equal(alive.contact(10001), "lost");
+});
+
+test("rates of counters outlive a gateway that begins anew", () => {
+  const rates = new CounterRates();
+  rates.look("fc", { frames_in: 100 }, 10);
+  assert.equal(rates.perSecond("fc", "frames_in"), undefined);
+  rates.look("fc", { frames_in: 150 }, 10.1);
+  rates.look("fc", { frames_in: 200 }, 11);
+  assert.equal(rates.perSecond("fc", "frames_in"), 100);
+  rates.look("fc", { frames_in: 5 }, 12);
+  assert.equal(rates.perSecond("fc", "frames_in"), 0);
+});
+
+test("what was dropped is told apart from what was counted", () => {
+  assert.deepEqual(drops({ frames_in: 5, link_down: 2, stale: 7, waiting: 1, looped: 0, name: "x" }), [["stale", 7], ["link_down", 2]]);
+});
+
+test("keeps a row for each link, sender and message, and no more than a page can show", () => {
+  const rows = new FrameRows();
+  const record = (from: number, id: number, link = 0): FrameRecord =>
+    ({ time: 1, boot: 1, link, channel: 0, direction: "in", cause: 0, from, to: 255, id, data: new Uint8Array([1]) });
+  rows.add(record(1, 3), 0);
+  rows.add(record(1, 3), 0.1);
+  rows.add(record(1, 3, 1), 0.1);
+  assert.deepEqual(rows.sorted().map((row) => [row.link, row.count]), [[0, 2], [1, 1]]);
+  for (let from = 0; from < 254; ++from) for (let id = 0; id < 256; ++id) rows.add(record(from, id), 1);
+  assert.equal(rows.sorted().length, 2000);
+  assert.ok(rows.left_out > 0);
+});

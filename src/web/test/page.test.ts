@@ -1,0 +1,92 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { digitsOf, duration, fixed, shortNumber, valueText } from "../src/format";
+import { frameOf } from "../src/parts/frame_of";
+import { gridStep, addPoint, type Point } from "../src/parts/track";
+import { changesOf, fileOf, isSame, valuesIn, type Parameter } from "../src/parts/parameter_set";
+import { pinnedOf, type Command } from "../src/live/device";
+import type { MessageRow } from "../src/protocol/table";
+import { hashOf, placeOf } from "../src/route";
+import { words } from "../src/words";
+import { causes } from "../src/words_of_gateway";
+
+test("says everything in both languages, with the same things filled in", () => {
+  const filled = (text: string): string[] => [...text.matchAll(/\{(\w+)\}/g)].map((m) => m[1]!).sort();
+  for (const [key, [english, chinese]] of [...Object.entries(words), ...Object.entries(causes)]) {
+    assert.ok(english && chinese, key);
+    assert.deepEqual(filled(chinese), filled(english), key);
+  }
+});
+
+test("knows its places by their addresses", () => {
+  assert.deepEqual(placeOf("#/220/vehicle"), { page: "vehicle", device: 220 });
+  assert.deepEqual(placeOf("#/frames"), { page: "frames", device: undefined });
+  for (const hash of ["", "#", "#/", "#/0/x", "#/255/x", "#/1.5/x"]) assert.equal(placeOf(hash).device, undefined, hash);
+  assert.equal(hashOf({ page: "vehicle", device: 220 }), "#/220/vehicle");
+});
+
+test("writes numbers with the digits that their scale has", () => {
+  assert.equal(digitsOf(0.01), 2);
+  assert.equal(digitsOf(1e-7), 7);
+  assert.equal(digitsOf(1), 0);
+  assert.equal(valueText(45.6, { name: "rol", type: "i16", offset: 0, scale: 0.01 }), "45.60");
+  assert.equal(valueText(null, { name: "rol", type: "i16", offset: 0 }), "–");
+  assert.equal(shortNumber(544123), "544 k");
+  assert.deepEqual([fixed(-0.04, 1), fixed(-0.06, 1), fixed(-0.4, 0)], ["0.0", "-0.1", "0"]);
+  assert.equal(duration(3725), "1 h 2 min");
+});
+
+const row: MessageRow = {
+  id: 0xe0, name: "parameter_command", title: "", layout: "action", size: 3, class: "urgent", replaces: "nothing", acknowledged: "yes",
+  fields: [{ name: "cmd", type: "u8", offset: 0, only: [16, 16] }, { name: "val", type: "u16", offset: 1 }],
+};
+
+test("makes a frame of what was typed, or says which field is none", () => {
+  assert.deepEqual(frameOf(row, "0xFE", "220", { val: "0xAB" }), { frame: { from: 254, to: 220, name: "parameter_command", fields: { cmd: 16, val: 171 } } });
+  assert.deepEqual(frameOf(row, "254", "x", {}), { fault: "to" });
+  assert.deepEqual(frameOf(row, "254", "1", { val: "five" }), { fault: "val" });
+});
+
+test("draws a grid that can be read at every scale", () => {
+  for (const scale of [0.002, 0.013, 0.05, 0.3, 7, 100]) {
+    const pixels = gridStep(scale) / scale;
+    assert.ok(pixels >= 45 && pixels < 120, `${scale}: ${pixels}`);
+  }
+});
+
+test("keeps the way of a long flight in a bounded track", () => {
+  const track: Point[] = [];
+  for (let i = 0; i < 20000; ++i) addPoint(track, { x: i, y: 0 });
+  assert.ok(track.length <= 6000);
+  assert.equal(track[track.length - 1]!.x, 19999);
+  addPoint(track, { x: 19999.01, y: 0 });
+  assert.equal(track[track.length - 1]!.x, 19999, "too near to be another");
+});
+
+test("pins what ends a flight, where it wants no values", () => {
+  const command = (name: string, values: string[] = []): Command => ({ id: 0, name, values });
+  assert.deepEqual(pinnedOf([command("LAND"), command("Lock"), command("UNLOCK")]), { land: command("LAND"), lock: command("Lock") });
+  assert.equal(pinnedOf([command("一键降落")]).land?.name, "一键降落");
+  assert.deepEqual(pinnedOf([command("LAND", ["u8"]), command("ISLAND"), command("BLOCK")]), { land: undefined, lock: undefined });
+});
+
+const parameters: Parameter[] = [
+  { id: 0, name: "GAIN", type: "f32", value: 0.1 },
+  { id: 1, name: "BIG", type: "u64", value: "18446744073709551615" },
+  { id: 2, name: "NAME", type: "string", value: "a" },
+  { id: 3, name: "N", type: "u8", value: 5 },
+];
+
+test("writes only what differs, however the same value is written", () => {
+  assert.deepEqual(changesOf(parameters, { GAIN: "0.10", BIG: "18446744073709551615", NAME: "a", N: "0x05" }), {});
+  assert.deepEqual(changesOf(parameters, { GAIN: "0.2", BIG: "18446744073709551614", NAME: "a ", N: "6", GONE: "1" }), { GAIN: "0.2", BIG: "18446744073709551614", NAME: "a ", N: "6" });
+  assert.equal(isSame(5, "", "u8"), false);
+  assert.equal(isSame("nan", "nan", "f32"), true);
+});
+
+test("a file of parameters comes back with every digit", () => {
+  const text = fileOf({ address: "0xDC", name: "SimFC", sw: 100 }, parameters);
+  assert.deepEqual(changesOf(parameters, valuesIn(text)!), {});
+  assert.deepEqual(valuesIn('{"parameters": {"BIG": 18446744073709551615}}'), { BIG: "18446744073709551615" });
+  for (const bad of ["", "[]", "7", "null", '{"parameters": [1]}']) assert.equal(valuesIn(bad), undefined, bad);
+});
