@@ -94,4 +94,15 @@ inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogat
     return file;
 }
 
+/// Of any bytes: what is read does not depend on how they were cut into pieces; and what was read, recorded, is read as the same, and
+/// recorded again is the same bytes.
+inline bool holds_the_laws_of_recordings(std::string_view file) {
+    const ReadRecording read = read_pcapng(file), in_pieces = read_pcapng(file, 13);
+    if (read.items != in_pieces.items || read.fault != in_pieces.fault || read.position != in_pieces.position) return false;
+    if (read.position > file.size()) return false;
+    const std::string recorded = write_pcapng(read.items, read.head);
+    const ReadRecording again = read_pcapng(recorded);
+    return again.fault.empty() && again.has_end && again.unfinished == 0 && write_pcapng(again.items, again.head) == recorded;
+}
+
 }    // namespace support
