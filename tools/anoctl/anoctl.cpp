@@ -24,7 +24,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 21> all{{
+    static constexpr std::array<Subcommand, 25> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -45,6 +45,10 @@ std::span<const Subcommand> subcommands() noexcept {
         {"log", "Shows what devices write, in their colours", add_log},
         {"image", "Writes the pictures that devices send as PNG files", add_image},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
+        {"record", "Records the frames of the gateway that runs into a file that Wireshark opens", add_record},
+        {"info", "Shows what a recording holds", add_info},
+        {"convert", "Makes tables or lines of JSON of a recording", add_convert},
+        {"replay", "Says again by a link what devices said in a recording", add_replay},
         {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
     }};
     return all;

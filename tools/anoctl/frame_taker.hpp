@@ -3,6 +3,7 @@
 #include <ano/frame.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,10 @@ struct Passage {
     std::string peer{};         // empty: it is not told
     std::string direction{};    // "in", "out", "dropped"; empty as well
     std::string cause{};        // why it was dropped; empty: it was not
+    // Of a gateway's frames only.
+    std::uint64_t time_ns = 0;                // since 1970
+    std::uint64_t boottime_ns = 0;            // since the computer was started
+    std::optional<std::uint8_t> channel{};    // that `peer` is the name of
 };
 
 class FrameTaker {

@@ -14,7 +14,7 @@ namespace {
 using namespace ano;
 
 constexpr const char* head_text =
-    R"lua(-- A Wireshark dissector for ANO V8 frames over UDP. Made by `anoctl messages --lua`.
+    R"lua(-- A Wireshark dissector for ANO V8 frames: over UDP, and in recordings (LINKTYPE_USER0). Made by `anoctl messages --lua`.
 -- Use: tshark -X lua_script:FILE, or copy it to Wireshark's folder of personal Lua plugins.
 
 local ano = Proto("ano", "ANO V8")
@@ -242,6 +242,7 @@ ano:register_heuristic("udp", function(tvb, pinfo, tree)
     ano.dissector(tvb, pinfo, tree)
     return true
 end)
+DissectorTable.get("wtap_encap"):add(wtap.USER0, ano)
 )lua";
 
 std::string lua_text(std::string_view text) {

@@ -100,6 +100,9 @@ public:
         const auto has_heard = [&](const auto& c) { return c && c->heard.source(frame.destination()); };
         const bool is_known = std::any_of(channels_.begin(), channels_.end(), has_heard);
         bool left = false;
+        const bool is_anywhere = std::any_of(channels_.begin(), channels_.end(),
+                                             [](const auto& open) { return open != nullptr; });
+        nowhere_ += !is_anywhere;
         for (const auto& open : channels_) {
             if (!open || (is_known && !has_heard(open))) continue;
             const QueuePolicy policy = policy_of(frame.id());
@@ -116,8 +119,23 @@ public:
             if (open) bytes += open->channel.parser.counters().skipped_bytes;
         return bytes;
     }
+    std::size_t waiting() const noexcept {
+        std::size_t frames = 0;
+        for (const auto& open : channels_)
+            if (open) frames += open->channel.outbox.waiting();
+        return frames;
+    }
+    std::uint64_t given_up() const noexcept {
+        std::uint64_t frames = gone_given_up_ + nowhere_;
+        for (const auto& open : channels_)
+            if (open) frames += offered_and_not_sent(open->channel) - open->channel.outbox.waiting();
+        return frames;
+    }
 
 private:
+    static std::uint64_t offered_and_not_sent(const Channel& channel) noexcept {
+        return channel.outbox.counters().offered - channel.outbox.counters().frames_out;
+    }
     struct Open {
         template <class... Args>
         explicit Open(Args&&... args) : channel{std::forward<Args>(args)...} {}
@@ -139,6 +157,7 @@ private:
     }
     void close_channel(Channel& channel) override {
         gone_skipped_ += channel.parser.counters().skipped_bytes;
+        gone_given_up_ += offered_and_not_sent(channel);
         channels_[index(channel.id)].reset();
     }
     void receive(Channel& channel, ano::FrameView frame) override {
@@ -247,7 +266,8 @@ private:
     bool done_ = false, stopped_ = false;
     TimePoint up_at_{};
     std::string why_;
-    std::uint64_t gone_skipped_ = 0;
+    std::uint64_t gone_skipped_ = 0, gone_given_up_ = 0;
+    std::uint64_t nowhere_ = 0;    // frames for which there was no channel
 };
 
 OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who)
@@ -260,6 +280,8 @@ bool OwnLink::send(ano::FrameView frame) { return host_->send(frame); }
 const std::string& OwnLink::name() const noexcept { return host_->name(); }
 bool OwnLink::is_up() const noexcept { return host_->is_up(); }
 std::uint64_t OwnLink::skipped() const noexcept { return host_->skipped(); }
+std::size_t OwnLink::waiting() const noexcept { return host_->waiting(); }
+std::uint64_t OwnLink::given_up() const noexcept { return host_->given_up(); }
 
 std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who) {
     const LinkSettings settings = link_settings_of(link);

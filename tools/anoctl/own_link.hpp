@@ -40,6 +40,9 @@ public:
     bool is_up() const noexcept;
     /// Bytes of no frame.
     std::uint64_t skipped() const noexcept;
+    /// Frames of send() that wait to leave, and those that will not, each for every channel.
+    std::size_t waiting() const noexcept;
+    std::uint64_t given_up() const noexcept;
 
 private:
     class Host;

@@ -42,11 +42,17 @@ class FrameWatcher {
 public:
     FrameWatcher(const std::string& socket, FrameTaker& taker) : taker_{taker}, client_{io_, socket} {}
 
-    std::string run(const std::string& query) {
+    std::string run(const std::string& query, std::optional<ano::Duration> time) {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
-        signals.async_wait([this](anogate::error_code ec, int) {
+        asio::steady_timer timer{io_};
+        const auto stop = [this](anogate::error_code ec, auto...) {
             if (!ec) io_.stop();
-        });
+        };
+        signals.async_wait(stop);
+        if (time) {
+            timer.expires_after(*time);
+            timer.async_wait(stop);
+        }
         http::Request request;
         request.method = "GET";
         request.target = "/frames?format=binary" + query;
@@ -105,7 +111,12 @@ private:
         while (const auto record = anogate::take_record(records)) {
             const std::uint64_t microseconds = record->time_ns / 1000;
             anoctl::Passage passage{links_.of(record->link), static_cast<double>(microseconds) / 1e6};
-            if (record->channel != FrameRecord::no_channel) passage.peer = peers_.of(record->channel);
+            passage.time_ns = record->time_ns;
+            passage.boottime_ns = record->boottime_ns;
+            if (record->channel != FrameRecord::no_channel) {
+                passage.channel = record->channel;
+                passage.peer = peers_.of(record->channel);
+            }
             passage.direction = text(record->direction);
             if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);
             if (!taker_.take(record->frame, passage)) return finish();
@@ -160,8 +171,9 @@ private:
 
 }    // namespace
 
-std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker) {
-    return FrameWatcher{socket, taker}.run(query);
+std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker,
+                         std::optional<ano::Duration> time) {
+    return FrameWatcher{socket, taker}.run(query, time);
 }
 
 int watch(const Watching& watching, Streams& streams) {

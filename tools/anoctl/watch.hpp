@@ -3,7 +3,10 @@
 #include "anoctl.hpp"
 #include "frame_printer.hpp"
 
+#include <ano/time.hpp>
+
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace anoctl {
@@ -15,9 +18,10 @@ struct Watching {
     FrameOptions frames;
 };
 
-/// Gives them to `taker` until it is interrupted or wants no more: then it returns nothing; or it returns why no more will come. Throws
-/// UsageError for a filter that the gateway does not take, Failure when there is no gateway.
-std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker);
+/// Gives them to `taker` until it is interrupted or wants no more, or `time` is over: then it returns nothing; or it returns why no more will
+/// come. Throws UsageError for a filter that the gateway does not take, Failure when there is no gateway.
+std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker,
+                         std::optional<ano::Duration> time = std::nullopt);
 
 /// Shows them until it is interrupted. Throws Failure when the gateway is not there or ends.
 int watch(const Watching& watching, Streams& streams);

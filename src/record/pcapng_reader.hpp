@@ -1,0 +1,90 @@
+// What a pcapng file holds, whoever wrote or saved it, in either byte order. No I/O.
+//
+// Flow:    PcapngReader reader;
+//          for (each piece of the file) { reader.give(piece); while (const auto item = reader.next()) ...; }
+//          if (reader.is_damaged()) ...
+//
+// Of a file that was cut, all that is whole before the cut is given. Nothing in a file makes it take more memory than its largest block,
+// max_block, and the names of its links.
+#pragma once
+#include <record/recording.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+class PcapngReader {
+public:
+    static constexpr std::size_t max_block = 16 * 1024 * 1024;
+    static constexpr std::size_t max_interfaces = 65536;
+
+    /// The next bytes of the file.
+    void give(std::string_view bytes);
+    /// Nothing: all that is whole was given, or the file is damaged. Valid until the next call.
+    std::optional<Recorded> next();
+
+    /// Nothing more is read behind position().
+    bool is_damaged() const noexcept { return fault_ != nullptr; }
+    /// In a clause; only when it is damaged.
+    const char* fault() const noexcept { return fault_; }
+    /// How many bytes of the file were understood.
+    std::uint64_t position() const noexcept { return position_; }
+    /// Bytes behind position(): the begin of a block whose end is not there.
+    std::size_t unfinished() const noexcept { return buffer_.size() - at_; }
+
+    /// Of the last section that began.
+    const RecordingHead& head() const noexcept { return head_; }
+    /// What tells that the recording was ended came behind the last frame.
+    bool has_end() const noexcept { return has_end_; }
+    /// Packets that are no whole frame: of another program, or damaged.
+    std::uint64_t foreign() const noexcept { return foreign_; }
+
+private:
+    using Bytes = std::span<const std::uint8_t>;
+    struct Interface {
+        std::string name, description;
+        bool ours = false;               // LINKTYPE_USER0
+        std::uint64_t per_second = 0;    // units of its timestamps; 0: one that is not supported
+        std::uint64_t offset_s = 0;      // modulo 2^64
+    };
+    struct Option {
+        std::uint16_t code;
+        Bytes value;
+    };
+
+    std::uint16_t u16(Bytes bytes, std::size_t at) const noexcept;
+    std::uint32_t u32(Bytes bytes, std::size_t at) const noexcept;
+    std::uint64_t u64(Bytes bytes, std::size_t at) const noexcept;
+    std::optional<Option> take_option(Bytes& options) const noexcept;
+
+    std::optional<Bytes> take_block(std::uint32_t& type);
+    void begin_section(Bytes body);
+    void add_interface(Bytes body);
+    void end_interface(Bytes body);
+    void take_packet(Bytes body);
+    void read_options(Bytes options, RecordedFrame& frame);
+    void read_comment(std::string_view text, RecordedFrame& frame);
+    void damage(const char* what) noexcept { fault_ = what; }
+
+    std::string buffer_;
+    std::size_t at_ = 0;    // in buffer_: what was understood ends
+    std::uint64_t position_ = 0;
+    const char* fault_ = nullptr;
+
+    bool begun_ = false, swapped_ = false, has_end_ = false;
+    RecordingHead head_;
+    std::vector<Interface> interfaces_;
+    std::array<std::string, 256> peers_;
+    std::uint64_t foreign_ = 0;
+    std::optional<RecordedLoss> loss_;      // of the block that was read last
+    std::optional<RecordedFrame> frame_;    // of it, behind that
+};
+
+}    // namespace anogate

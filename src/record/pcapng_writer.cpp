@@ -1,0 +1,167 @@
+#include <record/pcapng_format.hpp>
+#include <record/pcapng_writer.hpp>
+
+#include <algorithm>
+#include <concepts>
+#include <span>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using namespace pcapng;
+
+template <class T>
+void put_number(std::string& out, T number) {
+    for (std::size_t i = 0; i < sizeof number; ++i) out += static_cast<char>(number >> 8 * i & 0xFF);
+}
+
+void pad(std::string& out) { out.append((4 - out.size() % 4) % 4, '\0'); }
+
+// Padded by itself: `out` may have any size.
+class Block {
+public:
+    explicit Block(std::uint32_t type) {
+        put_number(bytes_, type);
+        put_number(bytes_, std::uint32_t{0});
+    }
+    template <std::unsigned_integral T>
+    Block& number(T value) {
+        put_number(bytes_, value);
+        return *this;
+    }
+    Block& data(std::span<const std::uint8_t> data) {
+        bytes_.append(reinterpret_cast<const char*>(data.data()), data.size());
+        pad(bytes_);
+        return *this;
+    }
+    template <std::unsigned_integral T>
+    Block& option(std::uint16_t code, T value) {
+        put_number(bytes_, code);
+        put_number(bytes_, static_cast<std::uint16_t>(sizeof value));
+        put_number(bytes_, value);
+        pad(bytes_);
+        return *this;
+    }
+    Block& option(std::uint16_t code, std::string_view text) {
+        put_number(bytes_, code);
+        put_number(bytes_, static_cast<std::uint16_t>(text.size()));
+        bytes_ += text;
+        pad(bytes_);
+        return *this;
+    }
+    void end(std::string& out) {
+        option(opt_end, std::string_view{});
+        const auto size = static_cast<std::uint32_t>(bytes_.size() + 4);
+        for (std::size_t i = 0; i < 4; ++i) bytes_[4 + i] = static_cast<char>(size >> 8 * i & 0xFF);
+        put_number(bytes_, size);
+        out += bytes_;
+    }
+
+private:
+    std::string bytes_;
+};
+
+// Never half a character.
+std::string_view text_that_fits(std::string_view text) {
+    text = text.substr(0, text.find('\0'));
+    if (text.size() <= PcapngWriter::max_text) return text;
+    std::size_t size = PcapngWriter::max_text;
+    while (size > 0 && (static_cast<std::uint8_t>(text[size]) & 0xC0) == 0x80) --size;
+    return text.substr(0, size);
+}
+
+std::uint32_t flags_of(const RecordedFrame& frame) {
+    if (frame.direction != Direction::dropped) return frame.direction == Direction::in ? inbound : outbound;
+    const bool came = std::any_of(std::begin(receive_counters), std::end(receive_counters),
+                                  [&](const auto& row) { return row.name == frame.cause; });
+    return came ? inbound : outbound;
+}
+
+void append_interface(std::string_view name, std::string_view description, std::string& out) {
+    Block block{interface_description};
+    block.number(link_type_user0).number(std::uint16_t{0}).number(std::uint32_t{0});    // without a limit of length
+    block.option(if_name, name);
+    if (!description.empty()) block.option(if_description, description);
+    block.option(if_tsresol, std::uint8_t{9}).end(out);
+}
+
+}    // namespace
+
+PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
+    Block block{section_header};
+    block.number(byte_order_magic).number(std::uint16_t{1}).number(std::uint16_t{0});
+    block.number(~std::uint64_t{0});    // the length of the section is not known
+    block.option(opt_comment, std::string{unix_mark} + seconds_text(head.time_ns) + std::string{boot_mark} +
+                                  seconds_text(head.boottime_ns) + " s");
+    block.option(shb_userappl, text_that_fits(head.program)).end(out);
+}
+
+std::uint32_t PcapngWriter::interface_of(const RecordedFrame& frame, std::string& out) {
+    const std::string_view name = text_that_fits(frame.link);
+    const auto known = std::find_if(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.name == name; });
+    if (known != interfaces_.end()) return static_cast<std::uint32_t>(known - interfaces_.begin());
+    append_interface(name, text_that_fits(frame.link_description), out);
+    interfaces_.push_back({std::string{name}});
+    return static_cast<std::uint32_t>(interfaces_.size() - 1);
+}
+
+void PcapngWriter::write(const RecordedFrame& frame, std::string& out) {
+    const std::uint32_t number = interface_of(frame, out);
+    Interface& interface = interfaces_[number];
+    ++interface.frames;
+    interface.last_ns = frame.time_ns;
+    const auto bytes = frame.frame.bytes();
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    Block block{enhanced_packet};
+    block.number(number)
+        .number(static_cast<std::uint32_t>(frame.time_ns >> 32))
+        .number(static_cast<std::uint32_t>(frame.time_ns));
+    block.number(size).number(size).data(bytes);
+    block.option(epb_flags, flags_of(frame));
+    if (lost_ > 0) block.option(epb_dropcount, lost_);
+    if (frame.channel) block.option(epb_queue, std::uint32_t{*frame.channel});
+    if (frame.direction == Direction::dropped)
+        block.option(opt_comment, std::string{dropped_mark}.append(text_that_fits(frame.cause)));
+    if (lost_ > 0) block.option(opt_comment, take_lost_names());
+    if (const std::string_view peer = text_that_fits(frame.peer); frame.channel && peers_[*frame.channel] != peer) {
+        peers_[*frame.channel] = peer;
+        block.option(opt_comment, std::string{channel_mark} + std::to_string(*frame.channel) + ": " + std::string{peer});
+    }
+    if (frame.boottime_ns > 0) block.option(opt_boottime, frame.boottime_ns);
+    block.end(out);
+}
+
+void PcapngWriter::write(const RecordedLoss& loss) {
+    if (loss.count == 0) return;
+    lost_ += loss.count;
+    all_lost_ += loss.count;
+    const std::string_view names = text_that_fits(loss.names);
+    if (!lost_names_.empty() && !names.empty()) lost_names_ += ", ";
+    lost_names_ += names;
+    lost_names_.resize(text_that_fits(lost_names_).size());
+}
+
+std::string PcapngWriter::take_lost_names() {
+    lost_ = 0;
+    return std::string{lost_mark} + std::exchange(lost_names_, {});
+}
+
+void PcapngWriter::end(std::string& out) {
+    if (interfaces_.empty()) {
+        append_interface(no_link, {}, out);
+        interfaces_.push_back({std::string{no_link}});
+    }
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+        const Interface& interface = interfaces_[i];
+        Block block{interface_statistics};
+        block.number(static_cast<std::uint32_t>(i));
+        block.number(static_cast<std::uint32_t>(interface.last_ns >> 32)).number(static_cast<std::uint32_t>(interface.last_ns));
+        block.option(isb_ifrecv, interface.frames);
+        if (i == 0 && all_lost_ > 0) block.option(isb_ifdrop, all_lost_);    // of which link they were is not known
+        if (i == 0 && lost_ > 0) block.option(isb_osdrop, lost_).option(opt_comment, take_lost_names());
+        block.end(out);
+    }
+}
+
+}    // namespace anogate

@@ -1,0 +1,45 @@
+// What a recording holds, whatever its format.
+#pragma once
+#include <ano/frame.hpp>
+#include <gateway/frame_record.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace anogate {
+
+/// A frame that passed a gateway. Texts are UTF-8; they and the frame are in somebody else's memory.
+struct RecordedFrame {
+    std::uint64_t time_ns = 0;                 // since 1970
+    std::uint64_t boottime_ns = 0;             // since the computer was started; 0: not known
+    std::string_view link = {};                // by name
+    std::string_view link_description = {};    // "serial /dev/ttyUSB0"; empty: not known
+    Direction direction = Direction::in;
+    std::string_view cause = {};                 // why it was dropped: a name of frame_causes()
+    std::optional<std::uint8_t> channel = {};    // the number of the channel in its gateway
+    std::string_view peer = {};                  // of that channel
+    ano::FrameView frame;
+};
+
+/// Frames that were not recorded, between the frame before and the next one.
+struct RecordedLoss {
+    std::uint64_t count = 0;
+    std::string_view names = {};    // "euler 120, inertial 120"
+};
+
+using Recorded = std::variant<RecordedFrame, RecordedLoss>;
+
+/// What recorded, and what both clocks said when it began.
+struct RecordingHead {
+    std::string program;    // "anoctl 0.1.0"
+    std::uint64_t time_ns = 0;
+    std::uint64_t boottime_ns = 0;
+};
+
+/// "1763898044.123456789"
+std::string seconds_text(std::uint64_t ns);
+
+}    // namespace anogate

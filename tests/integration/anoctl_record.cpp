@@ -1,0 +1,233 @@
+// `anoctl record` of a gateway that runs, and what others read of its files.
+#include <support/anoctl.hpp>
+#include <support/bytes.hpp>
+#include <support/files.hpp>
+#include <support/process.hpp>
+#include <support/recorded.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+
+class AnoctlRecord : public testing::Test {
+protected:
+    void SetUp() override { ASSERT_TRUE(gateway.until_answers()) << gateway.output(); }
+    Process record(
+        std::vector<std::string> words, const std::function<void()>& in_child = [] {}) {
+        words.insert(words.begin(), {"record", file});
+        words.insert(words.end(), {"--control", socket});
+        return Process{ANOCTL, std::move(words), {}, in_child};
+    }
+    std::vector<KeptItem> items() const { return read_pcapng(text_of(file)).items; }
+    /// Frames are sent until so many of them stand in the file: before it is attached it sees nothing.
+    bool until_recorded(std::size_t count, const Bytes& bytes = euler) {
+        return wait_until([&] {
+            a.send(gateway.port("a"), bytes);
+            return items().size() >= count;
+        });
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock", file = dir / "flight.pcapng";
+    UdpPeer a, b;
+    Daemon gateway{ANOGATED, socket, {a.link("a"), b.link("b")}};
+};
+
+TEST_F(AnoctlRecord, what_comes_stands_in_the_file_while_it_records_and_when_it_ended) {
+    Process recorder = record({});
+    ASSERT_TRUE(until_recorded(3)) << recorder.output();
+    EXPECT_FALSE(read_pcapng(text_of(file)).has_end);
+    recorder.signal(SIGINT);
+    EXPECT_EQ(recorder.wait(), 0) << recorder.output();
+    const auto read = read_pcapng(text_of(file));
+    EXPECT_TRUE(read.has_end);
+    EXPECT_EQ(read.fault, "");
+    EXPECT_TRUE(read.head.program.starts_with("anoctl "));
+    for (const KeptItem& item : read.items) {
+        EXPECT_EQ(item.frame, euler);
+        EXPECT_EQ(item.link, "a");
+        EXPECT_FALSE(item.description.empty());
+        EXPECT_EQ(item.direction, anogate::Direction::in);
+        EXPECT_TRUE(item.channel.has_value());
+        EXPECT_NE(item.peer, "");
+        EXPECT_GE(item.boottime_ns, read.head.boottime_ns);
+        EXPECT_GE(item.time_ns, read.head.time_ns);
+    }
+    EXPECT_NE(recorder.output().find(file + ": " + std::to_string(read.items.size()) + " frames in "), std::string::npos)
+        << recorder.output();
+}
+
+TEST_F(AnoctlRecord, records_what_its_filters_say_and_ends_after_a_time) {
+    Process recorder = record({"--direction", "out", "--link", "b", "--id", "wind", "--seconds", "1", "--json"});
+    ASSERT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), euler);
+        a.send(gateway.port("a"), wind);
+        return !recorder.is_running();
+    }));
+    EXPECT_EQ(recorder.wait(), 0) << recorder.output();
+    const auto all = items();
+    ASSERT_FALSE(all.empty());
+    for (const KeptItem& item : all) {
+        EXPECT_EQ(item.frame, wind);
+        EXPECT_EQ(item.direction, anogate::Direction::out);
+        EXPECT_EQ(item.link, "b");
+    }
+    const json summary = json::parse(recorder.output());
+    EXPECT_EQ(summary["frames"], all.size());
+    EXPECT_EQ(summary["bytes"], std::filesystem::file_size(file));
+    EXPECT_EQ(summary["lost"], 0);
+}
+
+TEST_F(AnoctlRecord, a_file_that_is_there_stays_as_it_is) {
+    dir.write("flight.pcapng", "mine");
+    Process recorder = record({});
+    EXPECT_EQ(recorder.wait(), 2);
+    EXPECT_NE(recorder.output().find("is there already: --force writes over it"), std::string::npos) << recorder.output();
+    EXPECT_EQ(text_of(file), "mine");
+    Process refused = record({"--force", "--id", "nonsense"});
+    EXPECT_EQ(refused.wait(), 2) << refused.output();
+    EXPECT_EQ(text_of(file), "mine");
+    Process forced = record({"--force"});
+    EXPECT_TRUE(until_recorded(1)) << forced.output();
+}
+
+TEST_F(AnoctlRecord, a_full_disk_ends_it_in_words_and_what_is_in_the_file_is_whole) {
+    Process recorder = record({}, [] {
+        const rlimit most{2000, 2000};
+        setrlimit(RLIMIT_FSIZE, &most);
+        signal(SIGXFSZ, SIG_IGN);
+    });
+    ASSERT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), euler);
+        return !recorder.is_running();
+    }));
+    EXPECT_EQ(recorder.wait(), 1);
+    EXPECT_NE(recorder.output().find("it can't be written any more: File too large; what is in it until then is whole"),
+              std::string::npos)
+        << recorder.output();
+    const auto read = read_pcapng(text_of(file));
+    EXPECT_EQ(read.fault, "");
+    EXPECT_EQ(read.unfinished, 0u);
+    EXPECT_GT(read.items.size(), 0u);
+    EXPECT_NE(recorder.output().find(": " + std::to_string(read.items.size()) + " frame"), std::string::npos)
+        << recorder.output();
+}
+
+TEST_F(AnoctlRecord, what_was_killed_left_whole_frames) {
+    Process recorder = record({});
+    ASSERT_TRUE(until_recorded(2)) << recorder.output();
+    recorder.signal(SIGKILL);
+    recorder.wait();
+    EXPECT_GE(items().size(), 2u);
+    EXPECT_EQ(support::anoctl({"info", file}).exit, 0);
+}
+
+TEST_F(AnoctlRecord, a_gateway_that_ends_ends_it_with_a_summary) {
+    Process recorder = record({});
+    ASSERT_TRUE(until_recorded(1)) << recorder.output();
+    gateway.signal(SIGTERM);
+    EXPECT_EQ(recorder.wait(), 1);
+    EXPECT_TRUE(read_pcapng(text_of(file)).has_end);
+    EXPECT_NE(recorder.output().find(" in "), std::string::npos) << recorder.output();
+}
+
+TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cause) {
+    if (run("tshark --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "tshark is not installed";
+    Process recorder = record({"--direction", "in", "dropped"});
+    const Bytes nowhere = frame(0xDC, 0x00, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+    ASSERT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), nowhere);
+        const auto all = items();
+        return std::any_of(all.begin(), all.end(), [](const KeptItem& i) { return i.cause == "no_route"; });
+    })) << recorder.output();
+    recorder.signal(SIGINT);
+    ASSERT_EQ(recorder.wait(), 0);
+    const std::string script = dir.write("ano.lua", support::anoctl({"messages", "--lua"}).out), shown = dir / "shown";
+    ASSERT_EQ(run("HOME=" + dir.path().string() + " tshark -r " + file + " -X lua_script:" + script +
+                  " -T fields -E separator=/t -e _ws.col.Protocol -e ano.euler.rol -e frame.interface_name -e "
+                  "frame.packet_flags_direction" +
+                  " -e frame.interface_queue -e frame.comment >" + shown + " 2>/dev/null"),
+              0);
+    const std::string text = text_of(shown);
+    EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), items().size());
+    EXPECT_TRUE(text.starts_with("ANO V8\t1.23\ta\t")) << text;
+    EXPECT_NE(text.find("dropped: no_route"), std::string::npos) << text;
+    EXPECT_NE(text.find("channel "), std::string::npos) << text;
+}
+
+class AnoctlReplay : public testing::Test {
+protected:
+    static KeptItem said(const Bytes& frame, std::uint64_t after_ns, anogate::Direction direction = anogate::Direction::in) {
+        KeptItem item;
+        item.time_ns = 1'763'898'044'000'000'000 + after_ns;
+        item.boottime_ns = 1'000'000'000 + after_ns;
+        item.link = "fc";
+        item.direction = direction;
+        item.frame = frame;
+        return item;
+    }
+    Process replay(const std::vector<KeptItem>& items, std::vector<std::string> words = {}) {
+        const std::string file = dir.write("flight.pcapng", write_pcapng(items, {"anoctl 0.1.0"}));
+        words.insert(words.begin(), {"replay", file, peer.link("there")});
+        return Process{ANOCTL, std::move(words)};
+    }
+
+    TempDir dir;
+    UdpPeer peer;
+};
+
+TEST_F(AnoctlReplay, says_what_came_in_in_its_order) {
+    std::vector<KeptItem> items;
+    std::vector<Bytes> expected;
+    for (std::uint8_t i = 0; i < 40; ++i) {
+        expected.push_back(frame(0xDC, 0xFF, 0x03, {i, 0, 0, 0, 0, 0, 1}));
+        items.push_back(said(expected.back(), i * 1'000'000ull));
+    }
+    items.push_back(said(wind, 40'000'000, anogate::Direction::out));
+    Process replayed = replay(items);
+    EXPECT_EQ(replayed.wait(), 0) << replayed.output();
+    EXPECT_EQ(peer.frames(), expected);
+    EXPECT_NE(replayed.output().find("40 frames replayed\n"), std::string::npos) << replayed.output();
+}
+
+TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) {
+    const Bytes command = frame(0x30, 0xDC, 0xC0, {1, 0}), of_host = frame(0xFE, 0xDC, 0x03, {0, 0, 0, 0, 0, 0, 1});
+    const std::vector<KeptItem> items{said(command, 0), said(euler, 1), said(of_host, 2)};
+    Process kept_back = replay(items);
+    EXPECT_EQ(kept_back.wait(), 0) << kept_back.output();
+    EXPECT_EQ(peer.frames(), std::vector<Bytes>{euler});
+    EXPECT_NE(kept_back.output().find("2 of hosts and to command a vehicle kept back"), std::string::npos) << kept_back.output();
+    Process all = replay(items, {"--commands", "--json"});
+    EXPECT_EQ(all.wait(), 0) << all.output();
+    EXPECT_EQ(peer.frames().size(), 3u);
+    EXPECT_NE(all.output().find(R"({"frames":3,"not_sent":0,"kept_back":0})"), std::string::npos) << all.output();
+}
+
+TEST_F(AnoctlReplay, ends_at_once_when_it_is_interrupted) {
+    constexpr std::uint64_t an_hour = 3'600'000'000'000;
+    Process replayed = replay({said(euler, 0), said(wind, an_hour)});
+    std::vector<Bytes> heard;
+    ASSERT_TRUE(wait_until([&] { return !(heard = peer.frames()).empty(); })) << replayed.output();
+    EXPECT_EQ(heard, std::vector<Bytes>{euler});
+    replayed.signal(SIGINT);
+    EXPECT_EQ(replayed.wait(), 130) << replayed.output();
+}
+
+}    // namespace

@@ -1,0 +1,108 @@
+// What a recording holds, with memory of its own, to be compared.
+#pragma once
+#include "bytes.hpp"
+
+#include <record/pcapng_reader.hpp>
+#include <record/pcapng_writer.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace support {
+
+/// A frame, or a loss: then it has no bytes.
+struct KeptItem {
+    std::uint64_t time_ns = 0, boottime_ns = 0;
+    std::string link, description;
+    anogate::Direction direction = anogate::Direction::in;
+    std::string cause;
+    std::optional<std::uint8_t> channel;
+    std::string peer;
+    Bytes frame;
+    std::uint64_t lost = 0;
+    std::string names;
+
+    friend bool operator==(const KeptItem&, const KeptItem&) = default;
+};
+
+inline KeptItem kept(const anogate::Recorded& item) {
+    KeptItem kept;
+    if (const auto* loss = std::get_if<anogate::RecordedLoss>(&item)) {
+        kept.lost = loss->count;
+        kept.names = loss->names;
+        return kept;
+    }
+    const auto& frame = std::get<anogate::RecordedFrame>(item);
+    const auto bytes = frame.frame.bytes();
+    return {frame.time_ns,
+            frame.boottime_ns,
+            std::string{frame.link},
+            std::string{frame.link_description},
+            frame.direction,
+            std::string{frame.cause},
+            frame.channel,
+            std::string{frame.peer},
+            {bytes.begin(), bytes.end()},
+            0,
+            {}};
+}
+
+inline anogate::RecordedFrame frame_of(const KeptItem& item) {
+    return {item.time_ns, item.boottime_ns, item.link, item.description,          item.direction,
+            item.cause,   item.channel,     item.peer, ano::FrameView{item.frame}};
+}
+
+struct ReadRecording {
+    std::vector<KeptItem> items;
+    anogate::RecordingHead head;
+    bool has_end = false;
+    std::uint64_t foreign = 0;
+    std::string fault;
+    std::uint64_t position = 0;
+    std::size_t unfinished = 0;
+};
+
+/// Given `step` bytes at a time.
+inline ReadRecording read_pcapng(std::string_view file, std::size_t step = 4096) {
+    anogate::PcapngReader reader;
+    ReadRecording read;
+    for (std::size_t at = 0; at < file.size(); at += step) {
+        reader.give(file.substr(at, step));
+        while (const auto item = reader.next()) read.items.push_back(kept(*item));
+    }
+    read.head = reader.head();
+    read.has_end = reader.has_end();
+    read.foreign = reader.foreign();
+    if (reader.is_damaged()) read.fault = reader.fault();
+    read.position = reader.position();
+    read.unfinished = reader.unfinished();
+    return read;
+}
+
+inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogate::RecordingHead& head, bool end = true) {
+    std::string file;
+    anogate::PcapngWriter writer{head, file};
+    for (const KeptItem& item : items) {
+        if (item.frame.empty()) writer.write(anogate::RecordedLoss{item.lost, item.names});
+        else writer.write(frame_of(item), file);
+    }
+    if (end) writer.end(file);
+    return file;
+}
+
+/// Of any bytes: what is read does not depend on how they were cut into pieces; and what was read, recorded, is read as the same, and
+/// recorded again is the same bytes.
+inline bool holds_the_laws_of_recordings(std::string_view file) {
+    const ReadRecording read = read_pcapng(file), in_pieces = read_pcapng(file, 13);
+    if (read.items != in_pieces.items || read.fault != in_pieces.fault || read.position != in_pieces.position) return false;
+    if (read.position > file.size()) return false;
+    const std::string recorded = write_pcapng(read.items, read.head);
+    const ReadRecording again = read_pcapng(recorded);
+    return again.fault.empty() && again.has_end && again.unfinished == 0 && write_pcapng(again.items, again.head) == recorded;
+}
+
+}    // namespace support

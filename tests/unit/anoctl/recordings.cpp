@@ -1,0 +1,163 @@
+// anoctl info and convert, on files as record writes them.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <support/anoctl.hpp>
+#include <support/files.hpp>
+#include <support/recorded.hpp>
+#include <support/temp_dir.hpp>
+
+namespace {
+
+using nlohmann::json;
+using support::anoctl;
+using support::KeptItem;
+using support::text_of;
+
+constexpr std::uint64_t second = 1'000'000'000;
+
+KeptItem item(double at, const support::Bytes& frame, anogate::Direction direction = anogate::Direction::in,
+              std::string cause = {}) {
+    KeptItem item;
+    item.time_ns = 1'763'898'044 * second + static_cast<std::uint64_t>(at * 1e9);
+    item.boottime_ns = 100 * second + static_cast<std::uint64_t>(at * 1e9);
+    item.link = "fc";
+    item.description = "serial";
+    item.direction = direction;
+    item.cause = std::move(cause);
+    item.frame = frame;
+    return item;
+}
+
+std::string flight() {
+    const auto euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+    const auto wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+    KeptItem lost;
+    lost.lost = 7;
+    lost.names = "euler 4, power 3";
+    return support::write_pcapng(
+        {item(0, euler), item(0.5, wind), lost, item(1, euler), item(2, wind, anogate::Direction::dropped, "limited")},
+        {"anoctl 0.1.0", 1'763'898'044 * second, 100 * second});
+}
+
+TEST(Info, says_what_a_recording_holds) {
+    const support::TempDir folder;
+    const auto said = anoctl({"info", folder.write("flight.pcapng", flight())});
+    EXPECT_EQ(said.exit, 0) << said.err;
+    for (const char* words : {"pcapng of anoctl 0.1.0", "4 frames in 2.0 s",
+                              "7 frames are not in it: the gateway had no room for them: euler 4, power 3",
+                              "fc    serial   3    0        1  limited 1", "0x03  euler         2      1.00     30  0xDC"})
+        EXPECT_NE(said.out.find(words), std::string::npos) << words << "\n" << said.out;
+    const json told = json::parse(anoctl({"info", "--json", "-"}, flight()).out);
+    EXPECT_EQ(told["frames"], 4);
+    EXPECT_EQ(told["lost"], 7);
+    EXPECT_EQ(told["lost_messages"], json({{"euler", 4}, {"power", 3}}));
+    EXPECT_EQ(told["ended"], true);
+    EXPECT_EQ(told["seconds"], 2.0);
+    EXPECT_EQ(told["messages"].size(), 2u);
+    EXPECT_EQ(told["messages"][0]["rate"], 1.0);
+    EXPECT_EQ(told["links"][0]["causes"], json({{"limited", 1}}));
+}
+
+TEST(Info, reads_what_is_cut_or_damaged_and_says_so) {
+    const std::string whole = flight();
+    const auto cut = anoctl({"info", "-"}, whole.substr(0, whole.size() - 60));
+    EXPECT_EQ(cut.exit, 0);
+    EXPECT_NE(cut.out.find("cut off: the last "), std::string::npos) << cut.out;
+    const auto running = anoctl({"info", "-"},
+                                support::write_pcapng({item(0, support::frame(1, 2, 3))}, {"anoctl 0.1.0"}, false));
+    EXPECT_NE(running.out.find("not ended: what records it still runs"), std::string::npos) << running.out;
+    const auto damaged = anoctl({"info", "-"}, whole + std::string(5000, '\0'));
+    EXPECT_EQ(damaged.exit, 1);
+    EXPECT_NE(damaged.out.find("4 frames"), std::string::npos);
+    EXPECT_NE(damaged.out.find("damaged behind byte " + std::to_string(whole.size())), std::string::npos) << damaged.out;
+}
+
+TEST(Info, says_that_the_clock_was_set) {
+    std::vector<KeptItem> items{item(0, support::frame(1, 2, 3)), item(2, support::frame(1, 2, 3))};
+    items[1].time_ns -= 3600 * second;
+    const auto said = anoctl({"info", "-"}, support::write_pcapng(items, {"anoctl 0.1.0"}));
+    EXPECT_NE(said.out.find("the clock was set back by"), std::string::npos) << said.out;
+    EXPECT_NE(said.out.find("2 frames in 2.0 s"), std::string::npos) << said.out;
+}
+
+TEST(Info, says_what_is_no_recording) {
+    const support::TempDir folder;
+    EXPECT_EQ(anoctl({"info", folder / "nothing"}).exit, 2);
+    EXPECT_NE(anoctl({"info", "-"}, "").err.find("it is empty"), std::string::npos);
+    const auto text = anoctl({"info", folder.write("a.txt", "no capture, but more than enough text")});
+    EXPECT_EQ(text.exit, 1);
+    EXPECT_NE(text.err.find("it is no pcapng file"), std::string::npos);
+    EXPECT_EQ(anoctl({"info", folder.path().string()}).exit, 2);
+}
+
+TEST(Convert, makes_a_table_of_each_message) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    const auto made = anoctl({"convert", file, folder / "out.csv"});
+    EXPECT_EQ(made.exit, 0) << made.err;
+    EXPECT_NE(made.err.find("4 frames of "), std::string::npos);
+    const std::string euler = text_of(folder / "out-euler.csv");
+    EXPECT_TRUE(euler.starts_with("time [s],link,peer,frame_direction,frame_cause,from,to,rol [°],")) << euler;
+    EXPECT_NE(euler.find("\n1763898045.000000000,fc,,in,,220,254,1.23,0,0,1,,\n"), std::string::npos) << euler;
+    EXPECT_NE(text_of(folder / "out-wind.csv").find("dropped,limited"), std::string::npos);
+    const auto again = anoctl({"convert", file, folder / "out.csv"});
+    EXPECT_EQ(again.exit, 2);
+    EXPECT_NE(again.err.find("is there already: --force writes over it"), std::string::npos) << again.err;
+    EXPECT_EQ(anoctl({"convert", file, folder / "out.csv", "--force"}).exit, 0);
+    EXPECT_EQ(text_of(folder / "out-euler.csv"), euler);
+}
+
+TEST(Convert, makes_one_table_of_one_message) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "one.csv", "--id", "euler"}).exit, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "one.csv"));
+    EXPECT_EQ(anoctl({"convert", file, "-", "--id", "euler"}).out, text_of(folder / "one.csv"));
+}
+
+TEST(Convert, makes_lines_of_json) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "out.ndjson"}).exit, 0);
+    const std::string lines = text_of(folder / "out.ndjson");
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 5);
+    EXPECT_EQ(json::parse(lines.substr(0, lines.find('\n')))["fields"]["rol"], 1.23);
+    EXPECT_EQ(anoctl({"convert", file, "-"}).out, lines);
+}
+
+TEST(Convert, makes_a_recording_of_a_part_and_the_same_bytes_of_all) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "all.pcapng"}).exit, 0);
+    EXPECT_EQ(text_of(folder / "all.pcapng"), flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "part.pcapng", "--id", "wind"}).exit, 0);
+    EXPECT_EQ(support::read_pcapng(text_of(folder / "part.pcapng")).items.size(), 3u);    // with the loss
+}
+
+TEST(Convert, refuses_what_can_not_be_meant) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "out.xlsx"}).exit, 2);
+    EXPECT_EQ(anoctl({"convert", file, file, "--force"}).exit, 2);
+    EXPECT_EQ(text_of(file), flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "no/such/folder.ndjson"}).exit, 2);
+    EXPECT_EQ(anoctl({"convert", file, "/dev/full", "--force"}).exit, 2);    // no ending
+}
+
+TEST(Record, refuses_what_can_not_be_meant) {
+    const support::TempDir folder;
+    const std::string nobody = folder / "control.sock";
+    EXPECT_EQ(anoctl({"record", folder / "a.csv", "--control", nobody}).exit, 2);
+    EXPECT_EQ(anoctl({"record", folder / "a.pcapng", "--control", nobody, "--seconds", "-1"}).exit, 2);
+    EXPECT_EQ(anoctl({"record", "-", "--control", nobody}, {}, true).exit, 2);
+    EXPECT_EQ(anoctl({"record", folder / "a.pcapng", "--control", nobody}).exit, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left where there was nothing to record
+}
+
+}    // namespace

@@ -1,0 +1,200 @@
+// anoctl convert FILE OUT: a recording as tables, as lines of JSON, or as a part of itself.
+#include "anoctl.hpp"
+#include "frame_printer.hpp"
+#include "recording_input.hpp"
+#include "recording_output.hpp"
+#include "say.hpp"
+#include "table.hpp"
+
+#include <ano/hex.hpp>
+#include <ano/messages.hpp>
+#include <ano_json/text.hpp>
+#include <record/csv.hpp>
+#include <record/pcapng_writer.hpp>
+
+#include <bitset>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using anogate::Recorded;
+using anogate::RecordedFrame;
+using anogate::RecordedLoss;
+using anogate::RecordingHead;
+
+constexpr std::size_t batch = 64 * 1024;
+
+/// Writes when enough came together. Throws Failure when that can't be done.
+class Collected {
+public:
+    Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
+
+    std::string bytes;
+    void write_if(std::size_t enough) {
+        if (bytes.size() < enough) return;
+        output_.write(bytes);
+        bytes.clear();
+        if (!output_.fault().empty()) throw Failure{path_ + ": it can't be written: " + output_.fault()};
+    }
+
+private:
+    std::string path_;
+    RecordingOutput output_;
+};
+
+/// Where items go.
+class Target {
+public:
+    virtual ~Target() = default;
+    virtual void take(const Recorded& item, const RecordingHead& head) = 0;
+    virtual void end() = 0;
+};
+
+/// OUT-MESSAGE.csv for each message, or one file for the only one.
+class CsvTarget final : public Target {
+public:
+    CsvTarget(std::string out, bool one, bool force, const ano::JsonOptions& options, Streams& streams)
+        : out_{std::move(out)}, one_{one}, force_{force}, options_{options}, streams_{streams} {}
+
+    void take(const Recorded& item, const RecordingHead&) override {
+        const auto* frame = std::get_if<RecordedFrame>(&item);
+        if (frame == nullptr) return;
+        File& file = file_of(frame->frame.id());
+        file.csv.write(*frame, file.to.bytes);
+        file.to.write_if(batch);
+    }
+    void end() override {
+        for (const auto& [id, file] : files_) file->to.write_if(0);
+    }
+
+private:
+    struct File {
+        anogate::CsvWriter csv;
+        Collected to;
+    };
+
+    File& file_of(std::uint8_t id) {
+        auto& file = files_[id];
+        if (file) return *file;
+        file.reset(new File{anogate::CsvWriter{id, options_}, {one_ ? out_ : path_of(id), force_, streams_}});
+        file->csv.write_heading(file->to.bytes);
+        return *file;
+    }
+    std::string path_of(std::uint8_t id) const {
+        const ano::Message* message = ano::find_message(id);
+        const std::string name = message != nullptr ? std::string{message->name} : ano::hex_byte(id);
+        return out_.substr(0, out_.size() - std::string_view{".csv"}.size()) + "-" + name + ".csv";
+    }
+
+    std::string out_;
+    bool one_, force_;
+    ano::JsonOptions options_;
+    Streams& streams_;
+    std::map<std::uint8_t, std::unique_ptr<File>> files_;
+};
+
+class JsonTarget final : public Target {
+public:
+    JsonTarget(const std::string& out, bool force, const ano::JsonOptions& options, Streams& streams)
+        : to_{out, force, streams}, options_{options} {}
+
+    void take(const Recorded& item, const RecordingHead&) override {
+        to_.bytes += anogate::recorded_json(item, options_) + '\n';
+        to_.write_if(batch);
+    }
+    void end() override { to_.write_if(0); }
+
+private:
+    Collected to_;
+    ano::JsonOptions options_;
+};
+
+/// What of it is wanted, as a recording of its own: of all of it, the same bytes.
+class PcapngTarget final : public Target {
+public:
+    PcapngTarget(const std::string& out, bool force, Streams& streams) : to_{out, force, streams} {}
+
+    void take(const Recorded& item, const RecordingHead& head) override {
+        if (!writer_) writer_.emplace(head, to_.bytes);
+        if (const auto* loss = std::get_if<RecordedLoss>(&item)) writer_->write(*loss);
+        else writer_->write(std::get<RecordedFrame>(item), to_.bytes);
+        to_.write_if(batch);
+    }
+    void end() override {
+        if (!writer_) writer_.emplace(RecordingHead{"anoctl " ANOGATE_VERSION}, to_.bytes);
+        writer_->end(to_.bytes);
+        to_.write_if(0);
+    }
+
+private:
+    Collected to_;
+    std::optional<anogate::PcapngWriter> writer_;
+};
+
+struct Convert {
+    std::string file, out;
+    std::vector<std::string> messages;
+    FrameOptions frames;
+    bool force = false;
+
+    int run(Streams& streams) const {
+        const std::bitset<256> wanted = wanted_messages();
+        const ano::FlexibleLayouts layouts = frames.layouts();
+        const ano::JsonOptions options = frames.json_options(layouts);
+        if (out == file && out != "-") throw UsageError{out + " is what is read"};
+        const std::unique_ptr<Target> target = make_target(options, wanted.count() == 1, streams);
+        std::uint64_t taken = 0;
+        const RecordingFacts facts = read_recording(file, streams, [&](const Recorded& item, const RecordingHead& head) {
+            const auto* frame = std::get_if<RecordedFrame>(&item);
+            if (frame != nullptr && !wanted[frame->frame.id()]) return;
+            taken += frame != nullptr;
+            target->take(item, head);
+        });
+        target->end();
+        for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
+        tell(streams, plural(taken, "frame") + " of " + file + " written");
+        return facts.fault.empty() ? fine : failed;
+    }
+
+private:
+    std::bitset<256> wanted_messages() const {
+        std::bitset<256> wanted;
+        for (const std::string& word : messages) wanted.set(message_id_of(word, "--id: "));
+        return messages.empty() ? wanted.set() : wanted;
+    }
+    std::unique_ptr<Target> make_target(const ano::JsonOptions& options, bool one, Streams& streams) const {
+        if (out.ends_with(".csv") || (out == "-" && one && !frames.json))
+            return std::make_unique<CsvTarget>(out, one, force, options, streams);
+        if (out.ends_with(".ndjson") || out.ends_with(".jsonl") || out == "-")
+            return std::make_unique<JsonTarget>(out, force, options, streams);
+        if (out.ends_with(".pcapng")) return std::make_unique<PcapngTarget>(out, force, streams);
+        throw UsageError{ano::in_quotes(out) + " ends neither in .csv nor in .ndjson or .pcapng"};
+    }
+};
+
+}    // namespace
+
+Run add_convert(Options& options) {
+    const auto self = std::make_shared<Convert>();
+    options.push_back({"file", &self->file, "FILE", "A recording; - is standard input", true});
+    options.push_back({"out", &self->out, "OUT_FILE",
+                       "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
+                       "NAME.pcapng a part of the "
+                       "recording; - is standard output, in JSON, or as the table of the only message",
+                       true});
+    options.push_back(
+        {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
+    options.push_back({"--force", &self->force, "", "Writes over files that are there"});
+    FrameOptions::add(options, self->frames);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

@@ -1,0 +1,197 @@
+// anoctl record FILE: the frames of the gateway that runs, into a file.
+#include "anoctl.hpp"
+#include "gateway.hpp"
+#include "gateway_json.hpp"
+#include "recording_output.hpp"
+#include "say.hpp"
+#include "table.hpp"
+#include "watch.hpp"
+
+#include <ano_json/text.hpp>
+#include <link/clocks.hpp>
+#include <record/pcapng_writer.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using ano::Clock;
+
+constexpr auto sync_time = std::chrono::seconds{1};    // what a loss of power costs at most
+
+anogate::RecordingHead head_now() {
+    const anogate::ClockReading clocks = anogate::read_clocks();
+    return {"anoctl " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
+            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count())};
+}
+
+class Recorder final : public FrameTaker {
+public:
+    using Descriptions = std::map<std::string, std::string>;
+
+    /// `descriptions`: what each link is, by its name.
+    Recorder(RecordingOutput& output, Descriptions descriptions)
+        : output_{output}, descriptions_{std::move(descriptions)}, writer_{head_now(), waiting_} {}
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        const auto described = descriptions_.find(passage.link);
+        const std::string_view description = described != descriptions_.end() ? std::string_view{described->second} : "";
+        writer_.write({.time_ns = passage.time_ns,
+                       .boottime_ns = passage.boottime_ns,
+                       .link = passage.link,
+                       .link_description = description,
+                       .direction = passage.direction == "in"    ? anogate::Direction::in
+                                    : passage.direction == "out" ? anogate::Direction::out
+                                                                 : anogate::Direction::dropped,
+                       .cause = passage.cause,
+                       .channel = passage.channel,
+                       .peer = passage.peer,
+                       .frame = frame},
+                      waiting_);
+        ++taken_;
+        return true;
+    }
+    /// A message of the gateway has some milliseconds of frames: more is never lost when this program is killed.
+    bool flush() override {
+        if (waiting_.empty()) return output_.fault().empty();
+        output_.write(waiting_);
+        waiting_.clear();
+        if (output_.fault().empty()) frames = taken_;
+        if (const auto now = Clock::now(); now - synced_ >= sync_time) {
+            output_.sync();
+            synced_ = now;
+        }
+        return output_.fault().empty();
+    }
+    void miss(std::uint64_t count, const std::string& names, std::string_view) override {
+        writer_.write(anogate::RecordedLoss{count, names});
+        lost += count;
+    }
+    void end() {
+        writer_.end(waiting_);
+        flush();
+        output_.sync();
+    }
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+    std::uint64_t frames = 0, lost = 0;
+
+private:
+    RecordingOutput& output_;
+    Descriptions descriptions_;
+    std::string waiting_;
+    anogate::PcapngWriter writer_;
+    std::uint64_t taken_ = 0;
+    const ano::TimePoint began_ = Clock::now();
+    ano::TimePoint synced_ = began_;
+};
+
+struct Record {
+    std::string file;
+    std::vector<std::string> ids, from, to, links, directions;
+    std::optional<ano::Duration> time;
+    bool force = false, json = false;
+    GatewayOptions gateway;
+
+    int run(Streams& streams) const {
+        for (const char* other : {".csv", ".json", ".ndjson", ".jsonl", ".mcap"})
+            if (file.ends_with(other))
+                throw UsageError{
+                    file + ": record writes pcapng, as Wireshark reads it: name it .pcapng; anoctl convert makes others of it"};
+        if (file == "-" && streams.terminal)
+            throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
+        auto descriptions = described_links();    // before there is a file: it tells whether there is a gateway
+        RecordingOutput output{file, force, streams};
+        Recorder recorder{output, std::move(descriptions)};
+        std::string why;
+        try {
+            why = watch_frames(gateway.socket(), query(), recorder, time);
+        } catch (...) {
+            output.remove_if_empty();
+            throw;
+        }
+        recorder.end();
+        sum_up(recorder, output, streams);
+        if (!output.fault().empty())
+            throw Failure{file + ": it can't be written any more: " + output.fault() + "; what is in it until then is whole"};
+        if (!why.empty()) throw Failure{why};
+        return fine;
+    }
+
+private:
+    std::string query() const {
+        const std::vector<std::string> in{"in"};
+        return filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) + filter_words("link", links) +
+               filter_words("direction", directions.empty() ? in : directions);
+    }
+    Recorder::Descriptions described_links() const {
+        Recorder::Descriptions all;
+        const ano::Json answer = parse_answer(gateway.ask("GET", "/links"));
+        for (const ano::Json& link : answer)
+            if (link.is_object()) all.emplace(text_at(link, "name"), text_at(link, "kind"));
+        return all;
+    }
+    void sum_up(const Recorder& recorder, const RecordingOutput& output, Streams& streams) const {
+        const double seconds = recorder.seconds();
+        if (json) {
+            std::ostream& out = file == "-" ? streams.err : streams.out;
+            out << ano::Json{{"file", file},
+                             {"frames", recorder.frames},
+                             {"bytes", output.size()},
+                             {"seconds", std::round(seconds * 1000) / 1000},
+                             {"lost", recorder.lost}}
+                       .dump(-1, ' ', false, ano::Json::error_handler_t::replace)
+                << '\n';
+            return;
+        }
+        std::string text = file + ": " + plural(recorder.frames, "frame") + " in " + time_text(seconds) + ", " +
+                           plural(output.size(), "byte");
+        if (recorder.lost > 0)
+            text += "; " + plural(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
+                    " not in it: the gateway had no room for them";
+        tell(streams, text);
+    }
+};
+
+}    // namespace
+
+Run add_record(Options& options) {
+    const auto self = std::make_shared<Record>();
+    const auto read_seconds = [self](const std::string& word) -> std::string {
+        const auto number = ano::parse_number(word);
+        const double seconds = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : 0;
+        if (!(seconds > 0 && seconds < 1e9)) return ano::in_quotes(word) + " is not a number of seconds";
+        self->time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
+        return {};
+    };
+    options.push_back(
+        {"file", &self->file, "FILE",
+         "What is written, as pcapng: Wireshark opens it with the dissector of anoctl messages --lua; - is standard output",
+         true});
+    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
+    options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
+    options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
+    options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
+    options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
+    options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
+    GatewayOptions::add(options, self->gateway);
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl

@@ -1,0 +1,57 @@
+// A recording that is read from its begin to its end.
+#pragma once
+#include "anoctl.hpp"
+
+#include <record/pcapng_reader.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anoctl {
+
+/// What is known when all was read.
+struct RecordingFacts {
+    anogate::RecordingHead head;
+    std::uint64_t size = 0;       // of the file, bytes
+    std::uint64_t read = 0;       // of it, what was understood
+    bool has_end = false;         // what recorded it ended it
+    std::uint64_t foreign = 0;    // packets that are no frame
+    std::string fault;            // why nothing is read behind that; empty: all was read
+
+    /// "it was not ended: …", "damaged behind …", lines for people.
+    std::vector<std::string> notes() const;
+};
+
+/// Item by item. "-" is standard input. A file that is still written is read as far as it goes.
+class RecordingInput {
+public:
+    /// Throws UsageError when it can't be read.
+    RecordingInput(const std::string& path, Streams& streams);
+    ~RecordingInput();
+    RecordingInput(const RecordingInput&) = delete;
+    RecordingInput& operator=(const RecordingInput&) = delete;
+
+    /// Valid until the next call; nothing: there are no more. Throws Failure when it is no recording.
+    std::optional<anogate::Recorded> next();
+    /// Of that which was read.
+    RecordingFacts facts() const;
+    const anogate::RecordingHead& head() const noexcept { return reader_.head(); }
+
+private:
+    bool read();
+
+    std::string path_;
+    int fd_;
+    std::vector<char> room_;
+    anogate::PcapngReader reader_;
+    std::uint64_t size_ = 0;
+};
+
+/// Gives each item to `take`, with the head of the recording that it is of, and reads to the end.
+using TakeRecorded = std::function<void(const anogate::Recorded& item, const anogate::RecordingHead& head)>;
+RecordingFacts read_recording(const std::string& path, Streams& streams, const TakeRecorded& take);
+
+}    // namespace anoctl

@@ -1,0 +1,65 @@
+#include "recording_output.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <ostream>
+#include <system_error>
+
+namespace anoctl {
+namespace {
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+}    // namespace
+
+RecordingOutput::RecordingOutput(const std::string& path, bool force, Streams& streams) : path_{path}, streams_{streams} {
+    if (path.empty()) throw UsageError{"a FILE has a name"};
+    if (path == "-") return;
+    constexpr int flags = O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY;
+    fd_ = ::open(path.c_str(), flags | O_EXCL, 0666);
+    is_new_ = fd_ >= 0;
+    if (fd_ < 0 && errno == EEXIST && !force) throw UsageError{path + " is there already: --force writes over it"};
+    if (fd_ < 0 && errno == EEXIST) fd_ = ::open(path.c_str(), flags, 0666);
+    if (fd_ < 0) throw UsageError{path + ": it can't be written: " + reason(errno)};
+}
+
+RecordingOutput::~RecordingOutput() {
+    if (fd_ >= 0) ::close(fd_);
+}
+
+// What was there before stays until there is something to be written. What is no plain file has no end to be cut.
+void RecordingOutput::begin() {
+    if (size_ == 0 && !is_new_ && ::ftruncate(fd_, 0) != 0 && errno != EINVAL) fault_ = reason(errno);
+}
+
+void RecordingOutput::write(std::string_view parts) {
+    if (!fault_.empty() || parts.empty()) return;
+    if (fd_ < 0) {
+        if (!streams_.out.write(parts.data(), static_cast<std::streamsize>(parts.size())).flush())
+            fault_ = "nobody reads it any more";
+        else size_ += parts.size();
+        return;
+    }
+    begin();
+    std::string_view rest = parts;
+    while (fault_.empty() && !rest.empty()) {
+        const ssize_t n = ::write(fd_, rest.data(), rest.size());
+        if (n > 0) rest.remove_prefix(static_cast<std::size_t>(n));
+        else if (n == 0 || errno != EINTR) fault_ = reason(n == 0 ? EIO : errno);
+    }
+    if (rest.empty()) size_ += parts.size();
+    else if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) return;    // readers get along with half a part at the end
+}
+
+void RecordingOutput::sync() {
+    if (fd_ < 0 || !fault_.empty()) return;
+    if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) fault_ = reason(errno);    // EINVAL: no plain file
+}
+
+void RecordingOutput::remove_if_empty() {
+    if (is_new_ && size_ == 0) ::unlink(path_.c_str());
+}
+
+}    // namespace anoctl

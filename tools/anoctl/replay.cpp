@@ -1,0 +1,178 @@
+// anoctl replay FILE LINK: says again by a link what devices said, as fast as they did.
+#include "anoctl.hpp"
+#include "own_link.hpp"
+#include "recording_input.hpp"
+#include "say.hpp"
+#include "table.hpp"
+
+#include <ano/time.hpp>
+#include <ano_json/frame_json.hpp>
+#include <ano_json/text.hpp>
+#include <link/asio.hpp>
+#include <record/replay.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+namespace asio = anogate::asio;
+using ano::Clock;
+using anogate::RecordedFrame;
+
+constexpr auto look_again = std::chrono::milliseconds{
+    10};    // at what tells no event: a link that comes up, a queue that gets empty
+constexpr auto time_to_leave = std::chrono::seconds{2};    // for the last frames
+constexpr int most_at_once = 64;                           // frames: then the link is looked after
+
+class Replayer final : public FrameTaker {
+public:
+    Replayer(RecordingInput& input, const anogate::LinkSettings& settings, bool commands, double rate, Streams& streams)
+        : input_{input}, commands_{commands}, clock_{rate}, link_{io_, settings, *this, streams, "replay"} {}
+
+    void run() {
+        asio::signal_set signals{io_, SIGINT, SIGTERM};
+        signals.async_wait([this](anogate::error_code ec, int) {
+            if (ec) return;
+            was_interrupted = true;
+            end();
+        });
+        link_.start();
+        await_link();
+        io_.run();
+    }
+
+    // What others say by the link is not for a replay.
+    bool take(ano::FrameView, const Passage&) override { return true; }
+    bool flush() override { return true; }
+    void miss(std::uint64_t, const std::string&, std::string_view) override {}
+
+    std::uint64_t given = 0, kept_back = 0, not_sent = 0;
+    bool was_interrupted = false;
+
+private:
+    template <class Then>
+    void at(ano::TimePoint time, Then then) {
+        timer_.expires_at(time);
+        timer_.async_wait([then](anogate::error_code ec) {
+            if (!ec) then();
+        });
+    }
+
+    void await_link() {
+        if (!link_.is_up()) return at(Clock::now() + look_again, [this] { await_link(); });
+        began_ = Clock::now();
+        step();
+    }
+
+    void step() {
+        for (int i = 0; i < most_at_once; ++i) {
+            if (!next_ && !(next_ = next_wanted())) return end_when_empty(Clock::now() + time_to_leave);
+            if (!due_) due_ = began_ + clock_.due(*next_);
+            if (*due_ > Clock::now()) return at(*due_, [this] { step(); });
+            ++given;
+            link_.send(next_->frame);
+            next_.reset();
+            due_.reset();
+        }
+        asio::post(io_, [this] { step(); });
+    }
+
+    std::optional<RecordedFrame> next_wanted() {
+        while (const auto item = input_.next()) {
+            const auto* frame = std::get_if<RecordedFrame>(&*item);
+            if (frame == nullptr || frame->direction != anogate::Direction::in) continue;
+            if (commands_ || !anogate::may_command(frame->frame)) return *frame;
+            ++kept_back;
+        }
+        return std::nullopt;
+    }
+
+    void end_when_empty(ano::TimePoint latest) {
+        if (link_.waiting() == 0 || Clock::now() >= latest) return end();
+        at(Clock::now() + look_again, [this, latest] { end_when_empty(latest); });
+    }
+
+    void end() {
+        not_sent = link_.waiting() + link_.given_up();
+        link_.stop();
+        io_.stop();
+    }
+
+    RecordingInput& input_;
+    const bool commands_;
+    anogate::ReplayClock clock_;
+    asio::io_context io_{1};
+    asio::steady_timer timer_{io_};
+    OwnLink link_;
+    ano::TimePoint began_{};
+    std::optional<RecordedFrame> next_;    // valid until the next one is read
+    std::optional<ano::TimePoint> due_;
+};
+
+struct Replay {
+    std::string file, link;
+    bool commands = false, json = false;
+    double rate = 1;
+
+    int run(Streams& streams) const {
+        const anogate::LinkSettings settings = link_settings_of(link);
+        RecordingInput input{file, streams};
+        Replayer replayer{input, settings, commands, rate, streams};
+        replayer.run();
+        const RecordingFacts facts = input.facts();
+        if (!replayer.was_interrupted)
+            for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
+        if (json) {
+            streams.out << ano::Json{{"frames", replayer.given},
+                                     {"not_sent", replayer.not_sent},
+                                     {"kept_back", replayer.kept_back}}
+                               .dump()
+                        << '\n';
+        } else {
+            std::string text = plural(replayer.given, "frame") + " replayed";
+            if (replayer.not_sent > 0)
+                text += ", of which " + std::to_string(replayer.not_sent) + " did not leave: the link was not there, or too slow";
+            if (replayer.kept_back > 0)
+                text += "; " + std::to_string(replayer.kept_back) +
+                        " of hosts and to command a vehicle kept back: --commands says them, too";
+            tell(streams, text);
+        }
+        if (replayer.was_interrupted) return interrupted;
+        return facts.fault.empty() && replayer.not_sent == 0 ? fine : failed;
+    }
+};
+
+}    // namespace
+
+Run add_replay(Options& options) {
+    const auto self = std::make_shared<Replay>();
+    const auto read_rate = [self](const std::string& word) -> std::string {
+        const auto number = ano::parse_number(word);
+        self->rate = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : 0;
+        return self->rate >= 0.001 && self->rate <= 1000 ? "" : ano::in_quotes(word) + " is not a number from 0.001 to 1000";
+    };
+    options.push_back({"file", &self->file, "FILE", "A recording; of it, what came in is said again, and only that", true});
+    options.push_back(
+        {"link", &self->link, "LINK",
+         "The link by which it is said, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp:127.0.0.1:12333 pty:PATH", true});
+    options.push_back({"--commands", &self->commands, "",
+                       "Also what hosts said and what commands or changes a vehicle: the vehicle at this link does it"});
+    options.push_back({"--rate", Option::Read{read_rate}, "R", "So many times as fast (default: 1)"});
+    options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl
