@@ -1,5 +1,6 @@
 // anoctl info FILE: what a recording holds.
 #include "anoctl.hpp"
+#include "counted.hpp"
 #include "recording_input.hpp"
 #include "table.hpp"
 
@@ -175,12 +176,12 @@ void show(const std::string& file, const Summary& summary, const RecordingFacts&
     std::ostream& out = streams.out;
     out << file << ": pcapng";
     if (!facts.head.program.empty()) out << " of " << without_controls(facts.head.program);
-    out << ", " << plural(facts.size, "byte") << '\n' << plural(summary.frames, "frame");
+    out << ", " << counted(facts.size, "byte") << '\n' << counted(summary.frames, "frame");
     if (summary.frames > 0)
         out << " in " << time_text(summary.seconds()) << ", " << date_text(summary.first) << " to " << date_text(summary.last);
     out << '\n';
     if (summary.lost > 0) {
-        out << plural(summary.lost, "frame") << (summary.lost == 1 ? " is" : " are")
+        out << counted(summary.lost, "frame") << (summary.lost == 1 ? " is" : " are")
             << " not in it: the gateway had no room for them";
         out << (summary.lost_messages.empty() ? "" : ": ") << joined(summary.lost_messages) << '\n';
     }
