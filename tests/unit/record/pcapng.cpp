@@ -133,7 +133,7 @@ TEST(Pcapng, counts_packets_that_are_no_whole_frame_and_goes_on) {
 TEST(Pcapng, a_packet_is_one_frame_and_nothing_else) {
     std::string file = write_pcapng({came(euler)}, head, false);
     const std::size_t packet = file.size() - 72;
-    for (const std::size_t at : {20, 24}) put(file, packet + at, std::uint32_t{16});    // with the byte of padding
+    for (const std::size_t at : {20u, 24u}) put(file, packet + at, std::uint32_t{16});    // with the byte of padding
     const auto read = read_pcapng(file);
     EXPECT_EQ(read.foreign, 1u);
     EXPECT_TRUE(read.items.empty());
