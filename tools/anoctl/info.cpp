@@ -38,13 +38,13 @@ using anogate::RecordedLoss;
 constexpr double second_ns = 1e9;
 constexpr double clock_step = 0.1;    // seconds between both clocks, from which on one of them was set
 
-struct LinkFigures {
+struct LinkPart {
     std::string description;
     std::array<std::uint64_t, 3> frames{};    // by Direction
     std::map<std::string, std::uint64_t> causes;
 };
 
-struct MessageFigures {
+struct MessagePart {
     std::uint64_t frames = 0, bytes = 0;
     std::bitset<256> from;
 };
@@ -72,8 +72,8 @@ public:
 
     std::uint64_t frames = 0, bytes = 0, lost = 0;
     std::uint64_t first = 0, last = 0;    // ns since 1970
-    std::map<std::string, LinkFigures> links;
-    std::array<MessageFigures, 256> messages;
+    std::map<std::string, LinkPart> links;
+    std::array<MessagePart, 256> messages;
     std::map<std::string, std::uint64_t> lost_messages;
 
 private:
@@ -85,11 +85,11 @@ private:
         last = frame.time_ns;
         last_boot_ = frame.boottime_ns;
         bytes += frame.frame.bytes().size();
-        LinkFigures& link = links[std::string{frame.link}];
+        LinkPart& link = links[std::string{frame.link}];
         link.description = frame.link_description;
         ++link.frames[static_cast<std::size_t>(frame.direction)];
         if (frame.direction == Direction::dropped) ++link.causes[std::string{frame.cause}];
-        MessageFigures& message = messages[frame.frame.id()];
+        MessagePart& message = messages[frame.frame.id()];
         ++message.frames;
         message.bytes += frame.frame.bytes().size();
         message.from.set(frame.frame.source());
@@ -133,7 +133,7 @@ std::string rate_text(double rate) {
     return text.data();
 }
 
-std::vector<std::string> sources_of(const MessageFigures& message) {
+std::vector<std::string> sources_of(const MessagePart& message) {
     std::vector<std::string> all;
     for (unsigned a = 0; a < 256; ++a)
         if (message.from[a]) all.push_back(ano::hex_byte(static_cast<std::uint8_t>(a)));
@@ -163,7 +163,7 @@ void show_links(const Summary& summary, Streams& streams) {
 void show_messages(const Summary& summary, Streams& streams) {
     Table table{{"ID", "MESSAGE", " FRAMES", " A SECOND", " BYTES", "FROM"}};
     for (unsigned id = 0; id < 256; ++id) {
-        const MessageFigures& message = summary.messages[id];
+        const MessagePart& message = summary.messages[id];
         if (message.frames == 0) continue;
         const auto byte = static_cast<std::uint8_t>(id);
         table.row({ano::hex_byte(byte), name_of_message(byte), std::to_string(message.frames),
@@ -222,7 +222,7 @@ Json json_of(const std::string& file, const Summary& summary, const RecordingFac
                                  {"dropped", link.frames[2]},
                                  {"causes", link.causes}});
     for (unsigned id = 0; id < 256; ++id) {
-        const MessageFigures& message = summary.messages[id];
+        const MessagePart& message = summary.messages[id];
         if (message.frames == 0) continue;
         Json from = Json::array();
         for (unsigned a = 0; a < 256; ++a)
