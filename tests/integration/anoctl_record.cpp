@@ -172,6 +172,42 @@ TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cau
     EXPECT_NE(text.find("channel "), std::string::npos) << text;
 }
 
+// While it is stopped, more comes than the gateway keeps for one who watches.
+TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and_at_the_end) {
+    constexpr std::size_t many = 4000, at_once = 50;
+    Process recorder = record({});
+    ASSERT_TRUE(until_recorded(1)) << recorder.output();
+    recorder.signal(SIGSTOP);
+    const Bytes large = frame(0xDC, 0xFF, 0xFB, Bytes(1000));
+    const std::uint64_t before = gateway.count("a", "frames_in");
+    for (std::size_t sent = 0; sent < many; sent += at_once) {
+        for (std::size_t i = 0; i < at_once; ++i) a.send(gateway.port("a"), large);
+        ASSERT_TRUE(wait_until([&] { return gateway.count("a", "frames_in") >= before + sent + at_once; })) << sent;
+    }
+    recorder.signal(SIGCONT);
+    const auto losses = [](const std::vector<KeptItem>& all) {
+        return std::count_if(all.begin(), all.end(), [](const KeptItem& item) { return item.lost > 0; });
+    };
+    ASSERT_TRUE(wait_until([&] {
+        a.send(gateway.port("a"), euler);
+        return losses(items()) > 0;
+    })) << recorder.output();
+    recorder.signal(SIGINT);
+    EXPECT_EQ(recorder.wait(), 0);
+    std::uint64_t recorded = 0, lost = 0;
+    for (const KeptItem& item : items()) {
+        recorded += item.frame == large;
+        lost += item.lost;
+        if (item.lost > 0) EXPECT_TRUE(item.names.find("special ") != std::string::npos) << item.names;
+    }
+    EXPECT_GT(lost, 0u);
+    EXPECT_GE(recorded + lost, many);    // some of the small ones may be lost, too
+    EXPECT_NE(recorder.output().find("; " + std::to_string(lost) + " frames are not in it"), std::string::npos)
+        << recorder.output();
+    const json told = json::parse(support::anoctl({"info", "--json", file}).out);
+    EXPECT_EQ(told["lost"], lost);
+}
+
 class AnoctlReplay : public testing::Test {
 protected:
     static KeptItem said(const Bytes& frame, std::uint64_t after_ns, anogate::Direction direction = anogate::Direction::in) {

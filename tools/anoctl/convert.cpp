@@ -1,10 +1,10 @@
 // anoctl convert FILE OUT: a recording as tables, as lines of JSON, or as a part of itself.
 #include "anoctl.hpp"
+#include "counted.hpp"
 #include "frame_printer.hpp"
 #include "recording_input.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
-#include "table.hpp"
 
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
@@ -160,7 +160,7 @@ struct Convert {
         });
         target->end();
         for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
-        tell(streams, plural(taken, "frame") + " of " + file + " written");
+        tell(streams, counted(taken, "frame") + " of " + file + " written");
         return facts.fault.empty() ? fine : failed;
     }
 

@@ -1,5 +1,6 @@
 // anoctl info FILE: what a recording holds.
 #include "anoctl.hpp"
+#include "counted.hpp"
 #include "recording_input.hpp"
 #include "table.hpp"
 
@@ -37,13 +38,13 @@ using anogate::RecordedLoss;
 constexpr double second_ns = 1e9;
 constexpr double clock_step = 0.1;    // seconds between both clocks, from which on one of them was set
 
-struct LinkFigures {
+struct LinkPart {
     std::string description;
     std::array<std::uint64_t, 3> frames{};    // by Direction
     std::map<std::string, std::uint64_t> causes;
 };
 
-struct MessageFigures {
+struct MessagePart {
     std::uint64_t frames = 0, bytes = 0;
     std::bitset<256> from;
 };
@@ -71,8 +72,8 @@ public:
 
     std::uint64_t frames = 0, bytes = 0, lost = 0;
     std::uint64_t first = 0, last = 0;    // ns since 1970
-    std::map<std::string, LinkFigures> links;
-    std::array<MessageFigures, 256> messages;
+    std::map<std::string, LinkPart> links;
+    std::array<MessagePart, 256> messages;
     std::map<std::string, std::uint64_t> lost_messages;
 
 private:
@@ -84,11 +85,11 @@ private:
         last = frame.time_ns;
         last_boot_ = frame.boottime_ns;
         bytes += frame.frame.bytes().size();
-        LinkFigures& link = links[std::string{frame.link}];
+        LinkPart& link = links[std::string{frame.link}];
         link.description = frame.link_description;
         ++link.frames[static_cast<std::size_t>(frame.direction)];
         if (frame.direction == Direction::dropped) ++link.causes[std::string{frame.cause}];
-        MessageFigures& message = messages[frame.frame.id()];
+        MessagePart& message = messages[frame.frame.id()];
         ++message.frames;
         message.bytes += frame.frame.bytes().size();
         message.from.set(frame.frame.source());
@@ -132,7 +133,7 @@ std::string rate_text(double rate) {
     return text.data();
 }
 
-std::vector<std::string> sources_of(const MessageFigures& message) {
+std::vector<std::string> sources_of(const MessagePart& message) {
     std::vector<std::string> all;
     for (unsigned a = 0; a < 256; ++a)
         if (message.from[a]) all.push_back(ano::hex_byte(static_cast<std::uint8_t>(a)));
@@ -162,7 +163,7 @@ void show_links(const Summary& summary, Streams& streams) {
 void show_messages(const Summary& summary, Streams& streams) {
     Table table{{"ID", "MESSAGE", " FRAMES", " A SECOND", " BYTES", "FROM"}};
     for (unsigned id = 0; id < 256; ++id) {
-        const MessageFigures& message = summary.messages[id];
+        const MessagePart& message = summary.messages[id];
         if (message.frames == 0) continue;
         const auto byte = static_cast<std::uint8_t>(id);
         table.row({ano::hex_byte(byte), name_of_message(byte), std::to_string(message.frames),
@@ -175,12 +176,12 @@ void show(const std::string& file, const Summary& summary, const RecordingFacts&
     std::ostream& out = streams.out;
     out << file << ": pcapng";
     if (!facts.head.program.empty()) out << " of " << without_controls(facts.head.program);
-    out << ", " << plural(facts.size, "byte") << '\n' << plural(summary.frames, "frame");
+    out << ", " << counted(facts.size, "byte") << '\n' << counted(summary.frames, "frame");
     if (summary.frames > 0)
         out << " in " << time_text(summary.seconds()) << ", " << date_text(summary.first) << " to " << date_text(summary.last);
     out << '\n';
     if (summary.lost > 0) {
-        out << plural(summary.lost, "frame") << (summary.lost == 1 ? " is" : " are")
+        out << counted(summary.lost, "frame") << (summary.lost == 1 ? " is" : " are")
             << " not in it: the gateway had no room for them";
         out << (summary.lost_messages.empty() ? "" : ": ") << joined(summary.lost_messages) << '\n';
     }
@@ -221,7 +222,7 @@ Json json_of(const std::string& file, const Summary& summary, const RecordingFac
                                  {"dropped", link.frames[2]},
                                  {"causes", link.causes}});
     for (unsigned id = 0; id < 256; ++id) {
-        const MessageFigures& message = summary.messages[id];
+        const MessagePart& message = summary.messages[id];
         if (message.frames == 0) continue;
         Json from = Json::array();
         for (unsigned a = 0; a < 256; ++a)

@@ -1,5 +1,6 @@
 // anoctl record FILE: the frames of the gateway that runs, into a file.
 #include "anoctl.hpp"
+#include "counted.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
 #include "recording_output.hpp"
@@ -158,10 +159,10 @@ private:
                 << '\n';
             return;
         }
-        std::string text = file + ": " + plural(recorder.frames, "frame") + " in " + time_text(seconds) + ", " +
-                           plural(output.size(), "byte");
+        std::string text = file + ": " + counted(recorder.frames, "frame") + " in " + time_text(seconds) + ", " +
+                           counted(output.size(), "byte");
         if (recorder.lost > 0)
-            text += "; " + plural(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
+            text += "; " + counted(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
                     " not in it: the gateway had no room for them";
         tell(streams, text);
     }

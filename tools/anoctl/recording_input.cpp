@@ -1,6 +1,6 @@
 #include "recording_input.hpp"
 
-#include "table.hpp"
+#include "counted.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -71,7 +71,7 @@ std::vector<std::string> RecordingFacts::notes() const {
     else if (read < size) lines.push_back("cut off: the last " + rest + " are no whole block");
     const bool ours = head.program.starts_with("ano");
     if (fault.empty() && !has_end && ours) lines.push_back("not ended: what records it still runs, or was ended by force");
-    if (foreign > 0) lines.push_back(plural(static_cast<std::size_t>(foreign), "packet") + " in it that are no whole frame");
+    if (foreign > 0) lines.push_back(counted(foreign, "packet") + " in it that are no whole frame");
     return lines;
 }
 

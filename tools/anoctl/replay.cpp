@@ -1,9 +1,9 @@
 // anoctl replay FILE LINK: says again by a link what devices said, as fast as they did.
 #include "anoctl.hpp"
+#include "counted.hpp"
 #include "own_link.hpp"
 #include "recording_input.hpp"
 #include "say.hpp"
-#include "table.hpp"
 
 #include <ano/time.hpp>
 #include <ano_json/frame_json.hpp>
@@ -142,7 +142,7 @@ struct Replay {
                                .dump()
                         << '\n';
         } else {
-            std::string text = plural(replayer.given, "frame") + " replayed";
+            std::string text = counted(replayer.given, "frame") + " replayed";
             if (replayer.not_sent > 0)
                 text += ", of which " + std::to_string(replayer.not_sent) + " did not leave: the link was not there, or too slow";
             if (replayer.kept_back > 0)

@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -113,6 +113,18 @@ _anoctl() {
         'image --link') _anoctl_links; return ;;
         'image --control') _anoctl_files; return ;;
         'top --control') _anoctl_files; return ;;
+        'record --id') _anoctl_messages; return ;;
+        'record --from') _anoctl_addresses; return ;;
+        'record --to') _anoctl_addresses; return ;;
+        'record --link') _anoctl_link_names; return ;;
+        'record --direction') _anoctl_words 'in out dropped'; return ;;
+        'record --seconds') :; return ;;
+        'record --control') _anoctl_files; return ;;
+        'convert --id') _anoctl_messages; return ;;
+        'convert --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'convert --value-type-7') _anoctl_words 'f32 u64'; return ;;
+        'convert --config') _anoctl_files; return ;;
+        'replay --rate') :; return ;;
         'web --into') :; return ;;
         'web --control') _anoctl_files; return ;;
     esac
@@ -137,6 +149,10 @@ _anoctl() {
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;
+        'record') options='--id --from --to --link --direction --seconds --force --json --control -h --help'; operands='_anoctl_files' ;;
+        'info') options='--json -h --help'; operands='_anoctl_files' ;;
+        'convert') options='--id --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
+        'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
         'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi

@@ -118,6 +118,7 @@ TEST(Pcapng, goes_on_behind_files_that_were_joined) {
     const auto read = read_pcapng(write_pcapng(first, head) + write_pcapng({came(wind, "radio")}, head));
     ASSERT_EQ(read.items.size(), first.size() + 1);
     EXPECT_EQ(read.items.back().link, "radio");
+    EXPECT_FALSE(read_pcapng(write_pcapng(first, head) + write_pcapng({came(wind)}, head, false)).has_end);
 }
 
 TEST(Pcapng, counts_packets_that_are_no_whole_frame_and_goes_on) {
@@ -127,6 +128,22 @@ TEST(Pcapng, counts_packets_that_are_no_whole_frame_and_goes_on) {
     EXPECT_EQ(read.foreign, 1u);
     ASSERT_EQ(read.items.size(), 1u);
     EXPECT_EQ(read.items[0].frame, wind);
+}
+
+TEST(Pcapng, a_packet_is_one_frame_and_nothing_else) {
+    std::string file = write_pcapng({came(euler)}, head, false);
+    const std::size_t packet = file.size() - 72;
+    for (const std::size_t at : {20u, 24u}) put(file, packet + at, std::uint32_t{16});    // with the byte of padding
+    const auto read = read_pcapng(file);
+    EXPECT_EQ(read.foreign, 1u);
+    EXPECT_TRUE(read.items.empty());
+}
+
+TEST(Pcapng, says_once_who_is_at_a_channel) {
+    const std::string file = write_pcapng(a_bit_of_everything(), head);
+    const auto first = file.find("channel 3: 192.168.1.20:6000");
+    ASSERT_NE(first, std::string::npos);
+    EXPECT_EQ(file.find("channel 3: 192.168.1.20:6000", first + 1), std::string::npos);
 }
 
 TEST(Pcapng, passes_over_blocks_that_it_does_not_know) {
@@ -152,7 +169,7 @@ TEST(Pcapng, stops_at_a_block_that_is_none_and_says_why) {
     };
     EXPECT_EQ(fault_behind(0, 0, 0), "a block has a length that no block has");    // zeros: power was lost
     EXPECT_EQ(fault_behind(6, 13, 0), "a block has a length that no block has");
-    EXPECT_EQ(fault_behind(6, 0x7FFFFFFC, 0), "a block is longer than 16 MiB");
+    EXPECT_EQ(fault_behind(6, PcapngReader::max_block + 4, 0), "a block is longer than 16 MiB");
     EXPECT_EQ(fault_behind(0x0BAD, 16, 20), "both lengths of a block differ");
     EXPECT_EQ(read_pcapng("not a capture at all").fault, "it is no pcapng file");
 }
@@ -166,6 +183,9 @@ TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
     EXPECT_EQ(read_pcapng(too_long).fault, "a packet is longer than its block");
     put(stranger, packet + 8, std::uint32_t{1});
     EXPECT_EQ(read_pcapng(stranger).fault, "a packet is of an interface that is not described");
+    std::string name = good;
+    put(name, name.find("fc") - 2, std::uint16_t{0xFF});    // the length of if_name
+    EXPECT_EQ(read_pcapng(name).items.at(0).link, "");
     std::string option = good;
     put(option, packet + 28 + 16 + 2, std::uint16_t{0xFFFF});    // the length of epb_flags
     const auto read = read_pcapng(option);

@@ -1,0 +1,13 @@
+// Numbers of frames and bytes, which may be more than a std::size_t of 32 bits holds.
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace anoctl {
+
+/// "1 frame", "3 frames"
+inline std::string counted(std::uint64_t number, const char* word) {
+    return std::to_string(number) + ' ' + word + (number == 1 ? "" : "s");
+}
+
+}    // namespace anoctl
