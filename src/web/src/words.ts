@@ -245,5 +245,13 @@ export const words = {
   force_firmware: ["even though it flies, or the file is for other hardware", "即使在飞行，或文件用于其他硬件"],
   flash: ["Upgrade", "升级"],
   flash_question: ["{file} onto {device}? Keep the power on until it has ended.", "把 {file} 写入 {device}？完成前不要断电。"],
+  cancel_firmware_question: ["Cancel? The device stays in its loader, and does not work until an upgrade is whole.", "取消升级？设备会停留在引导程序里，直到完整升级一次才能工作。"],
+  yes_cancel: ["Yes, cancel", "是，取消"],
+  no_go_on: ["No, go on", "不，继续"],
+  bia_misfit: ["This file is for hardware versions {min} to {max}; the device is {hw}", "此文件适用硬件版本 {min} 至 {max}；设备是 {hw}"],
+  bad_value: ["These must be numbers within: {types}", "请填范围内的数：{types}"],
+  unknown_end: ["It may have been carried out, nobody knows: look before you call it again. {why}", "可能已经执行，无法确认：再次执行之前先看看设备。{why}"],
+  log_not_heard: ["nobody listened for {s} s", "有 {s} 秒没有人在听"],
+  with_calibration: ["CAL_… of the file as well: only for the very same device", "文件中的 CAL_… 也采用：只限同一台设备"],
   flashed: ["The device has checked the image: {bytes} bytes in {frames} frames, {repeats} repeated, {s} s", "设备已校验镜像：{bytes} 字节，{frames} 帧，重发 {repeats} 次，{s} 秒"],
 } satisfies Record<string, [string, string]>;
