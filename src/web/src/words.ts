@@ -251,6 +251,8 @@ export const words = {
   bia_misfit: ["This file is for hardware versions {min} to {max}; the device is {hw}", "此文件适用硬件版本 {min} 至 {max}；设备是 {hw}"],
   bad_value: ["These must be numbers within: {types}", "请填范围内的数：{types}"],
   unknown_end: ["It may have been carried out, nobody knows: look before you call it again. {why}", "可能已经执行，无法确认：再次执行之前先看看设备。{why}"],
+  less: ["less", "收起"],
+  more_characters: ["all {n} characters", "全部 {n} 个字符"],
   log_not_heard: ["nobody listened for {s} s", "有 {s} 秒没有人在听"],
   with_calibration: ["CAL_… of the file as well: only for the very same device", "文件中的 CAL_… 也采用：只限同一台设备"],
   flashed: ["The device has checked the image: {bytes} bytes in {frames} frames, {repeats} repeated, {s} s", "设备已校验镜像：{bytes} 字节，{frames} 帧，重发 {repeats} 次，{s} 秒"],

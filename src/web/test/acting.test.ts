@@ -55,6 +55,7 @@ test("says in Chinese what the gateway says of jobs, and leaves what it does not
   assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
   assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
   assert.equal(reasonInChinese("job 7 (firmware of anoctl) has 0xDC"), "0xDC 正被任务 7（firmware）占用");
+  assert.equal(reasonInChinese("0x1E is heard, but did not answer the question for its number of commands, sent 5 times; it probably has none"), "听得到 0x1E，但问它 number of commands，问了 5 次都没有回答");
   assert.equal(reasonInChinese("something new"), "something new");
 });
 

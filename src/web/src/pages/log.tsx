@@ -42,6 +42,14 @@ const lineOf = (entry: Entry): string =>
   entry.missed !== undefined ? `${new Date(entry.time * 1000).toISOString()} # ${entry.missed}` :
   `${new Date(entry.time * 1000).toISOString()} ${hexByte(entry.from)} ${entry.value === undefined ? "" : entry.value + " "}${entry.text.replace(/[\r\n]+/g, " ")}`;
 
+const inBrief = 240; // characters: one long line is not to push all others away
+
+function Words({ text }: { text: string }) {
+  const [open, setOpen] = useState(false);
+  if (text.length <= inBrief) return <>{text}</>;
+  return <>{open ? text : text.slice(0, inBrief) + "… "}<button class="plain" aria-expanded={open} onClick={() => setOpen(!open)}>{open ? t("less") : t("more_characters", { n: text.length })}</button></>;
+}
+
 export function Log() {
   useLanguage();
   const of = useStore(table);
@@ -95,7 +103,7 @@ export function Log() {
             <li key={entry.number}>
               <time class="muted number">{clock(entry.time)}</time>
               <span class="muted">{nameOf(entry.from) || hexByte(entry.from)}</span>
-              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}{entry.text}</span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}<Words text={entry.text} /></span>
             </li>
           ))}
         </ol>
