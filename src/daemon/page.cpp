@@ -23,7 +23,7 @@ constexpr FileType file_types[] = {
     {".svg", "image/svg+xml"},
 };
 
-std::string_view type_of(std::string_view name) {
+std::string_view page_type_of(std::string_view name) {
     for (const auto& [ending, type] : file_types)
         if (name.ends_with(ending)) return type;
     return {};
@@ -50,7 +50,7 @@ Page Page::read(const fs::path& folder) {
         const fs::path& path = it->path();
         std::error_code no_size;
         const std::uintmax_t size = it->is_regular_file(no_size) ? it->file_size(no_size) : 0;
-        if (path.extension() != ".gz" || no_size || size == 0 || type_of(path.stem().string()).empty()) continue;
+        if (path.extension() != ".gz" || no_size || size == 0 || page_type_of(path.stem().string()).empty()) continue;
         total += size;
         if (total > most_bytes) return {};
         if (auto content = content_of(path)) page.files_.emplace(path.stem().string(), std::move(*content));
@@ -69,7 +69,7 @@ http::Response Page::file(std::string_view name, const http::Request& request) c
     if (http::quality(request.header("Accept-Encoding"), "gzip").value_or(0) == 0)
         return http::error(406, "the page's files are compressed: say Accept-Encoding: gzip");
     http::Response response;
-    response.type = type_of(found->first);
+    response.type = page_type_of(found->first);
     response.body = found->second;
     response.headers = {{"Content-Encoding", "gzip"},
                         {"Cache-Control", found->first == front_page ? "no-cache" : "public, max-age=31536000, immutable"},

@@ -46,6 +46,14 @@ test("joins the rows of a picture, and ends one with a lost part when the next b
   assert.equal(pixelsOf(broken!)[4 * 2 + 3], 0, "what did not come is clear");
 });
 
+test("more rows than are missing begin another picture", () => {
+  const pictures = new Pictures();
+  pictures.take(rows(1, 0, 1, 3, [1, 2]), 220, 0);
+  const [broken] = pictures.take(rows(1, 0, 1, 3, [3, 4]), 220, 0.1);
+  assert.equal(broken!.filled, 2);
+  assert.deepEqual([...pictures.take(rows(1, 0, 1, 3, [5]), 220, 0.2)[0]!.pixels], [3, 4, 5]);
+});
+
 test("refuses what is no picture, and takes no more memory than one has", () => {
   const pictures = new Pictures();
   for (const bad of [rows(1, 7, 2, 2, [1, 2]), rows(1, 0, 0, 2, [1]), rows(1, 0, 2, 2, [1]), rows(1, 0, 2, 2, [1, 2, 3, 4, 5, 6]), rows(1, 0, 2, 2, [])])

@@ -58,6 +58,11 @@ test("reads every frame of the golden table as the gateway does", () => {
   assert.ok(read > 60, `only ${read} frames had fields`);
 });
 
+test("gives a hundredth as people write it", () => {
+  const reading = table.read(3, 220, new Uint8Array([57, 0, 0, 0, 0, 0, 0])) as Reading;
+  assert.equal(reading.get("rol"), 0.57);
+});
+
 test("reads no byte behind the end of what any id brings", () => {
   for (let id = 0; id < 256; ++id)
     for (let size = 0; size < 48; ++size)

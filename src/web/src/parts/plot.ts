@@ -15,6 +15,47 @@ function clock(time: number, step: number): string {
   return step < 1 ? `${text}.${String(date.getMilliseconds()).padStart(3, "0")}` : text;
 }
 
+/** A value or two for each column of pixels: upright bars where columns stand side by side, lines over the gaps. Bars cost a tenth of what a
+ * line through all of them would. */
+function drawColumns(plot: uPlot, values: readonly (number | null)[], scale: string, colour: string): void {
+  const { ctx, bbox } = plot;
+  const range = plot.scales[scale];
+  if (range?.min == null || range.max == null || values.length === 0) return;
+  const { min, max } = range, times = plot.data[0] as number[];
+  const perUnit = bbox.height / (max - min || 1), bottom = bbox.top + bbox.height;
+  const thick = Math.max(1, Math.round(devicePixelRatio));
+  const x = plot.scales.x!, perSecond = bbox.width / (x.max! - x.min!);
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.fillStyle = ctx.strokeStyle = colour;
+  ctx.lineWidth = thick;
+  ctx.beginPath();
+  let before = -2, beforeX = 0, beforeY = 0, gaps = false;
+  for (let i = 0; i + 1 < values.length; i += 2) {
+    const first = values[i], second = values[i + 1];
+    if (first == null || second == null || Number.isNaN(first) || Number.isNaN(second)) continue;
+    const at = bbox.left + (times[i]! - x.min!) * perSecond;
+    const y1 = bottom - (first - min) * perUnit, y2 = bottom - (second - min) * perUnit;
+    let top = Math.min(y1, y2), low = Math.max(y1, y2);
+    if (before === i - 2) {
+      if (beforeY < top) top = beforeY;
+      else if (beforeY > low) low = beforeY;
+    } else if (before >= 0) {
+      ctx.moveTo(beforeX, beforeY);
+      ctx.lineTo(at, y1);
+      gaps = true;
+    }
+    ctx.fillRect(Math.round(at), Math.round(top - thick / 2), thick, Math.max(thick, Math.round(low - top)));
+    before = i;
+    beforeX = at;
+    beforeY = y2;
+  }
+  if (gaps) ctx.stroke();
+  ctx.restore();
+}
+
 export class Plot {
   private plot: uPlot;
   private readonly data: (number | null)[][];
@@ -42,8 +83,9 @@ export class Plot {
         { stroke: ink, grid, ticks: grid, values: (_, all, __, ___, step) => all.map((at) => clock(at, step)) },
         ...units.slice(0, mostAxes).map((unit, i): uPlot.Axis => ({ scale: scaleOf(unit), side: i % 2 === 0 ? 3 : 1, stroke: ink, ticks: grid, grid: i === 0 ? grid : { show: false }, label: unit || "–", labelSize: 18, size: 54 })),
       ],
-      series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, width: 1.5, spanGaps: true, points: { show: false } }))],
+      series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
       hooks: {
+        draw: [(plot) => lines.forEach((line, i) => drawColumns(plot, this.data[i + 1]!, scaleOf(line.unit), colours[i % colours.length]!))],
         setCursor: [(plot) => onLook(plot.cursor.left !== undefined && plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : undefined)],
         setSelect: [
           (plot) => {

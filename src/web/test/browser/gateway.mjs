@@ -1,120 +1,117 @@
-// A gateway with the page beside it, in a folder of its own.
-import { spawn, spawnSync } from "node:child_process";
-import dgram from "node:dgram";
-import { once } from "node:events";
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+// A gateway with simulated devices, and a browser that looks at it.
+import { spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import puppeteer from "puppeteer-core";
 
-const web = join(dirname(fileURLToPath(import.meta.url)), "../..");
+const root = join(dirname(fileURLToPath(import.meta.url)), "../../../..");
+const program = process.env.ANOGATED ?? join(root, "build/run/src/anogated");
+export const shots = process.env.ANOGATE_SHOTS ?? join(root, "build/web-shots");
+
+/** Whatever comes true in the end; else the test fails. */
+export async function until(what, ask, patience = 20000) {
+  const end = Date.now() + patience;
+  for (;;) {
+    const value = await ask();
+    if (value) return value;
+    if (Date.now() > end) throw new Error("it never came: " + what);
+    await new Promise((resolve) => setTimeout(resolve, 30));
+  }
+}
 
 export class Gateway {
-  constructor(program) {
-    this.folder = mkdtempSync(join(tmpdir(), "anogate-page-"));
-    mkdirSync(join(this.folder, "src"));
-    // Where it looks for the page: BUILD/web beside BUILD/src/anogated.
-    copyFileSync(program, join(this.folder, "src/anogated"));
-    const built = spawnSync(process.execPath, [join(web, "build.mjs"), "--out", join(this.folder, "web")], { encoding: "utf8" });
-    if (built.status !== 0) throw new Error("the page could not be built: " + built.stderr);
-    this.port = 0;
+  static async start(links = ["sim:fc", "sim:imu", "serial:/dev/absent", "udp-listen:127.0.0.1:0,name=ground"]) {
+    const gateway = new Gateway();
+    gateway.folder = mkdtempSync(join(tmpdir(), "anogate-web-"));
+    gateway.links = links;
+    await gateway.run(0);
+    return gateway;
+  }
+
+  async run(port) {
     this.said = "";
+    const environment = { ...process.env, XDG_STATE_HOME: this.folder, HOME: this.folder };
+    this.process = spawn(program, ["--http", `127.0.0.1:${port}`, "--control", join(this.folder, "control.sock"), ...this.links], { env: environment });
+    for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => (this.said += text));
+    this.ended = new Promise((resolve) => this.process.on("exit", resolve));
+    this.address = await until("the gateway listens\n" + this.said, () => /(http:\/\/127\.0\.0\.1:\d+): up/.exec(this.said)?.[1]);
+    this.port = Number(new URL(this.address).port);
   }
 
-  /** Until it serves; a second time at the same port. */
-  async start(...links) {
-    this.links = links.length > 0 ? links : this.links;
-    const folder = this.folder;
-    this.child = spawn(join(folder, "src/anogated"), ["--control", join(folder, "control.sock"), "--http", `127.0.0.1:${this.port}`, ...this.links], {
-      env: { ...process.env, HOME: folder, XDG_STATE_HOME: join(folder, "state"), STATE_DIRECTORY: "" },
-      stdio: ["ignore", "pipe", "pipe"],
-    });
-    let said = "";
-    await new Promise((serves, fails) => {
-      const hear = (bytes) => {
-        said += bytes;
-        const at = /http:\/\/127\.0\.0\.1:(\d+): up/.exec(said);
-        if (!at) return;
-        this.port = Number(at[1]);
-        serves();
-      };
-      this.child.stdout.on("data", hear);
-      this.child.stderr.on("data", hear);
-      this.child.once("exit", (code) => fails(new Error(`anogated ended with ${code}: ${said}`)));
-    });
-    this.origin = `http://127.0.0.1:${this.port}`;
-  }
-
-  async stop(signal = "SIGTERM") {
-    if (!this.child || this.child.exitCode !== null) return;
-    const ended = once(this.child, "exit");
-    this.child.kill(signal);
-    await ended;
-  }
-
+  /** Root's gateways ask for a token; a user's own at a loopback address does not. */
   token(access) {
-    const line = readFileSync(join(this.folder, "state/anogate/token"), "utf8").split("\n").find((one) => one.startsWith(access + " "));
-    return line.split(" ")[1];
+    const file = /the tokens are in (\S+)/.exec(this.said)?.[1];
+    return file && new RegExp(`^${access} (\\S+)`, "m").exec(readFileSync(file, "utf8"))[1];
   }
 
-  async ask(path, method = "GET", body) {
-    const headers = { Authorization: "Bearer " + this.token("control"), ...(body === undefined ? {} : { "Content-Type": "application/json" }) };
-    return (await fetch(this.origin + path, { method, headers, ...(body === undefined ? {} : { body: JSON.stringify(body) }) })).json();
+  async stop() {
+    this.process.kill("SIGCONT");
+    this.process.kill("SIGTERM");
+    await this.ended;
   }
-
-  remove() {
+  async restart() {
+    await this.stop();
+    await this.run(this.port);
+  }
+  async end() {
+    await this.stop();
     rmSync(this.folder, { recursive: true, force: true });
   }
 }
 
-export function frame(from, to, id, data) {
-  const bytes = Buffer.from([0xab, from, to, id, data.length & 255, data.length >> 8, ...data, 0, 0]);
-  let sum = 0, add = 0;
-  for (let i = 0; i < bytes.length - 2; ++i) add = (add + (sum = (sum + bytes[i]) & 255)) & 255;
-  bytes[bytes.length - 2] = sum;
-  bytes[bytes.length - 1] = add;
-  return bytes;
+export const openBrowser = () =>
+  puppeteer.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--disable-gpu", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])] });
+
+/** A page in a context of its own, let in with a token where one is needed. `faults`: what the browser complained of; `elsewhere`: what was asked of others. */
+export async function openPage(browser, gateway, { access = "control", language = "en", width = 1440, height = 900, dark = false, hash = "#/" } = {}) {
+  const context = await browser.createBrowserContext();
+  const page = await context.newPage();
+  page.faults = [];
+  page.elsewhere = [];
+  page.on("pageerror", (error) => page.faults.push(error.message));
+  page.on("console", (message) => message.type() === "error" && !/401|404|409|422|403|504/.test(message.text()) && page.faults.push(message.text()));
+  page.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(gateway.address) && page.elsewhere.push(request.url()));
+  await page.evaluateOnNewDocument((tag) => Object.defineProperty(navigator, "languages", { get: () => [tag] }), language);
+  if (dark) await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
+  await page.setViewport({ width, height });
+  await page.goto(gateway.address + "/" + hash);
+  const token = access && gateway.token(access);
+  if (token) await logIn(page, token);
+  return page;
 }
 
-/** A device behind UDP whose every word is HTML. */
-export class HostileDevice {
-  constructor(port, words) {
-    this.address = 30;
-    this.words = words;
-    this.socket = dgram.createSocket("udp4");
-    this.send = (id, data, to = 255) => this.socket.send(frame(this.address, to, id, data), port, "127.0.0.1");
-    this.socket.on("message", (bytes) => {
-      for (let at = 0; at + 8 <= bytes.length; at += 8 + bytes.readUInt16LE(at + 4)) if (bytes[at + 3] === 0xe0) this.answer(bytes[at + 6], bytes.readUInt16LE(at + 7), bytes[at + 1]);
-    });
-    this.timer = setInterval(() => {
-      this.send(0xa0, [1, ...Buffer.from(words)]);
-      this.send(0xa1, [0, 0, 192, 127, ...Buffer.from(words)]); // a value that is no number
-      this.send(0x03, [1, 0, 2, 0, 3, 0, 0]);
-    }, 200);
-  }
-
-  answer(cmd, val, to) {
-    const name = Buffer.alloc(20, 0), one = this.words.slice(0, 20);
-    name.write(one);
-    if (cmd === 0) this.send(0xe3, [this.address, 100, 0, 100, 0, 0, 0, 0x20, 3, ...Buffer.from(this.words.slice(0, 60))], to);
-    if (cmd === 1) this.send(0xe0, [1, 1, 0], to);
-    if (cmd === 2) this.send(0xe1, [val, 0, ...Buffer.from(this.words.slice(0, 100))], to);
-    if (cmd === 3) this.send(0xe2, [val, 0, 10, ...name, ...Buffer.from(this.words.slice(0, 150))], to);
-  }
-
-  stop() {
-    clearInterval(this.timer);
-    this.socket.close();
-  }
+export async function logIn(page, token) {
+  await page.waitForSelector(".login input");
+  await page.click(".login input", { count: 3 });
+  await page.type(".login input", token);
+  await page.click(".login button");
+  await page.waitForSelector("nav");
 }
 
-/** A UDP port that nobody has. */
-export async function freePort() {
-  const socket = dgram.createSocket("udp4");
-  socket.bind(0, "127.0.0.1");
-  await once(socket, "listening");
-  const { port } = socket.address();
-  socket.close();
-  await once(socket, "close");
-  return port;
+export const textOf = (page, selector) => page.$eval(selector, (element) => element.textContent);
+
+export async function shot(page, name) {
+  mkdirSync(shots, { recursive: true });
+  await page.screenshot({ path: join(shots, name + ".png") });
+}
+
+export async function press(page, words, within = "main") {
+  await until(`a button “${words}”`, () =>
+    page.evaluate((words, within) => {
+      const button = [...document.querySelectorAll(`${within} button`)].find((one) => one.textContent.trim() === words && !one.disabled);
+      button?.click();
+      return button !== undefined;
+    }, words, within));
+}
+
+/** Says yes to a question; it is deaf to a second touch at first. */
+export async function confirm(page, within = "main") {
+  await page.waitForSelector(`${within} .confirm .main`);
+  await until("the question is answered", () =>
+    page.evaluate((within) => {
+      document.querySelector(`${within} .confirm .main`)?.click();
+      return new Promise((done) => setTimeout(() => done(!document.querySelector(`${within} .confirm`)), 50));
+    }, within));
 }

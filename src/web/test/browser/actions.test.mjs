@@ -1,0 +1,178 @@
+// What acts, to its end; and what goes wrong.
+import assert from "node:assert/strict";
+import { createServer } from "node:http";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { confirm, Gateway, logIn, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
+
+let gateway, browser;
+before(async () => {
+  gateway = await Gateway.start();
+  browser = await openBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await gateway?.end();
+});
+
+const outcome = (page, selector, words) => until(`${selector} says ${words}`, async () => {
+  const text = await page.$eval(selector, (element) => element.textContent).catch(() => "");
+  return words.test(text) && text;
+});
+
+async function type(page, selector, text) {
+  await page.waitForSelector(selector);
+  await page.click(selector, { count: 3 });
+  await page.keyboard.press("Backspace");
+  await page.type(selector, text);
+}
+
+test("writes the parameters that were changed, and no other", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/parameters" });
+  await type(page, "#parameter-1", "7");
+  await press(page, "Write 1 changed");
+  await outcome(page, ".outcome", /✓ 1 written and read back/);
+  assert.match(await textOf(page, "#parameter-1-text"), /stored: 7/);
+  await type(page, "#parameter-1", "400");
+  await press(page, "Write 1 changed");
+  await outcome(page, ".outcome", /✕ Refused: SIM_TURN: 400 is out of range/);
+  await press(page, "back to 7");
+  const file = join(gateway.folder, "backup.json");
+  writeFileSync(file, JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
+  await (await page.$("input[type=file]")).uploadFile(file);
+  await press(page, "Take 1 from the file");
+  await press(page, "Write 1 changed");
+  await outcome(page, ".outcome", /✓ 1 written/);
+  await press(page, "Keep over a restart");
+  await outcome(page, ".outcome", /✓ The device keeps them/);
+  await page.browserContext().close();
+});
+
+test("asks before a command, and lands by a button that is held", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  await page.waitForSelector(".command");
+  const call = async (n, values = []) => {
+    for (const [i, value] of values.entries()) await type(page, `.command:nth-child(${n}) .values input[id$="-${i}"]`, value);
+    await page.click(`.command:nth-child(${n}) button`);
+    await confirm(page, `.command:nth-child(${n})`);
+    await outcome(page, `.command:nth-child(${n}) .outcome`, /✓/);
+  };
+  await call(10); // UNLOCK
+  await call(1, ["200"]); // TAKE_OFF
+  await page.evaluate(() => (location.hash = "#/220/vehicle"));
+  await outcome(page, ".flag", /airborne/);
+  await shot(page, "flying");
+  const button = await page.waitForSelector(".hold.land");
+  const box = await button.boundingBox();
+  await page.mouse.move(box.x + 9, box.y + 9);
+  await page.mouse.down();
+  await new Promise((resolve) => setTimeout(resolve, 200)); // a brush
+  await page.mouse.up();
+  assert.doesNotMatch(await textOf(page, ".pinned"), /LAND/);
+  await page.mouse.down();
+  await outcome(page, ".pinned", /✓ LAND/);
+  await page.mouse.up();
+  await outcome(page, ".flag", /^(locked|unlocked)$/);
+  await page.browserContext().close();
+});
+
+test("sends a frame, and says by which links it left", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/frames" });
+  await press(page, "Send a frame");
+  await page.waitForSelector("form .main");
+  await page.click("form .main");
+  await outcome(page, "form [role=status]", /Left by fc, imu; not by absent \(the link was down\)/);
+  await page.browserContext().close();
+});
+
+test("upgrades the firmware", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/221/firmware" });
+  const file = join(gateway.folder, "image.bin");
+  writeFileSync(file, Buffer.alloc(5000, 7));
+  await (await page.waitForSelector("input[type=file]")).uploadFile(file);
+  await press(page, "Upgrade");
+  await confirm(page);
+  await outcome(page, "main", /✓ The device has checked the image: 5000 bytes/);
+  await page.browserContext().close();
+});
+
+test("calibrates a compass", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/221/calibration" });
+  await page.waitForSelector("main select");
+  await page.select("main select", "compass");
+  await press(page, "Begin");
+  await press(page, "Go on");
+  await page.waitForSelector(".halves polygon.filled");
+  await shot(page, "compass");
+  await until("it ends", async () => /✓ Calibrated/.test(await textOf(page, "main")), 60000);
+  await page.browserContext().close();
+});
+
+test("sees within a second or so that the gateway is silent, and that it is back", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
+  await page.waitForSelector(".figure dd small");
+  gateway.process.kill("SIGSTOP");
+  const began = Date.now();
+  await page.waitForSelector(".contact.lost");
+  assert.ok(Date.now() - began < 2000, `${Date.now() - began} ms`);
+  await shot(page, "lost");
+  gateway.process.kill("SIGCONT");
+  await page.waitForSelector(".contact.live");
+  await gateway.restart();
+  await page.waitForSelector(".contact.live");
+  await until("values come again", () => page.$eval(".figure", (figure) => !figure.classList.contains("late-value")).catch(() => false));
+  await page.browserContext().close();
+});
+
+test("tells who has no token, a wrong one, or one to look only", { skip: process.getuid() !== 0 && "a user's own gateway asks for none" }, async () => {
+  const page = await openPage(browser, gateway, { access: null });
+  await page.waitForSelector(".login input");
+  await page.type(".login input", "wrong");
+  await page.click(".login button");
+  await outcome(page, "[role=alert]", /the token is not right/);
+  await logIn(page, gateway.token("view"));
+  await page.waitForSelector(".branch");
+  assert.match(await textOf(page, ".note"), /You look only/);
+  assert.equal(await page.$(".scan"), null, "what it may not is not offered");
+  const status = await page.evaluate(() => fetch("send", { method: "POST", headers: { "Content-Type": "application/json" }, body: "{}" }).then((answer) => answer.status));
+  assert.equal(status, 403);
+  await page.browserContext().close();
+});
+
+test("shows as words what a device says, whatever that is", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/log" });
+  await page.waitForSelector("h1");
+  const html = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>';
+  const send = (str) => page.evaluate((str) => fetch("send", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ from: 77, to: 255, name: "log", fields: { color: 1, str } }) }).then((answer) => answer.status), str);
+  await new Promise((resolve) => setTimeout(resolve, 500)); // until the page listens
+  assert.equal(await send(html), 200);
+  assert.equal(await send("x".repeat(4000)), 200);
+  await outcome(page, ".log", /<img src=x/);
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0);
+  assert.equal(await page.evaluate(() => window.hit), undefined);
+  assert.deepEqual(page.faults, []);
+  await shot(page, "hostile-log");
+  await page.browserContext().close();
+});
+
+test("a page of another origin gets nothing, by fetch, WebSocket or frame", async () => {
+  const other = createServer((_, response) => response.setHeader("Content-Type", "text/html").end("<h1>another</h1>"));
+  await new Promise((resolve) => other.listen(0, "127.0.0.1", resolve));
+  const own = await openPage(browser, gateway);
+  const page = await own.browserContext().newPage();
+  await page.goto(`http://127.0.0.1:${other.address().port}/`);
+  const got = await page.evaluate(async (address) => {
+    const asked = await fetch(address + "/status", { credentials: "include" }).then((answer) => answer.status).catch(() => "refused");
+    const posted = await fetch(address + "/send", { method: "POST", mode: "no-cors", credentials: "include", body: "{}" }).then((answer) => answer.type).catch(() => "refused");
+    const opened = await new Promise((resolve) => {
+      const socket = new WebSocket(address.replace("http", "ws") + "/frames");
+      socket.onopen = () => resolve("open");
+      socket.onerror = () => resolve("refused");
+    });
+    return { asked, posted, opened };
+  }, gateway.address);
+  assert.deepEqual(got, { asked: "refused", posted: "opaque", opened: "refused" });
+  other.close();
+  await own.browserContext().close();
+});

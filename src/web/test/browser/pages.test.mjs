@@ -1,0 +1,73 @@
+// Every page against the simulated world, in both languages, on a phone and on a desk.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+import { Gateway, openBrowser, openPage, shot, until } from "./gateway.mjs";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+let gateway, browser;
+before(async () => {
+  gateway = await Gateway.start();
+  browser = await openBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await gateway?.end();
+});
+
+/** Where there is something to see on each. */
+const pages = {
+  "overview": ".branch", "frames": ".rows li", "charts": ".uplot", "log": "h1", "images": "canvas.picture", "220/vehicle": ".figure dd small",
+  "220/parameters": ".set li", "220/commands": ".command", "220/waypoints": ".waypoints tr", "220/calibration": "button.main", "220/firmware": ".file",
+};
+
+for (const [language, width, height, dark] of [["en", 1440, 900, false], ["zh-CN", 390, 844, true], ["en", 390, 844, false], ["zh-CN", 1440, 900, true]])
+  test(`shows every page in ${language} at ${width}×${height}`, async () => {
+    const page = await openPage(browser, gateway, { language, width, height, dark });
+    await page.waitForSelector(".branch");
+    for (const [name, sign] of Object.entries(pages)) {
+      await page.evaluate((hash) => (location.hash = hash), "#/" + name);
+      await page.waitForSelector(`main ${sign}`, { timeout: 30000 });
+      await shot(page, `${name.replace("/", "-")}-${language}-${width}`);
+      await page.evaluate(axe);
+      const found = await page.evaluate(() => axe.run().then((result) => result.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`)));
+      assert.deepEqual(found, [], name);
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0, `${name} is wider than the screen`);
+      assert.equal(await page.evaluate(() => document.documentElement.lang), language === "en" ? "en" : "zh-CN");
+    }
+    assert.deepEqual(page.faults, []);
+    assert.deepEqual(page.elsewhere, [], "not one request elsewhere");
+    await page.browserContext().close();
+  });
+
+test("shows its first values within a second or two of opening", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
+  await page.waitForSelector(".figure dd small");
+  const began = Date.now();
+  await page.reload();
+  await page.waitForSelector(".figure dd small");
+  const took = Date.now() - began;
+  assert.ok(took < 2000, `${took} ms, on whatever computer this is`);
+  await page.browserContext().close();
+});
+
+test("a tab that is hidden asks for nothing", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/frames" });
+  await page.waitForSelector(".rows li");
+  await page.evaluate(() => {
+    Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
+    document.dispatchEvent(new Event("visibilitychange"));
+  });
+  let asked = 0;
+  await new Promise((resolve) => setTimeout(resolve, 300)); // what was on its way
+  page.on("request", () => ++asked);
+  await new Promise((resolve) => setTimeout(resolve, 1500));
+  assert.equal(asked, 0);
+  await page.evaluate(() => {
+    delete document.hidden;
+    document.dispatchEvent(new Event("visibilitychange"));
+  });
+  await until("it asks again", () => asked > 0);
+  await page.browserContext().close();
+});
