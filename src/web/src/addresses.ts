@@ -1,12 +1,11 @@
 // Who an address is.
+import { whoText } from "./i18n";
 import { devices, status } from "./live/gateway";
 import { hexByte } from "./protocol/table";
-
-export const numberOf = (address: string): number => Number(address);
 
 /** The name that the device says, else what the gateway knows the address as. */
 export function nameOf(address: number): string {
   const hex = hexByte(address);
   const said = devices.get().find((device) => Number(device.address) === address)?.name;
-  return said || status.get()?.routes.find((route) => route.address === hex)?.who || "";
+  return said || whoText(status.get()?.routes.find((route) => route.address === hex)?.who ?? "");
 }

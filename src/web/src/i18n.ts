@@ -3,7 +3,7 @@ import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
 import { messageInChinese, reasonInChinese } from "./words_of_device";
-import { causes, errors, hints, titles, unhandled } from "./words_of_gateway";
+import { causes, errors, hints, titles, unhandled, whos } from "./words_of_gateway";
 
 export type Language = "en" | "zh";
 export type Key = keyof typeof words;
@@ -50,4 +50,5 @@ export const messageText = (text: string): string => (language.get() === "zh" ? 
 export const reasonText = (text: string): string => (language.get() === "zh" ? reasonInChinese(text) : text);
 /** What a counter counts; its name where it is not known. */
 export const causeText = (name: string): string => causes[name]?.[language.get() === "zh" ? 1 : 0] ?? name;
+export const whoText = (who: string): string => (language.get() === "zh" ? (whos[who] ?? who) : who);
 export const titleText = (name: string, title: string): string => (language.get() === "zh" ? (titles[name] ?? title) : title);

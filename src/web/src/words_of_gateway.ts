@@ -84,6 +84,22 @@ export const causes: Record<string, [string, string]> = {
   held_back: ["the peer has not shown that it is there", "对端还没有证明它在那里"],
 };
 
+export const whos: Record<string, string> = {
+  "power unit": "电源",
+  "ROS 2 bridge": "ROS 2 桥",
+  "vendor MCU": "厂商 MCU",
+  "flight controller": "飞控",
+  IMU: "惯导",
+  "optical flow": "光流",
+  "OpenMV camera": "OpenMV 相机",
+  "data radio": "数传",
+  "protocol simulator": "协议模拟器",
+  host: "上位机",
+  port: "端口",
+  "user device": "用户设备",
+  reserved: "保留",
+};
+
 export const titles: Record<string, string> = {
   check: "用校验字节确认一帧",
   inertial: "加速度计和陀螺仪",
