@@ -2,6 +2,7 @@
 import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
+import { messageInChinese, reasonInChinese } from "./words_of_device";
 import { causes, errors, hints, titles, unhandled, whos } from "./words_of_gateway";
 
 export type Language = "en" | "zh";
@@ -44,6 +45,9 @@ export function errorText(id: string, text: string, args: Record<string, unknown
   const known = language.get() === "zh" ? errors[id] : undefined;
   return known === undefined ? text : filled(known, args);
 }
+/** What a job does, and why it did not end well: in Chinese where that is known. */
+export const messageText = (text: string): string => (language.get() === "zh" ? messageInChinese(text) : text);
+export const reasonText = (text: string): string => (language.get() === "zh" ? reasonInChinese(text) : text);
 /** What a counter counts; its name where it is not known. */
 export const causeText = (name: string): string => causes[name]?.[language.get() === "zh" ? 1 : 0] ?? name;
 export const whoText = (who: string): string => (language.get() === "zh" ? (whos[who] ?? who) : who);

@@ -40,9 +40,24 @@ export function endOf<T>(job: Job<T>): Answer<T> {
 
 const over = (job: Job): boolean => job.state !== "running" && job.state !== "waiting";
 
-/** Follows a job to its end; `onJob` is told of each change. Without an end the contact was lost: the job goes on without us. */
+const lost: Answer<never> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
+const againAfter = 500; // milliseconds
+
+/** Follows a job to its end; `onJob` is told of each change. A job goes on without us: when the contact was lost, it is looked for until the
+ * gateway is there again. Without an end nobody knows what came of it. */
 export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
-  const lost: Answer<T> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
+  let id: number | undefined;
+  const take = (job: Job<T>): void => onJob(((id = job.id), job));
+  let answer = await listen<T>(route, options, take);
+  while (!answer.ok && answer.refusal.status === 0 && id !== undefined) {
+    await new Promise((done) => setTimeout(done, againAfter));
+    answer = await listen<T>(`/jobs/${id}`, {}, take);
+  }
+  return !answer.ok && id !== undefined && answer.refusal.status === 404 ? lost : answer;
+}
+
+/** One connection long. */
+async function listen<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
   try {
     const response = await fetch(path(route), requestOf({ ...options, accept: "application/x-ndjson" }));
     onHeard.call();

@@ -1,7 +1,7 @@
 // Calibration of accelerometer and compass: what is to be done, and how far it is.
 import { useState } from "preact/hooks";
 import { nameOf } from "../addresses";
-import { t, useLanguage } from "../i18n";
+import { messageText, t, useLanguage } from "../i18n";
 import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
 import { cancel, goOn } from "../live/jobs";
@@ -115,7 +115,7 @@ export function Calibration({ device }: { device: number }) {
       )}
       {job && (
         <section class="card">
-          <p role="status"><b>{job.message}</b></p>
+          <p role="status"><b>{messageText(job.message)}</b></p>
           <Step step={job.step} />
           {mayAct() && (
             <div class="tools">

@@ -7,19 +7,8 @@ import { mayAct } from "../live/gateway";
 import { useStore } from "../live/store";
 import { OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
-import { numberIn } from "../parts/frame_of";
+import { rangeText, valuesOf } from "../parts/command_values";
 import { hexByte } from "../protocol/table";
-
-/** What was typed, for each type that the device declares; undefined: that is no number. A whole number beyond 2^53 stays text. */
-export function valuesOf(types: readonly string[], typed: readonly string[]): unknown[] | undefined {
-  const values = types.map((type, i) => {
-    const text = typed[i] ?? "";
-    const number = text.trim() === "" ? 0 : numberIn(text);
-    if (number === undefined) return undefined;
-    return type.endsWith("64") && type !== "f64" && !Number.isSafeInteger(number) ? text.trim() : number;
-  });
-  return values.some((value) => value === undefined) ? undefined : values;
-}
 
 function CommandRow({ device, command }: { device: number; command: Command }) {
   const action = useAction();
@@ -38,7 +27,7 @@ function CommandRow({ device, command }: { device: number; command: Command }) {
       {command.values.length > 0 && (
         <div class="values">
           {command.values.map((type, i) => (
-            <label key={i} for={`${id}-${i}`}>{type}
+            <label key={i} for={`${id}-${i}`}>{type}<small>{rangeText(type)}</small>
               <input id={`${id}-${i}`} inputMode="decimal" placeholder="0" value={typed[i] ?? ""} onInput={(event) => { const next = [...typed]; next[i] = event.currentTarget.value; setTyped(next); }} />
             </label>
           ))}
@@ -50,7 +39,7 @@ function CommandRow({ device, command }: { device: number; command: Command }) {
           <label class="check"><input type="checkbox" checked={repeat} onChange={() => setRepeat(!repeat)} />{t("repeat")}</label>
         </div>
       )}
-      {!values && <p class="bad">{t("bad_number", { name: command.values.join(", ") })}</p>}
+      {!values && <p class="bad">{t("bad_value", { types: command.values.map((type) => type + rangeText(type)).join(", ") })}</p>}
       <OutcomeLine action={action} />
     </li>
   );

@@ -52,10 +52,11 @@ export function Firmware({ device }: { device: number }) {
             <label>CRC <select value={crc} onChange={(event) => setCrc(event.currentTarget.value)}>{crcs.map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
             <label class="check"><input type="checkbox" checked={force} onChange={() => setForce(!force)} />{t("force_firmware")}</label>
           </div>
+          {header && known?.hw !== undefined && header.hwMax > 0 && (known.hw < header.hwMin || known.hw > header.hwMax) && <p class="note warn">{t("bia_misfit", { hw: known.hw, min: header.hwMin, max: header.hwMax })}</p>}
           <Confirm label={t("flash")} question={t("flash_question", { file: file?.file.name ?? "", device: nameOf(device) || hexByte(device) })} yes={t("flash")} kind="main" disabled={!file} onYes={flash} />
         </div>
       )}
-      <JobLine job={job} {...(job && mayAct() ? { onCancel: () => action.run(() => cancel(job), () => t("cancelled")) } : {})} />
+      <JobLine job={job} {...(job && mayAct() ? { onCancel: () => action.run(() => cancel(job), () => t("cancelled")), question: t("cancel_firmware_question") } : {})} />
       <OutcomeLine action={action} />
       {ended && (ended.ok
         ? <p class="good" role="status">✓ {t("flashed", { bytes: ended.value.bytes, frames: ended.value.frames, repeats: ended.value.repeats, s: ended.value.seconds })}</p>

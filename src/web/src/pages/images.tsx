@@ -43,6 +43,7 @@ export function Images() {
   const [stopped, setStopped] = useState(false);
   const shown = useRef(new Map<number, Shown>());
   const pictures = useRef(new Pictures());
+  const heard = useRef(new Set<number>());
   useTick(66);
   useEffect(() => {
     const id = of?.rows.find((row) => row.name === "image")?.id;
@@ -53,10 +54,14 @@ export function Images() {
         const reading = of.read(record.id, record.from, record.data);
         if (!(reading instanceof Reading)) return;
         for (const picture of pictures.current.take(reading, record.from, record.time)) {
+          const whole = picture.filled === rowBytes(picture) * picture.height;
+          const isFirst = !heard.current.has(record.from);
+          heard.current.add(record.from);
+          if (isFirst && !whole) continue; // its first rows went by before anybody looked
           const one = shown.current.get(record.from) ?? { picture, rate: new Rate(), broken: 0 };
           one.picture = picture;
           one.rate.add(seconds());
-          if (picture.filled < rowBytes(picture) * picture.height) ++one.broken;
+          if (!whole) ++one.broken;
           shown.current.set(record.from, one);
         }
       },

@@ -3,12 +3,13 @@ import { useEffect, useState } from "preact/hooks";
 import { nameOf } from "../addresses";
 import { t, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
-import { table } from "../live/gateway";
+import { seconds, table } from "../live/gateway";
 import { useStore, useTick } from "../live/store";
 import { download, stamp } from "../parts/download";
 import { hexByte, Reading } from "../protocol/table";
 
 export interface Entry {
+  missed?: string; // nothing was heard here: why
   number: number;
   time: number;
   from: number;
@@ -29,24 +30,43 @@ function add(entry: Omit<Entry, "number">): void {
   if (entries.length > mostEntries) entries.splice(0, entries.length - mostEntries);
 }
 
+let leftAt: number | undefined; // when the page went elsewhere
+const miss = (why: string): void => add({ time: Date.now() / 1000, from: 0, colour: 0, value: undefined, text: "", missed: why });
+
 const clock = (time: number): string => {
   const date = new Date(time * 1000);
   return `${date.toTimeString().slice(0, 8)}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 };
 
 const lineOf = (entry: Entry): string =>
+  entry.missed !== undefined ? `${new Date(entry.time * 1000).toISOString()} # ${entry.missed}` :
   `${new Date(entry.time * 1000).toISOString()} ${hexByte(entry.from)} ${entry.value === undefined ? "" : entry.value + " "}${entry.text.replace(/[\r\n]+/g, " ")}`;
+
+const inBrief = 240; // characters: one long line is not to push all others away
+
+function Words({ text }: { text: string }) {
+  const [open, setOpen] = useState(false);
+  if (text.length <= inBrief) return <>{text}</>;
+  return <>{open ? text : text.slice(0, inBrief) + "… "}<button class="plain" aria-expanded={open} onClick={() => setOpen(!open)}>{open ? t("less") : t("more_characters", { n: text.length })}</button></>;
+}
 
 export function Log() {
   useLanguage();
   const of = useStore(table);
   const [search, setSearch] = useState("");
+  const [paused, setPaused] = useState<Entry[]>();
   useTick(300);
   useEffect(() => {
     if (!of) return undefined;
     const ids = of.rows.filter((row) => row.name === "log" || row.name === "log_value").map((row) => row.id);
-    return frameStream.use({
+    const stop = frameStream.use({
       wish: { id: ids },
+      began: () => {
+        const silent = leftAt === undefined ? 0 : seconds() - leftAt;
+        leftAt = undefined;
+        if (silent > 1 && entries.length > 0) miss(t("log_not_heard", { s: Math.round(silent) }));
+      },
+      lost: (told) => miss(t("lost_on_the_way", { n: Object.values(told.lost).reduce((sum, n) => sum + n, 0) })),
       take: (record) => {
         const reading = of.read(record.id, record.from, record.data);
         if (!(reading instanceof Reading)) return;
@@ -54,9 +74,16 @@ export function Log() {
         add({ time: record.time, from: record.from, colour: typeof colour === "number" ? colour : 0, value: typeof value === "number" ? value : undefined, text: typeof text === "string" ? text.slice(0, longest) : "" });
       },
     });
+    return () => {
+      leftAt = seconds();
+      stop();
+    };
   }, [of]);
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
-  const found = entries.filter((entry) => {
+  const all = paused ?? entries;
+  const unseen = paused ? count - (paused[paused.length - 1]?.number ?? count) : 0;
+  const found = all.filter((entry) => {
+    if (entry.missed !== undefined) return words.length === 0;
     const text = `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
@@ -66,16 +93,17 @@ export function Log() {
       <div class="tools">
         <input type="search" aria-label={t("search")} placeholder={t("search_log")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} />
         <button disabled={found.length === 0} onClick={() => download(`anogate_${stamp()}.log`, new Blob([found.map(lineOf).join("\n") + "\n"], { type: "text/plain" }))}>{t("save_file")}</button>
-        <button onClick={() => void (entries.length = 0)}>{t("clear")}</button>
+        <button aria-pressed={paused !== undefined} onClick={() => setPaused(paused ? undefined : [...entries])}>{paused ? t("go_on") : t("pause")}{unseen > 0 ? ` (+${unseen})` : ""}</button>
+        <button onClick={() => { entries.length = 0; setPaused(undefined); }}>{t("clear")}</button>
       </div>
       {frameStream.lostFrames > 0 && <p class="note warn" role="status">{t("lost_on_the_way", { n: frameStream.lostFrames })}</p>}
       {found.length === 0 ? <p class="muted">{t("log_empty")}</p> : (
         <ol class="log card" aria-live="off">
-          {found.slice(-500).reverse().map((entry) => (
+          {found.slice(-500).reverse().map((entry) => entry.missed !== undefined ? <li key={entry.number}><time class="muted number">{clock(entry.time)}</time><span class="warn">{entry.missed}</span></li> : (
             <li key={entry.number}>
               <time class="muted number">{clock(entry.time)}</time>
               <span class="muted">{nameOf(entry.from) || hexByte(entry.from)}</span>
-              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}{entry.text}</span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{Number(entry.value.toPrecision(7))} </b>}<Words text={entry.text} /></span>
             </li>
           ))}
         </ol>

@@ -9,7 +9,7 @@ import { cancel, follow, type Job } from "../live/jobs";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { changesOf, fileOf, isSame, nameOf, valuesIn, type Parameter } from "../parts/parameter_set";
+import { changesOf, fileOf, isCalibration, isSame, nameOf, valuesIn, type Parameter } from "../parts/parameter_set";
 import { hexByte } from "../protocol/table";
 
 interface All {
@@ -73,7 +73,9 @@ export function Parameters({ device }: { device: number }) {
   const action = useAction();
   const parameters = all?.parameters ?? [];
   const changes = changesOf(parameters, typed);
-  const differing = changesOf(parameters, file ?? {});
+  const [calibration, setCalibration] = useState(false);
+  const differing = changesOf(parameters, Object.fromEntries(Object.entries(file ?? {}).filter(([name]) => calibration || !isCalibration(name))));
+  const hasCalibration = Object.keys(file ?? {}).some(isCalibration);
   const unknown = Object.keys(file ?? {}).filter((name) => all && !parameters.some((one) => nameOf(one) === name));
   const count = Object.keys(changes).length;
 
@@ -135,6 +137,7 @@ export function Parameters({ device }: { device: number }) {
       {mayAct() && (
         <div class="tools">
           <button class="main" disabled={count === 0 || action.busy} onClick={write}>{t("write_n", { n: count })}</button>
+          {hasCalibration && <label class="check"><input type="checkbox" checked={calibration} onChange={() => setCalibration(!calibration)} />{t("with_calibration")}</label>}
           {file && Object.keys(differing).length > 0 && <button onClick={() => setTyped({ ...typed, ...differing })}>{t("take_from_file", { n: Object.keys(differing).length })}</button>}
           <button disabled={action.busy || !all} onClick={() => act("save")}>{t("save_in_device")}</button>
           <Confirm label={t("restore_defaults")} question={t("restore_question")} yes={t("restore_defaults")} disabled={action.busy || !all} onYes={() => act("restore_defaults")} />

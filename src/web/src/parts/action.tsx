@@ -1,8 +1,9 @@
 // Something that is done to a device: once at a time, and with its end told.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Refusal } from "../api";
-import { t } from "../i18n";
+import { messageText, reasonText, t } from "../i18n";
 import type { Job } from "../live/jobs";
+import { Confirm } from "./confirm";
 
 export interface Outcome {
   words: string;
@@ -21,7 +22,8 @@ export function evidenceText(evidence: Record<string, unknown> | undefined): str
 
 export function refusalText(refusal: Refusal): string {
   if (refusal.status === 0) return t("no_contact") + t("may_have_been_done");
-  const why = refusal.error + evidenceText(refusal.evidence);
+  const why = reasonText(refusal.error) + evidenceText(refusal.evidence);
+  if (refusal.what === "unknown" && refusal.status === 504) return t("unknown_end", { why });
   return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
 }
 
@@ -55,15 +57,17 @@ export function useAction(): Action {
 }
 
 /** What takes long, with a way to end it. */
-export function JobLine({ job, onCancel }: { job: Job | undefined; onCancel?: () => void }) {
+export function JobLine({ job, onCancel, question }: { job: Job | undefined; onCancel?: () => void; question?: string }) {
   if (!job) return null;
   const { progress, done, total, unit } = job;
   return (
     <div class="job">
-      <progress max={1} value={progress} aria-label={job.message || job.kind} />
+      <progress max={1} value={progress} aria-label={messageText(job.message) || job.kind} />
       <span class="number">{total ? `${done ?? 0} / ${total} ${unit ?? ""}` : ""}</span>
-      <span>{job.message}</span>
-      {onCancel && <button type="button" onClick={onCancel}>{t("cancel")}</button>}
+      <span>{messageText(job.message)}</span>
+      {onCancel && (question
+        ? <Confirm label={t("cancel")} question={question} yes={t("yes_cancel")} no={t("no_go_on")} onYes={onCancel} />
+        : <button type="button" onClick={onCancel}>{t("cancel")}</button>)}
     </div>
   );
 }

@@ -12,6 +12,9 @@ export interface Parameter {
 
 export const nameOf = (parameter: Parameter): string => parameter.name || String(parameter.id);
 
+/** What a calibration found for one piece of hardware: not for another. */
+export const isCalibration = (name: string): boolean => name.startsWith("CAL_");
+
 /** The same value, however it is written: 5, 5.0, 0x05. */
 export function isSame(value: number | string | undefined, text: string, type: string | null | undefined): boolean {
   if (value === undefined) return false;

@@ -4,7 +4,7 @@ import { createServer } from "node:http";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { Gateway, logIn, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
+import { confirm, Gateway, logIn, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
 
 let gateway, browser;
 before(async () => {
@@ -55,7 +55,7 @@ test("asks before a command, and lands by a button that is held", async () => {
   const call = async (n, values = []) => {
     for (const [i, value] of values.entries()) await type(page, `.command:nth-child(${n}) .values input[id$="-${i}"]`, value);
     await page.click(`.command:nth-child(${n}) button`);
-    await page.click(`.command:nth-child(${n}) .confirm .main`);
+    await confirm(page, `.command:nth-child(${n})`);
     await outcome(page, `.command:nth-child(${n}) .outcome`, /✓/);
   };
   await call(10); // UNLOCK
@@ -92,7 +92,7 @@ test("upgrades the firmware", async () => {
   writeFileSync(file, Buffer.alloc(5000, 7));
   await (await page.waitForSelector("input[type=file]")).uploadFile(file);
   await press(page, "Upgrade");
-  await page.click(".confirm .main");
+  await confirm(page);
   await outcome(page, "main", /✓ The device has checked the image: 5000 bytes/);
   await page.browserContext().close();
 });

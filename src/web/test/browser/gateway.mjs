@@ -105,3 +105,13 @@ export async function press(page, words, within = "main") {
       return button !== undefined;
     }, words, within));
 }
+
+/** Says yes to a question; it is deaf to a second touch at first. */
+export async function confirm(page, within = "main") {
+  await page.waitForSelector(`${within} .confirm .main`);
+  await until("the question is answered", () =>
+    page.evaluate((within) => {
+      document.querySelector(`${within} .confirm .main`)?.click();
+      return new Promise((done) => setTimeout(() => done(!document.querySelector(`${within} .confirm`)), 50));
+    }, within));
+}

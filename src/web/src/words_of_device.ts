@@ -1,0 +1,75 @@
+// In Chinese, what the gateway says in English of jobs: what is under way, and why it did not end well. What is not here stays as it is.
+
+const messages: Record<string, string> = {
+  "reading parameters": "正在读取参数",
+  "writing parameters": "正在写入参数",
+  "comparing parameters": "正在比较参数",
+  "save": "正在保存",
+  "restore_defaults": "正在恢复出厂值",
+  "reading commands": "正在读取命令",
+  "reading waypoints": "正在读取航点",
+  "writing waypoints": "正在写入航点",
+  "checking the file": "正在检查文件",
+  "device info": "设备信息",
+  "description of the image": "发送固件说明",
+  "erasing": "正在擦除",
+  "sending": "正在发送固件",
+  "check of the image": "设备正在校验固件",
+  "listening whether it flies": "先听一会儿：它在飞吗，有没有别的上位机在写它",
+  "listening whether it flies, or another host writes to it": "先听一会儿：它在飞吗，有没有别的上位机在写它",
+  "reading the old values": "正在读取旧值",
+  "keeping the old values": "正在把旧值存盘",
+  "the old values are kept; go on when the device may be turned": "旧值已存盘；可以转动设备时请继续",
+  "the device is told to forget them": "正在让设备清除旧值",
+  "lay it on each of its six faces": "把设备的六个面依次朝上静置",
+  "turn it to all sides": "把设备转向各个方向",
+  "writing the new values": "正在写入新值",
+  "writing the old values back": "正在写回旧值",
+  "writing back what was before a calibration that never ended": "正在写回一次没做完的校准之前的值",
+};
+
+const reasons: [RegExp, string][] = [
+  [/^(.+) is unlocked or flies: this is for the ground$/, "$1 已解锁或在飞行中：这只能在地面上做"],
+  [/^job (\d+) \((\w+)(?: of (.+))?\) has (.+)$/, "$4 正被任务 $1（$2）占用"],
+  [/^no answer to (.+): it may have been carried out$/, "没有收到对 $1 的确认：它可能已经执行了"],
+  [/^(0x\w\w) is heard, but did not answer the question for its (.+), sent (\d+) times?(?:; .+)?$/, "听得到 $1，但问它 $2，问了 $3 次都没有回答"],
+  [/^(0x\w\w) is heard, but did not acknowledge: (.+), sent (\d+) times?(?:; .+)?$/, "听得到 $1，但它没有确认 $2，发了 $3 次"],
+  [/^(0x\w\w) does not answer: (.+), sent (\d+) times?$/, "$1 没有回答：$2，发了 $3 次"],
+  [/^(0x\w\w) fell silent: (.+)$/, "$1 中途没有了回答：$2"],
+  [/^cancelled, nothing was changed$/, "已取消，什么都没有改"],
+  [/^cancelled, some values may be written$/, "已取消，有些值可能已经写入"],
+  [/^cancelled after (\d+) of (\d+)$/, "已取消，做了 $2 项中的 $1 项"],
+  [/^cancelled$/, "已取消"],
+  [/^rejected: the six faces do not belong together: lay it flat on each$/, "新值不采用：六个面对不上，每个面都要放平"],
+  [/^rejected: the residual is (.+) cm\/s²: lay it flat on each$/, "新值不采用：残差有 $1 cm/s²，每个面都要放平"],
+  [/^rejected: the residual would be (.+), and is (.+)$/, "新值不采用：残差会是 $1，现在是 $2，没有变好"],
+  [/^rejected: only (.+) of all directions were measured$/, "新值不采用：只测到 $1 的方向"],
+  [/^rejected: the samples are no ellipsoid: turn it slowly, away from iron$/, "新值不采用：采样不成椭球，请远离铁器慢慢转"],
+  [/^the image did not pass the device's check$/, "固件没有通过设备的校验"],
+  [/^the device could not erase$/, "设备擦除失败"],
+  [/^the device could not write frame (\d+)$/, "设备写不进第 $1 帧"],
+  [/^it is for hardware (.+), the device is (.+)$/, "固件是给硬件 $1 的，设备是 $2"],
+  [/^it is for hardware versions (.+) to (.+), the device is (.+)$/, "固件适用硬件版本 $1 到 $2，设备是 $3"],
+  [/^the file is empty$/, "文件是空的"],
+  [/^(.+): (.+) is out of range$/, "$1：$2 超出范围"],
+  [/^(.+): (.+) is not a number$/, "$1：$2 不是数"],
+  [/^(.+): (.+) is not whole$/, "$1：$2 不是整数"],
+  [/^(.+) keeps (.+) at (.+)$/, "$1 没有接受，$2 仍是 $3"],
+  [/^nobody said go on within 10 minutes; nothing was changed$/, "10 分钟内没有人按继续；什么都没有改"],
+  [/^it was not turned to all sides within 10 minutes$/, "10 分钟内没有转遍所有方向"],
+];
+
+/** "sending, 12.3 KB/s, 40 s left" as well. */
+export function messageInChinese(message: string): string {
+  const [first = "", ...rest] = message.split(", ");
+  const whole = messages[message];
+  if (whole !== undefined) return whole;
+  const known = messages[first];
+  if (known !== undefined) return [known, ...rest.map((one) => one.replace(/^(\d+) s left$/, "还要 $1 秒").replace("KB/s", "KB/秒"))].join("，");
+  return message.replace(/^reading /, "正在读取 ").replace(/^writing /, "正在写入 ").replace(/^calling /, "正在执行 ");
+}
+
+export function reasonInChinese(error: string): string {
+  for (const [pattern, chinese] of reasons) if (pattern.test(error)) return error.replace(pattern, chinese);
+  return error;
+}

@@ -1,0 +1,64 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { follow, type Job } from "../src/live/jobs";
+import { rangeOf, valuesOf } from "../src/parts/command_values";
+import { isCalibration } from "../src/parts/parameter_set";
+import { messageInChinese, reasonInChinese } from "../src/words_of_device";
+
+const page = globalThis as { location?: unknown; fetch: unknown };
+page.location ??= { pathname: "/", hash: "" };
+
+/** A gateway that answers one after the other: lines and then the end of the connection, or a refusal. */
+function gateway(...answers: (string[] | { status: number; body: string })[]): string[] {
+  const asked: string[] = [];
+  page.fetch = async (route: string) => {
+    asked.push(route);
+    const answer = answers.shift();
+    if (!answer) throw new Error("nobody is there");
+    return Array.isArray(answer) ? new Response(answer.map((line) => line + "\n").join("")) : new Response(answer.body, { status: answer.status });
+  };
+  return asked;
+}
+
+test("finds a job again when the contact was lost, and tells how it ended", async () => {
+  const asked = gateway(['{"id": 7, "state": "running", "progress": 0.5, "message": ""}'], { status: 503, body: "" }, ['{"id": 7, "state": "done", "message": "", "result": {"bytes": 5}}']);
+  const seen: Job[] = [];
+  // A full gateway is an answer: it is told, and nobody asks for ever.
+  const full = await follow("/devices/220/firmware", { method: "POST" }, (job) => seen.push(job));
+  assert.equal(full.ok, false);
+  assert.deepEqual(asked, ["/devices/220/firmware", "/jobs/7"]);
+  gateway(['{"id": 8, "state": "running", "message": ""}'], ['{"id": 8, "state": "done", "message": "", "result": {"bytes": 5}}']);
+  assert.deepEqual(await follow("/devices/220/apply", { method: "POST" }, () => undefined), { ok: true, value: { bytes: 5 }, status: 200 });
+});
+
+test("a job that the gateway no longer knows ended nobody knows how; what never began is not asked for again", async () => {
+  gateway(['{"id": 7, "state": "running", "message": ""}'], { status: 404, body: '{"error": "there is no job 7"}' });
+  const gone = await follow("/devices/220/apply", {}, () => undefined);
+  assert.equal(!gone.ok && gone.refusal.status, 0);
+  const asked = gateway();
+  const never = await follow("/devices/220/apply", {}, () => undefined);
+  assert.equal(!never.ok && never.refusal.status, 0);
+  assert.equal(asked.length, 1);
+});
+
+test("a command's values fit the types that the device declares", () => {
+  assert.deepEqual(rangeOf("i16"), [-32768, 32767]);
+  assert.equal(rangeOf("f32"), undefined);
+  assert.deepEqual(valuesOf(["u8", "i8", "f32"], ["255", "-128", "1.5"]), [255, -128, 1.5]);
+  for (const [type, text] of [["u8", "256"], ["u8", "-1"], ["i8", "128"], ["u16", "1.5"], ["f32", "x"]] as const) assert.equal(valuesOf([type], [text]), undefined, `${type} ${text}`);
+  assert.deepEqual(valuesOf(["u64"], ["18446744073709551615"]), ["18446744073709551615"]);
+});
+
+test("says in Chinese what the gateway says of jobs, and leaves what it does not know", () => {
+  assert.equal(messageInChinese("reading parameters"), "正在读取参数");
+  assert.equal(messageInChinese("sending, 12.3 KB/s, 40 s left"), "正在发送固件，12.3 KB/秒，还要 40 秒");
+  assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
+  assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
+  assert.equal(reasonInChinese("job 7 (firmware of anoctl) has 0xDC"), "0xDC 正被任务 7（firmware）占用");
+  assert.equal(reasonInChinese("0x1E is heard, but did not answer the question for its number of commands, sent 5 times; it probably has none"), "听得到 0x1E，但问它 number of commands，问了 5 次都没有回答");
+  assert.equal(reasonInChinese("something new"), "something new");
+});
+
+test("knows what belongs to one piece of hardware", () => {
+  assert.deepEqual(["CAL_AOFF_X", "SIM_WIND"].map(isCalibration), [true, false]);
+});

@@ -1,0 +1,129 @@
+// What acts on a device, and what a device says, to the end.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { confirm, Gateway, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
+import { HostileDevice } from "./hostile_device.mjs";
+
+let gateway, browser;
+before(async () => {
+  gateway = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground,max_data=20000"]);
+  browser = await openBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await gateway?.end();
+});
+
+const pause = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
+const go = (page, hash) => page.evaluate((to) => { location.hash = to; }, hash);
+const asked = (page, route) => page.evaluate((path) => fetch(path).then((answer) => answer.json()), route);
+
+test("a question is deaf to a second touch, and its command is carried out once", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  await page.waitForSelector(".command");
+  const calls = async () => (await asked(page, "jobs")).jobs.filter((job) => job.kind === "command").length;
+  const before = await calls();
+  await page.evaluate(() => document.querySelector(".command:nth-child(4) button").click()); // HOVER
+  await page.waitForSelector(".confirm .main");
+  await page.evaluate(() => document.querySelector(".confirm .main").click()); // at once
+  assert.ok(await page.$(".confirm"));
+  await confirm(page);
+  await page.waitForSelector(".command:nth-child(4) .outcome:not(:empty):not(.muted)");
+  assert.equal((await calls()) - before, 1);
+  await page.browserContext().close();
+});
+
+test("values that are none of the declared type can't be sent", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  await page.waitForSelector(".command input");
+  await page.type(".command:nth-child(1) .values input", "65536"); // a u16
+  await page.waitForFunction(() => document.querySelector(".command:nth-child(1) button").disabled);
+  assert.match(await textOf(page, ".command:nth-child(1)"), /u16 0…65535/);
+  await page.browserContext().close();
+});
+
+test("waypoints are added, written and read back", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/220/waypoints" });
+  await page.waitForSelector("table.waypoints tbody tr");
+  await press(page, "Add one");
+  await press(page, "Add one");
+  await press(page, "Write to the device");
+  await confirm(page);
+  await page.waitForSelector("main .outcome.good");
+  assert.equal((await asked(page, "devices/220/waypoints")).waypoints.length, 3);
+  await page.browserContext().close();
+});
+
+test("a picture that was half gone by is not called lost", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/images" });
+  await page.waitForSelector("canvas.picture");
+  await pause(1500);
+  assert.equal(await page.$("main figcaption .warn"), null);
+  await page.browserContext().close();
+});
+
+async function begunCalibration(what) {
+  const page = await openPage(browser, gateway, { hash: "#/220/calibration" });
+  await page.waitForSelector("main select");
+  await page.select("main select", what);
+  await press(page, "Begin");
+  await press(page, "Go on");
+  await page.waitForSelector("main svg.solid");
+  return page;
+}
+
+test("a calibration can be cancelled, and the old values come back", async () => {
+  const page = await begunCalibration("accelerometer");
+  await pause(1000);
+  await shot(page, "accelerometer");
+  await press(page, "Cancel and restore");
+  await page.waitForSelector("main p.bad[role=alert]");
+  assert.match(await textOf(page, "main p.bad[role=alert]"), /cancelled/);
+  assert.equal((await asked(page, "devices/220/parameters/CAL_AOFF_X")).value, 0);
+  await page.browserContext().close();
+});
+
+test("a calibration that nobody looks at goes on, and its end is told to who comes back", async () => {
+  const page = await begunCalibration("compass");
+  await go(page, "#/220/vehicle");
+  await pause(1000);
+  await go(page, "#/220/calibration");
+  await page.waitForSelector("main svg.solid");
+  await until("it ends", async () => /error before[^]*CAL_MOFF_X/.test(await textOf(page, "main")), 60000);
+  await page.browserContext().close();
+});
+
+test("who only looks is offered nothing that acts on a device", { skip: process.getuid() !== 0 && "a user's own gateway asks for no token" }, async () => {
+  const page = await openPage(browser, gateway, { access: "view", hash: "#/220/parameters" });
+  await page.waitForSelector(".set li input");
+  assert.equal((await page.$$("main .set input:not(:disabled)")).length, 0);
+  for (const name of ["vehicle", "parameters", "commands", "waypoints", "calibration", "firmware"]) {
+    await go(page, "#/220/" + name);
+    await pause(300);
+    assert.equal((await page.$$("main button.main, .pinned button")).length, 0, name);
+  }
+  const tried = await page.evaluate(() => fetch("devices/220/parameters/SIM_WIND", { method: "PUT", headers: { "Content-Type": "application/json" }, body: '{"value": 9}' }).then((answer) => answer.status));
+  assert.equal(tried, 403);
+  await page.browserContext().close();
+});
+
+test("a device whose every word is HTML, and 10 KB long, is shown in words", async () => {
+  const page = await openPage(browser, gateway, { width: 390, hash: "#/log" });
+  const port = /udp-listen:127\.0\.0\.1:(\d+)|127\.0\.0\.1:(\d+)/.exec(JSON.stringify((await asked(page, "links")).find((link) => link.name === "ground")));
+  const device = new HostileDevice(Number(port[1] ?? port[2]), `<img src=x onerror="window.hit=1"><script>window.hit=1</script>"'&`.repeat(160));
+  try {
+    await page.waitForFunction(() => document.querySelectorAll(".log li").length > 3);
+    for (const hash of ["#/log", "#/frames", "#/overview", "#/30/parameters", "#/30/vehicle", "#/30/commands"]) {
+      await go(page, hash);
+      await pause(1000);
+      assert.equal(await page.evaluate(() => document.querySelectorAll("#app img, #app script").length), 0, hash);
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0, hash + " is wider than the screen");
+      await shot(page, "hostile-" + hash.replace(/\W+/g, ""));
+    }
+    assert.equal(await page.evaluate(() => window.hit), undefined);
+    assert.deepEqual(page.faults, []);
+  } finally {
+    device.stop();
+  }
+  await page.browserContext().close();
+});
