@@ -88,12 +88,20 @@ TEST(Csv, every_value_of_every_message_has_a_cell) {
                 filled += !cells[i].empty();
             }
             ASSERT_TRUE(known) << vector.name << " " << key;
-            if (!value.is_array()) EXPECT_LE(filled, 1u) << vector.name << " " << key;
-            if (key == "data" && cell.empty()) EXPECT_EQ(cells.back().empty(), value.get<std::string>().empty()) << vector.name;
-            else if (value.is_string()) EXPECT_EQ(cell, value.get<std::string>()) << vector.name << " " << key;
-            else if (value.is_number()) EXPECT_EQ(std::stod(cell), value.get<double>()) << vector.name << " " << key;
-            else if (value.is_null()) EXPECT_EQ(cell, "") << vector.name << " " << key;
-            else EXPECT_EQ(cell.empty(), value.empty() || value[0].is_null()) << vector.name << " " << key << " " << cell;
+            if (!value.is_array()) {
+                EXPECT_LE(filled, 1u) << vector.name << " " << key;
+            }
+            if (key == "data" && cell.empty()) {
+                EXPECT_EQ(cells.back().empty(), value.get<std::string>().empty()) << vector.name;
+            } else if (value.is_string()) {
+                EXPECT_EQ(cell, value.get<std::string>()) << vector.name << " " << key;
+            } else if (value.is_number()) {
+                EXPECT_EQ(std::stod(cell), value.get<double>()) << vector.name << " " << key;
+            } else if (value.is_null()) {
+                EXPECT_EQ(cell, "") << vector.name << " " << key;
+            } else {
+                EXPECT_EQ(cell.empty(), value.empty() || value[0].is_null()) << vector.name << " " << key << " " << cell;
+            }
         }
     }
 }
