@@ -198,7 +198,9 @@ TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and
     for (const KeptItem& item : items()) {
         recorded += item.frame == large;
         lost += item.lost;
-        if (item.lost > 0) EXPECT_TRUE(item.names.find("special ") != std::string::npos) << item.names;
+        if (item.lost > 0) {
+            EXPECT_TRUE(item.names.find("special ") != std::string::npos) << item.names;
+        }
     }
     EXPECT_GT(lost, 0u);
     EXPECT_GE(recorded + lost, many);    // some of the small ones may be lost, too
