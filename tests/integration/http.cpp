@@ -440,14 +440,16 @@ class JudgingHttpServer : public HttpServer {
 protected:
     void SetUp() override {
         begin({});
-        server->admission().set({.tokens = {{Access::view, "only-looks"}, {Access::control, "may-act"}}});
+        AdmissionRules rules;
+        rules.tokens = {{Access::view, "only-looks"}, {Access::control, "may-act"}};
+        server->admission().set(std::move(rules));
         const auto listens = server->start(Server::Network{.address = "127.0.0.1", .needs_token = true});
         ASSERT_TRUE(listens) << listens.error();
         port = *listens;
     }
-    std::string ask(const std::string& path, const std::string& headers, std::size_t size = 1'000'000, std::size_t sent = 0) {
+    std::string ask(const std::string& target, const std::string& headers, std::size_t size = 1'000'000, std::size_t sent = 0) {
         Client client{UniqueFd{support::connect_tcp(port)}};
-        client.send("POST " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/octet-stream\r\n" + headers +
+        client.send("POST " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/octet-stream\r\n" + headers +
                     "Content-Length: " + std::to_string(size) + "\r\n\r\n" + std::string(sent, 'x'));
         EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
         return client.heard();
@@ -458,10 +460,10 @@ protected:
 };
 
 TEST_F(JudgingHttpServer, who_may_not_is_told_so_before_a_large_body_comes) {
-    for (const std::string path : {"/large", "/echo"}) {
-        EXPECT_TRUE(is_told(ask(path, ""), "401 Unauthorized", "this path needs a token")) << path;
-        EXPECT_TRUE(is_told(ask(path, bearer("wrong")), "401 Unauthorized", "the token is not right")) << path;
-        EXPECT_TRUE(is_told(ask(path, bearer("only-looks")), "403 Forbidden", "the token may not do this")) << path;
+    for (const std::string target : {"/large", "/echo"}) {
+        EXPECT_TRUE(is_told(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "the token is not right")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("only-looks")), "403 Forbidden", "the token may not do this")) << target;
     }
     EXPECT_TRUE(is_told(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
     EXPECT_TRUE(
