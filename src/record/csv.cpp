@@ -104,7 +104,7 @@ std::string recorded_json(const Recorded& item, const ano::JsonOptions& options)
     } else {
         const auto& frame = std::get<RecordedFrame>(item);
         json = ano::frame_to_json(frame.frame, options);
-        json["time"] = static_cast<double>(frame.time_ns / 1000) / 1e6;
+        json["time"] = json_seconds(frame.time_ns);
         json["link"] = frame.link;
         if (!frame.peer.empty()) json["peer"] = frame.peer;
         json["direction"] = text(frame.direction);

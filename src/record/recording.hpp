@@ -39,6 +39,8 @@ struct RecordingHead {
     std::uint64_t boottime_ns = 0;
 };
 
+/// Seconds in whole microseconds, as the frames of a gateway have them in JSON.
+double json_seconds(std::uint64_t ns) noexcept;
 /// "1763898044.123456789"
 std::string seconds_text(std::uint64_t ns);
 

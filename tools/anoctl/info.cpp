@@ -148,6 +148,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 std::string joined(const std::map<std::string, std::uint64_t>& numbers) {
     std::vector<std::string> words;
+    words.reserve(numbers.size());
     for (const auto& [name, number] : numbers) words.push_back(without_controls(name) + " " + std::to_string(number));
     return joined(words);
 }
@@ -203,8 +204,8 @@ Json json_of(const std::string& file, const Summary& summary, const RecordingFac
               {"ended", facts.has_end},
               {"frames", summary.frames},
               {"frame_bytes", summary.bytes},
-              {"begin", static_cast<double>(summary.first / 1000) / 1e6},
-              {"end", static_cast<double>(summary.last / 1000) / 1e6},
+              {"begin", json_seconds(summary.first)},
+              {"end", json_seconds(summary.last)},
               {"seconds", summary.seconds()},
               {"clock_was_set", summary.clock_was_set()},
               {"lost", summary.lost},
