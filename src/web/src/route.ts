@@ -6,6 +6,9 @@ export interface Place {
   device: number | undefined;
 }
 
+/** Where one lands who chooses a device. */
+export const pageOfDevice = "vehicle";
+
 export function placeOf(hash: string): Place {
   const parts = hash.replace(/^#?\/?/, "").split("/");
   const number = Number(parts[0]);

@@ -1,7 +1,7 @@
 // Every page, in the order in which it is offered: a row each.
 import type { FunctionComponent } from "preact";
 import type { Key } from "../i18n";
-import type { Place } from "../route";
+import { pageOfDevice, type Place } from "../route";
 import { Calibration } from "./calibration";
 import { Charts } from "./charts";
 import { Commands } from "./commands";
@@ -27,7 +27,7 @@ export const pages: Page[] = [
   { name: "charts", title: "charts", ofDevice: false, view: Charts },
   { name: "log", title: "log", ofDevice: false, view: Log },
   { name: "images", title: "images", ofDevice: false, view: Images },
-  { name: "vehicle", title: "vehicle", ofDevice: true, view: Vehicle },
+  { name: pageOfDevice, title: "vehicle", ofDevice: true, view: Vehicle },
   { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
   { name: "commands", title: "commands", ofDevice: true, view: Commands },
   { name: "waypoints", title: "waypoints", ofDevice: true, view: Waypoints },

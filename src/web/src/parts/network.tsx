@@ -4,8 +4,7 @@ import { causeText, errorText, hintText, language, t } from "../i18n";
 import { drops } from "../live/counters";
 import { linkRates, type Link, type Route, type Status } from "../live/gateway";
 import { duration, rateText, shortNumber } from "../format";
-import { hashOf } from "../route";
-import { pages } from "../pages";
+import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
 
 /** A wire with what flows on it: the more, the faster; nothing flows without frames. */
@@ -22,7 +21,6 @@ function Wire({ rate, back }: { rate: number; back: boolean }) {
 
 function Who({ route }: { route: Route }) {
   const address = Number(route.address);
-  const first = pages.find((page) => page.ofDevice);
   const isHost = address === 0xfe || address === 0xd2;
   const age = route.age_s ?? 0;
   const text = (
@@ -34,7 +32,7 @@ function Who({ route }: { route: Route }) {
   const title = t(`via_${route.via}` as "via_own");
   return (
     <li class={age > 3 ? "who late" : "who"} title={title}>
-      {first && !isHost && route.via !== "port" ? <a href={hashOf({ page: first.name, device: address })}>{text}</a> : text}
+      {!isHost && route.via !== "port" ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
     </li>
   );
 }
