@@ -178,11 +178,15 @@ private:
 
     void groups() {
         for (std::size_t i = 0; i < links_.size(); ++i) {
-            for (std::size_t k = 0; k < i; ++k)
-                if (!links_[i].group.empty() && links_[k].group == links_[i].group &&
-                    links_[k].present_as != links_[i].present_as)
-                    error(draft_.links[i], "present_as",
-                          "'present_as' must be the same on all links of a group, and is not on " + who(k));
+            for (std::size_t k = 0; k < i; ++k) {
+                if (links_[i].group.empty() || links_[k].group != links_[i].group) continue;
+                const auto differs = [&](const char* key) {
+                    error(draft_.links[i], key,
+                          in_quotes(key) + " must be the same on all links of a group, and is not on " + who(k));
+                };
+                if (links_[k].present_as != links_[i].present_as) differs("present_as");
+                if (links_[k].manage != links_[i].manage) differs("manage");    // else the copy that comes first decides
+            }
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };
             if (!group.empty() && std::count_if(links_.begin(), links_.end(), in_group) == 1)

@@ -1,4 +1,3 @@
-#include <config/read_file.hpp>
 #include <daemon/kept_config.hpp>
 #include <daemon/kept_file.hpp>
 #include <daemon/state_folder.hpp>
@@ -53,10 +52,10 @@ std::string keep_config(const std::string& path, const KeptConfig& config) {
 }
 
 std::optional<KeptConfig> kept_config(const std::string& path) try {
-    std::error_code error;
-    const std::string bytes = path.empty() ? "" : read_file(path, max_kept, error);
-    if (error || bytes.empty()) return std::nullopt;
-    const nlohmann::json all = nlohmann::json::from_cbor(bytes);
+    std::string fault;
+    const auto bytes = read_kept_file(path, max_kept, fault);
+    if (!bytes || bytes->empty()) return std::nullopt;
+    const nlohmann::json all = nlohmann::json::from_cbor(*bytes);
     return KeptConfig{files_of(all.at("unconfirmed")), files_of(all.at("confirmed"))};
 } catch (const nlohmann::json::exception&) {
     return std::nullopt;

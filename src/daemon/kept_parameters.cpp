@@ -1,12 +1,11 @@
-#include <config/read_file.hpp>
 #include <daemon/kept_config.hpp>
+#include <daemon/kept_file.hpp>
 #include <daemon/kept_parameters.hpp>
 #include <daemon/state_folder.hpp>
 
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
-#include <system_error>
 
 namespace anogate {
 namespace {
@@ -23,13 +22,12 @@ std::string kept_parameters_path(const std::string& config_file) {
 }
 
 WrittenValues kept_parameters(const std::string& path) {
-    if (path.empty()) return {};
-    std::error_code error;
-    const std::string text = read_file(path, max_parameters, error);
-    if (error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory) return {};
-    auto written = WrittenValues::parse(text);
-    if (!error && written) return *std::move(written);
-    spdlog::warn("{}: {}; the configuration holds", path, error ? error.message() : "it is no list of parameters");
+    std::string fault;
+    const auto text = read_kept_file(path, max_parameters, fault);
+    if (!text && fault.empty()) return {};
+    auto written = text ? WrittenValues::parse(*text) : std::nullopt;
+    if (written) return *std::move(written);
+    spdlog::warn("{}; the configuration holds", fault.empty() ? path + ": it is no list of parameters" : fault);
     return {};
 }
 

@@ -180,9 +180,15 @@ void OwnDevice::next_save() {
     });
 }
 
+// A reload without a time to confirm it would confirm the one that waits for that.
 std::string OwnDevice::reload() {
+    if (gateway_.config_state().runs == ConfigState::Runs::unconfirmed)
+        return "a configuration waits to be confirmed by who reloaded it";
+    if (std::exchange(reloads_, true)) return "a reload is under way";
     reload_.reload({}, [this, alive = std::weak_ptr<bool>{is_alive_}](const ReloadOutcome& outcome) {
-        if (!alive.expired()) tell(outcome);
+        if (alive.expired()) return;
+        reloads_ = false;
+        tell(outcome);
     });
     return {};
 }

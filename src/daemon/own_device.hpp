@@ -78,6 +78,7 @@ private:
     Alarm alarm_;
     Errand errand_;
     std::deque<Save> saves_;    // the first is being written
+    bool reloads_ = false;      // a host asked for it, and it is not over
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
 };
 

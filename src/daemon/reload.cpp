@@ -98,7 +98,7 @@ Reload::Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadA
                   [this] {
                       if (may_still_be_confirmed()) return;
                       confirm_by_.stop();
-                      enqueue([this] { roll_back(); });
+                      enqueue_first([this] { roll_back(); });
                   }},
       written_{std::move(written)} {}
 
@@ -115,27 +115,33 @@ void Reload::reload_soon() {
 }
 
 void Reload::confirm(std::function<void(std::string)> done) {
-    enqueue([this, done = std::move(done)] { begin_confirm(done); });
+    enqueue_first([this, done = std::move(done)] { begin_confirm(done); });
 }
 
 void Reload::stop() {
     stopped_ = true;
+    first_.clear();
     tasks_.clear();
     confirm_by_.stop();
     errand_.stop();
 }
 
-void Reload::enqueue(std::function<void()> task) {
+void Reload::enqueue(Task task) { enqueue(tasks_, std::move(task)); }
+
+void Reload::enqueue_first(Task task) { enqueue(first_, std::move(task)); }
+
+void Reload::enqueue(std::deque<Task>& tasks, Task task) {
     if (stopped_) return;
-    tasks_.push_back(std::move(task));
+    tasks.push_back(std::move(task));
     if (!busy_) next();
 }
 
 void Reload::next() {
-    busy_ = !tasks_.empty();
+    std::deque<Task>& tasks = first_.empty() ? tasks_ : first_;
+    busy_ = !tasks.empty();
     if (!busy_) return;
-    const auto task = std::move(tasks_.front());
-    tasks_.pop_front();
+    const Task task = std::move(tasks.front());
+    tasks.pop_front();
     task();
 }
 
@@ -284,7 +290,9 @@ void Reload::apply_written() {
 }
 
 void Reload::restart(const std::string& link) {
+    if (!restarts_.insert(link).second) return;
     enqueue([this, link] {
+        restarts_.erase(link);
         const auto& links = gateway_.settings().links;
         if (std::none_of(links.begin(), links.end(), [&](const LinkSettings& l) { return l.name == link; })) return next();
         Difference again;

@@ -11,6 +11,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -40,7 +41,7 @@ struct ReloadOutcome {
     std::optional<ano::Duration> confirm_within{};    // nothing: there is nothing to confirm
 };
 
-/// What is asked is done in its order, one after the other. The files are read, judged and compared in a thread; the gateway is changed
+/// What is asked is done in its order, one after the other; that a configuration is confirmed, or not in time, goes first. The files are read, judged and compared in a thread; the gateway is changed
 /// in the loop.
 class Reload {
 public:
@@ -60,7 +61,7 @@ public:
     void confirm(std::function<void(std::string refusal)> done);
     /// What hosts wrote as parameters of the gateway: takes effect as a reload does, and behind each of them.
     void write(WrittenValues written);
-    /// The link is closed, and made anew.
+    /// The link is closed, and made anew. Once for all who ask while one waits to begin.
     void restart(const std::string& link);
     /// What the files say of what runs, and what was written behind that.
     const Settings& of_files() const noexcept { return unconfirmed_ ? unconfirmed_->settings : confirmed_.settings; }
@@ -74,7 +75,10 @@ public:
 
 private:
     struct Job;
-    void enqueue(std::function<void()> task);
+    using Task = std::function<void()>;
+    void enqueue(Task task);
+    void enqueue_first(Task task);
+    void enqueue(std::deque<Task>& tasks, Task task);
     void next();
     void begin(const ReloadRequest& request, const Done& done);
     void carry_out(const std::shared_ptr<Job>& job, const Done& done);
@@ -95,14 +99,15 @@ private:
     std::string kept_path_;
     Errand errand_;
     Ticker confirm_by_;
-    std::deque<std::function<void()>> tasks_;
+    std::deque<Task> first_, tasks_;
     std::function<void(const std::vector<std::string>&)> on_links_changed_;
     std::function<void()> on_settled_;
     WrittenValues written_;
     std::optional<ReadConfig> unconfirmed_;    // it runs, and waits to be confirmed
     bool busy_ = false;
-    bool soon_ = false;       // reload_soon() was called, and waits to begin
-    bool applies_ = false;    // write() was called, and waits to begin
+    bool soon_ = false;                 // reload_soon() was called, and waits to begin
+    bool applies_ = false;              // write() was called, and waits to begin
+    std::set<std::string> restarts_;    // links whose restart waits to begin
     bool stopped_ = false;
 };
 

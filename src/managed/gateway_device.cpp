@@ -187,13 +187,17 @@ bool GatewayDevice::change(WrittenValues written) {
     return true;
 }
 
+// Neither may one whose link somebody else has closed a moment ago close another: two could close each other's, and nobody would be left.
 bool GatewayDevice::locks_out(const WrittenValues& written) const {
-    const auto is_open = [this](const WrittenValues& values) {
-        const Settings settings = values.applied(of_file_);
-        return std::none_of(settings.links.begin(), settings.links.end(),
-                            [this](const LinkSettings& link) { return link.name == asker_->name && !link.enabled; });
-    };
-    return asker_ && is_open(written_) && !is_open(written);
+    if (!asker_) return false;
+    const Settings before = written_.applied(of_file_), after = written.applied(of_file_);
+    bool is_left_out = false, closes = false;
+    for (std::size_t i = 0; i < after.links.size(); ++i) {
+        const bool closed = !after.links[i].enabled;
+        is_left_out = is_left_out || (closed && after.links[i].name == asker_->name);
+        closes = closes || (closed && before.links[i].enabled);
+    }
+    return is_left_out && closes;
 }
 
 bool GatewayDevice::done(const std::string& refusal, std::string_view what) {

@@ -174,11 +174,11 @@ TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cau
 
 // While it is stopped, more comes than the gateway keeps for one who watches.
 TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and_at_the_end) {
-    constexpr std::size_t many = 4000, at_once = 50;
+    constexpr std::size_t many = 700, at_once = 25;
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
     recorder.signal(SIGSTOP);
-    const Bytes large = frame(0xDC, 0xFF, 0xFB, Bytes(1000));
+    const Bytes large = frame(0xDC, 0xFF, 0xFB, Bytes(4000));
     const std::uint64_t before = gateway.count("a", "frames_in");
     for (std::size_t sent = 0; sent < many; sent += at_once) {
         for (std::size_t i = 0; i < at_once; ++i) a.send(gateway.port("a"), large);

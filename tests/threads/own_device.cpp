@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -156,6 +158,44 @@ TEST_F(OwnDevice, closes_other_links_but_not_that_of_the_writer) {
     Host guest = by("guest");
     guest.say(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
     EXPECT_TRUE(wait_until([&] { return guest.count(0xE3) == 1; }));
+}
+
+TEST_F(OwnDevice, restarts_a_link_once_for_all_who_ask_meanwhile_and_holds_nobody_up) {
+    Host ground = by("ground");
+    constexpr std::uint8_t many = 200;
+    Bytes last;
+    for (std::uint8_t i = 0; i < many; ++i) ground.say(last = act(0xC0, {1, 0, 3, 1, i}));
+    EXPECT_TRUE(ground.hears(acknowledges(last)));
+    EXPECT_TRUE(ask("POST", "/reload?dry_run").dump().find("error") == std::string::npos);
+    const std::string log = daemon->output();
+    std::size_t restarts = 0;
+    for (std::size_t at = 0; (at = log.find("guest changed: restarted", at)) != std::string::npos; ++at) ++restarts;
+    EXPECT_GE(restarts, 1u);
+    EXPECT_LT(restarts, many / 2);
+}
+
+TEST_F(OwnDevice, does_not_confirm_by_a_reload_what_somebody_else_has_to) {
+    json config = usual();
+    config["links"].push_back("udp-listen:127.0.0.1:0,name=third");
+    dir.write("anogate.json", config.dump());
+    ASSERT_EQ(asked(socket, "POST", "/reload?confirm_within=60s", {}).status, 200u);
+    Host ground = by("ground");
+    ground.say(act(0xC0, {1, 0, 1}));
+    EXPECT_TRUE(ground.hears_text(0xA0, "RELOAD: a configuration waits to be confirmed"));
+    EXPECT_EQ(daemon->status().at("gateway").at("config").at("state"), "unconfirmed");
+}
+
+TEST_F(OwnDevice, starts_with_a_pipe_in_the_place_of_what_was_saved) {
+    daemon.reset();
+    std::filesystem::create_directories(dir / "state");
+    ASSERT_EQ(::mkfifo((dir / "state/parameters.json").c_str(), 0600), 0);
+    ASSERT_EQ(::mkfifo((dir / "state/parameters.json.new").c_str(), 0600), 0);
+    ASSERT_TRUE(start());
+    EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; the configuration holds"));
+    Host ground = by("ground");
+    const Bytes save = act(0xE0, {0x10, 0xAB, 0});
+    ground.say(save);
+    EXPECT_TRUE(ground.hears(acknowledges(save))) << "in its place";
 }
 
 TEST_F(OwnDevice, keeps_what_was_saved_until_the_file_says_something_else) {

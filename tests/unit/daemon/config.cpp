@@ -435,6 +435,8 @@ TEST(Config, present_as_is_an_address_and_no_port_id) {
     EXPECT_EQ(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a,present_as=0xFE", "pty:/tmp/y,group=b")"), "");
     EXPECT_NE(fault(R"("sim:fc,group=a,present_as=0xFE", "pty:/tmp/x,group=a")").find("must be the same on all links of a group"),
               std::string::npos);
+    EXPECT_NE(fault(R"("sim:fc,group=a,manage", "pty:/tmp/x,group=a")").find("'manage' must be the same on all links of a group"),
+              std::string::npos);
 }
 
 TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {

@@ -178,6 +178,17 @@ TEST_F(GatewayAsDevice, does_not_let_a_writer_close_his_own_link) {
     EXPECT_EQ(value(en_ground), 0);
 }
 
+TEST_F(GatewayAsDevice, does_not_let_two_close_each_others_link) {
+    const GatewayDevice::Asker ground{8, "ground", true, false};
+    const Bytes close_ground = write(en_ground, {0}), close_fc = write(en_fc, {0}), open_ground = write(en_ground, {1});
+    EXPECT_EQ(answer(close_ground), acknowledges(close_ground));
+    const auto said = answers(close_fc, ground);    // what it said before its link was closed
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0][3], 0xA0);
+    EXPECT_EQ(value(en_fc), 1);
+    EXPECT_EQ(answers(open_ground, ground), std::vector<Bytes>{acknowledges(open_ground)});
+}
+
 TEST_F(GatewayAsDevice, does_not_restore_what_would_close_the_link_of_who_asks) {
     file.links[0].enabled = false;    // and a parameter opened it
     device.configure(file, {});
