@@ -13,8 +13,9 @@ import { setTheme, theme, themes } from "./theme";
 
 function ContactLamp() {
   useTick(500);
-  const state = useStore(contact);
-  const words = state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
+  const known = useStore(contact), needed = useStore(tokenNeeded);
+  const state = needed ? "shut" : known;
+  const words = state === "shut" ? t("token_needed") : state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
   return (
     <span class={`contact ${state}`} role="status">
       <i class="lamp" aria-hidden="true" />
@@ -120,7 +121,7 @@ function Login() {
   return (
     <form class="login card" onSubmit={(event) => void enter(event)}>
       <h1>{t("token_title")}</h1>
-      <p>{t("token_where")}</p>
+      <p>{t("token_where", { command: "anoctl web" })}</p>
       <label>
         {t("token")}
         <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />

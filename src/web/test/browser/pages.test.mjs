@@ -41,6 +41,17 @@ for (const [language, width, height, dark] of [["en", 1440, 900, false], ["zh-CN
     await page.browserContext().close();
   });
 
+test("the form of the token has the room to be read, and the header says what is missing", async () => {
+  if (!gateway.token("view")) return; // a user's own gateway asks for none
+  for (const [width, height] of [[1280, 800], [390, 844]]) {
+    const page = await openPage(browser, gateway, { access: "", width, height });
+    await page.waitForSelector(".login");
+    assert.ok((await page.$eval(".login", (form) => form.getBoundingClientRect().width)) > 300, `at ${width}`);
+    assert.equal(await page.$eval(".contact", (lamp) => lamp.textContent), "token needed");
+    await page.browserContext().close();
+  }
+});
+
 test("shows its first values within a second or two of opening", async () => {
   const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
   await page.waitForSelector(".figure dd small");
