@@ -52,6 +52,29 @@ test("the form of the token has the room to be read, and the header says what is
   }
 });
 
+test("calls no trouble what a lone browser sees", async () => {
+  const alone = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground"]);
+  try {
+    const page = await openPage(browser, alone);
+    await until("what no host takes", () => page.$$eval(".branch .calm", (all) => all.some((one) => one.textContent.includes("no other host takes it"))));
+    await page.waitForSelector(".well");
+    assert.equal(await page.$$eval(".troubles, .flows .warn, .drops .warn, .troubled", (all) => all.length), 0);
+    await page.browserContext().close();
+  } finally {
+    await alone.end();
+  }
+});
+
+test("says each trouble once", async () => {
+  const page = await openPage(browser, gateway);
+  await page.waitForSelector(".troubles li");
+  const said = await page.$$eval(".troubles span", (all) => all.map((one) => one.textContent));
+  assert.ok(said.length > 0);
+  for (const words of new Set(said))
+    assert.equal(await page.$$eval(".branch", (all, words) => all.filter((one) => one.textContent.includes(words)).length, words), 0, words);
+  await page.browserContext().close();
+});
+
 test("shows its first values within a second or two of opening", async () => {
   const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
   await page.waitForSelector(".figure dd small");
