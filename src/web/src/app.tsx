@@ -95,7 +95,18 @@ function Navigation() {
               </option>
             ))}
           </select>
-          <ul>
+          <select
+            class={here.ofDevice ? "narrow here" : "narrow"}
+            aria-label={t("pages_of_device")}
+            value={here.ofDevice ? here.name : ""}
+            onChange={(event) => { location.hash = hashOf({ page: event.currentTarget.value, device }); }}
+          >
+            {!here.ofDevice && <option value="">{t("open_page")}</option>}
+            {ofDevice.map((page) => (
+              <option key={page.name} value={page.name}>{t(page.title)}</option>
+            ))}
+          </select>
+          <ul class="roomy">
             {ofDevice.map((page) => (
               <Tab key={page.name} page={page} device={device} here={page === here} among={all.length} />
             ))}

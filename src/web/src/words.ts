@@ -5,6 +5,8 @@ export const words = {
   gateway: ["Gateway", "网关"],
   device: ["Device", "设备"],
   pages: ["Pages", "页面"],
+  pages_of_device: ["Pages of the device", "设备的页面"],
+  open_page: ["Its pages…", "它的页面…"],
   skip: ["To the content", "跳到内容"],
   language: ["中文", "English"],
   theme_auto: ["Theme: as the system", "配色：跟随系统"],

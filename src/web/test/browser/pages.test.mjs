@@ -75,6 +75,17 @@ test("says each trouble once", async () => {
   await page.browserContext().close();
 });
 
+test("on a phone, the pages of a device are in view and lead there", async () => {
+  const page = await openPage(browser, gateway, { width: 390, height: 844 });
+  await page.waitForSelector("nav .narrow");
+  const outside = await page.$$eval("nav a, nav select", (all) => all.map((one) => one.getBoundingClientRect()).filter((at) => at.width > 0 && (at.left < 0 || at.right > innerWidth)).length);
+  assert.equal(outside, 0);
+  await page.select("nav .narrow", "vehicle");
+  await page.waitForSelector(".figure dd small");
+  assert.match(await page.evaluate(() => location.hash), /^#\/\d+\/vehicle$/);
+  await page.browserContext().close();
+});
+
 test("shows its first values within a second or two of opening", async () => {
   const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
   await page.waitForSelector(".figure dd small");
