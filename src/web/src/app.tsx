@@ -153,6 +153,17 @@ function Banner() {
   );
 }
 
+/** What the pages of a device say is of both, where two claim to be it; and what acts may reach either. */
+function ConflictNote({ device }: { device: number }) {
+  const conflict = useStore(status)?.conflicts.find((one) => Number(one.address) === device);
+  if (!conflict) return null;
+  return (
+    <p class="note clash" role="alert">
+      <b>{t("two_claim", { address: hexByte(device) })}</b> {t("two_claim_more", { links: (conflict.links ?? []).join(", ") })}
+    </p>
+  );
+}
+
 function Body({ children }: { children: ComponentChildren }) {
   const state = useStore(contact);
   return (
@@ -189,6 +200,7 @@ export function App() {
         {needed ? <Login /> : (
           <>
             {may === "view" && known?.http.token_needed && <p class="note">{t("only_view")}</p>}
+            {page.ofDevice && now.device !== undefined && <ConflictNote device={now.device} />}
             <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />
           </>
         )}
