@@ -13,8 +13,9 @@ import { setTheme, theme, themes } from "./theme";
 
 function ContactLamp() {
   useTick(500);
-  const state = useStore(contact);
-  const words = state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
+  const known = useStore(contact), needed = useStore(tokenNeeded);
+  const state = needed ? "shut" : known;
+  const words = state === "shut" ? t("token_needed") : state === "live" ? t("live") : state === "never" ? t("connecting") : t("no_contact_for", { s: Math.floor(silentFor()) });
   return (
     <span class={`contact ${state}`} role="status">
       <i class="lamp" aria-hidden="true" />
@@ -94,7 +95,18 @@ function Navigation() {
               </option>
             ))}
           </select>
-          <ul>
+          <select
+            class={here.ofDevice ? "narrow here" : "narrow"}
+            aria-label={t("pages_of_device")}
+            value={here.ofDevice ? here.name : ""}
+            onChange={(event) => { location.hash = hashOf({ page: event.currentTarget.value, device }); }}
+          >
+            {!here.ofDevice && <option value="">{t("open_page")}</option>}
+            {ofDevice.map((page) => (
+              <option key={page.name} value={page.name}>{t(page.title)}</option>
+            ))}
+          </select>
+          <ul class="roomy">
             {ofDevice.map((page) => (
               <Tab key={page.name} page={page} device={device} here={page === here} among={all.length} />
             ))}
@@ -120,7 +132,7 @@ function Login() {
   return (
     <form class="login card" onSubmit={(event) => void enter(event)}>
       <h1>{t("token_title")}</h1>
-      <p>{t("token_where")}</p>
+      <p>{t("token_where", { command: "anoctl web" })}</p>
       <label>
         {t("token")}
         <input type="password" autocomplete="current-password" required autofocus value={token} onInput={(event) => setToken(event.currentTarget.value)} />
@@ -137,6 +149,17 @@ function Banner() {
   return (
     <p class="banner" role="alert">
       <b>{t("no_contact")}.</b> {t("old_values")}
+    </p>
+  );
+}
+
+/** What the pages of a device say is of both, where two claim to be it; and what acts may reach either. */
+function ConflictNote({ device }: { device: number }) {
+  const conflict = useStore(status)?.conflicts.find((one) => Number(one.address) === device);
+  if (!conflict) return null;
+  return (
+    <p class="note clash" role="alert">
+      <b>{t("two_claim", { address: hexByte(device) })}</b> {t("two_claim_more", { links: (conflict.links ?? []).join(", ") })}
     </p>
   );
 }
@@ -177,6 +200,7 @@ export function App() {
         {needed ? <Login /> : (
           <>
             {may === "view" && known?.http.token_needed && <p class="note">{t("only_view")}</p>}
+            {page.ofDevice && now.device !== undefined && <ConflictNote device={now.device} />}
             <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />
           </>
         )}

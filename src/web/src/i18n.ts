@@ -3,7 +3,7 @@ import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
 import { messageInChinese, reasonInChinese } from "./words_of_device";
-import { causes, errors, hints, titles, unhandled, whos } from "./words_of_gateway";
+import { causes, errors, hints, hintsInEnglish, titles, unhandled, whos } from "./words_of_gateway";
 
 export type Language = "en" | "zh";
 export type Key = keyof typeof words;
@@ -37,7 +37,7 @@ export const useLanguage = (): Language => useStore(language);
 
 /** What the gateway says of a link: in Chinese where its id is known, else as it says it. */
 export function hintText(id: string, text: string, args: Record<string, unknown>): string {
-  if (language.get() !== "zh") return text;
+  if (language.get() !== "zh") return hintsInEnglish[id] ?? text;
   const known = hints[id];
   return known === undefined ? text : filled(known, args) + (args.try_hello ? unhandled.try_hello : "");
 }

@@ -10,7 +10,7 @@ export const hints: Record<string, string> = {
   one_device_on_two_links: "同一个设备接在两条链路上？给它们设同一个 group",
   two_devices_one_id: "两个设备的 ID 相同：给其中一个换一个",
   two_peers_one_device: "两个对端以同一个设备的身份说话：见下面的冲突",
-  no_host_takes: "没有上位机接收这里来的帧：它要先发点什么，或者写明它在哪里：--route 0xFE=链路",
+  no_host_takes: "在本页面显示，没有别的上位机接收：上位机先发点什么就会收到，或者写明它在哪里：--route 0xFE=链路",
   hosts_link_down: "上位机最后在 {link} 上说过话，而它断开了：修好它，或者写明上位机还在哪里：--route 0xFE=链路",
   v7_frames: "收到旧版 V7 帧（0xAA）：把设备改成 V8 协议",
   no_frames: "有字节但没有帧：对方说的是 V8 吗？",
@@ -29,6 +29,14 @@ export const hints: Record<string, string> = {
   nothing_on_line: "还什么都没收到：设备上电了吗？RX 和 TX 交叉了吗？",
   nothing_from_peer: "对端还什么都没发来",
 };
+
+/** Where the gateway's own English is for another reader than this page's. */
+export const hintsInEnglish: Record<string, string> = {
+  no_host_takes: "shown on this page, and no other host takes it: one gets it when it sends something, or where it is named: --route 0xFE=LINK",
+};
+
+/** A link that has such a hint is well: this page shows what comes, and who listens may wait. */
+export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet"]);
 
 export const errors: Record<string, string> = {
   absent: "{device} 不在：等它出现",

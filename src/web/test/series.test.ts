@@ -4,6 +4,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { ChartData } from "../src/live/chart_data";
 import { columnTimes, csvOf, envelope, Series } from "../src/live/series";
+import { drawColumns } from "../src/parts/plot";
 import { MessageTable, type MessageRow } from "../src/protocol/table";
 
 test("keeps ten minutes at a thousand a second in bounded memory, with every peak of what is new and old", () => {
@@ -64,4 +65,25 @@ test("takes the chosen fields out of the frames, by the gateway's steady clock",
   const { series } = data.lines[0]!;
   assert.deepEqual([series.time(0), series.time(1), series.value(0)], [1000, 1001, -45.67]);
   assert.ok(data.heard.has(220 * 256 + 3));
+});
+
+/** How high the highest bar is, and how many lines are drawn over gaps, of a drawing of 360 pixels from -180 to 180. */
+function drawn(unit: string, values: (number | null)[]): { highest: number; lines: number } {
+  const found = { highest: 0, lines: 0 };
+  Object.assign(globalThis, { devicePixelRatio: 1 });
+  const nothing = (): void => undefined;
+  const ctx = { save: nothing, beginPath: nothing, rect: nothing, clip: nothing, moveTo: nothing, stroke: nothing, restore: nothing,
+    fillRect: (_: number, __: number, ___: number, height: number) => (found.highest = Math.max(found.highest, height)), lineTo: () => ++found.lines };
+  const plot = { ctx, bbox: { left: 0, top: 0, width: values.length, height: 360 }, scales: { x: { min: 0, max: values.length }, ["y" + unit]: { min: -180, max: 180 } }, data: [values.map((_, i) => i)] };
+  drawColumns(plot as never, values, unit, "");
+  return found;
+}
+
+test("joins nothing where an angle goes over its end", () => {
+  const apart = [178, 179, -179, -178], inOne = [177, 178, 179, -179, -178, -177], overGap = [178, 179, null, null, -179, -178];
+  for (const values of [apart, inOne, overGap]) assert.ok(drawn("°", values).highest < 4, String(values));
+  assert.equal(drawn("°", overGap).lines, 0);
+  assert.equal(drawn("cm", apart).highest, 358, "what is no angle jumps");
+  assert.equal(drawn("cm", overGap).lines, 1);
+  assert.equal(drawn("°", [0, 170]).highest, 170);
 });

@@ -17,6 +17,9 @@ export function drops(counters: Counters): [string, number][] {
     .sort((a, b) => b[1] - a[1]);
 }
 
+/** Frames that no host takes are here on the page all the same. */
+export const isTaken = (link: Counters, cause: string): boolean => cause === "no_route" && link.hint_id === "no_host_takes";
+
 interface Look {
   at: number;
   values: Map<string, number>;

@@ -131,6 +131,9 @@ export function envelope(series: Series, from: number, to: number, columns: numb
   put();
 }
 
+/** Between two values of an angle that is less than a turn, whatever its ends are (±180°, 0 to 360°): further apart, it went over the end. */
+export const wentOver = (unit: string, a: number, b: number): boolean => unit === "°" && Math.abs(a - b) > 180;
+
 /** The times of the places that envelope() fills. */
 export function columnTimes(from: number, to: number, columns: number, into: number[]): void {
   into.length = columns * 2;

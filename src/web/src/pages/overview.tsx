@@ -2,11 +2,12 @@
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, errorText, hintText, language, t, useLanguage } from "../i18n";
-import { drops } from "../live/counters";
+import { drops, isTaken } from "../live/counters";
 import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
 import { useStore } from "../live/store";
 import { duration, rateText, shortNumber } from "../format";
 import { Network } from "../parts/network";
+import { calmHints } from "../words_of_gateway";
 
 interface Trouble {
   who: string;
@@ -18,7 +19,7 @@ function troublesOf(status: Status): Trouble[] {
   const all: Trouble[] = [];
   for (const link of status.links) {
     if (link.error) all.push({ who: link.name, text: errorText(link.error_id, link.error, link.error_args), bad: link.state !== "up" });
-    if (link.hint) all.push({ who: link.name, text: hintText(link.hint_id, link.hint, link.hint_args), bad: false });
+    if (link.hint && !calmHints.has(link.hint_id)) all.push({ who: link.name, text: hintText(link.hint_id, link.hint, link.hint_args), bad: false });
   }
   for (const conflict of status.conflicts)
     all.push({ who: conflict.address, text: t("conflict", { address: conflict.address, links: (conflict.links ?? []).join(", ") }), bad: true });
@@ -48,6 +49,7 @@ interface Drop {
   cause: string;
   total: number;
   now: number;
+  lost: number; // of those a second, what nobody had
   links: string[];
 }
 
@@ -55,9 +57,11 @@ function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
     for (const [cause, count] of drops(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, links: [] };
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, lost: 0, links: [] };
+      const rate = linkRates.perSecond("link:" + link.name, cause) ?? 0;
       drop.total += count;
-      drop.now += linkRates.perSecond("link:" + link.name, cause) ?? 0;
+      drop.now += rate;
+      if (!isTaken(link, cause)) drop.lost += rate;
       drop.links.push(link.name);
       byCause.set(cause, drop);
     }
@@ -79,7 +83,7 @@ function Drops({ links }: { links: Link[] }) {
               {all.map((drop) => (
                 <tr key={drop.cause}>
                   <th scope="row">{causeText(drop.cause)} <code class="muted">{drop.cause}</code></th>
-                  <td class={`number ${drop.now > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
+                  <td class={`number ${drop.lost > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
                   <td class="number">{shortNumber(drop.total)}</td>
                   <td>{drop.links.join(", ")}</td>
                 </tr>

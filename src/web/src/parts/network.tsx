@@ -1,11 +1,12 @@
 // Who is joined to whom: the gateway, its links, who is behind each; what passes, as it passes.
 import { useState } from "preact/hooks";
-import { causeText, errorText, hintText, language, t } from "../i18n";
-import { drops } from "../live/counters";
+import { causeText, hintText, language, t } from "../i18n";
+import { drops, isTaken } from "../live/counters";
 import { linkRates, type Link, type Route, type Status } from "../live/gateway";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
+import { calmHints } from "../words_of_gateway";
 
 /** A wire with what flows on it: the more, the faster; nothing flows without frames. */
 function Wire({ rate, back }: { rate: number; back: boolean }) {
@@ -41,6 +42,7 @@ function Who({ route }: { route: Route }) {
 function Peers({ link }: { link: Link }) {
   if (link.kind !== "udp-listen") return null;
   const shown = link.channels.slice(0, 6);
+  if (shown.length === 0 && link.hint_id === "no_peer_yet") return null; // says it already
   if (shown.length === 0) return <p class="muted">{t("no_peers")}</p>;
   return (
     <ul class="peers" aria-label={t("peers")}>
@@ -73,12 +75,13 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const [open, setOpen] = useState(false);
   const up = link.state === "up";
   const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
-  const lost = drops(link).reduce((sum, [name]) => sum + rate(name), 0);
-  const error = errorText(link.error_id, link.error, link.error_args);
-  const hint = hintText(link.hint_id, link.hint, link.hint_args);
+  const dropped = drops(link).reduce((sum, [name]) => sum + rate(name), 0);
+  const lost = drops(link).reduce((sum, [name]) => sum + (isTaken(link, name) ? 0 : rate(name)), 0);
+  const calm = calmHints.has(link.hint_id);
+  const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above says which trouble it is
   const where = link.device ?? link.address ?? link.peer;
   return (
-    <li class={`branch ${up ? "up" : "down"} ${error || hint ? "troubled" : ""}`}>
+    <li class={`branch ${up ? "up" : "down"} ${troubled ? "troubled" : ""}`}>
       <div class="wires">
         <Wire rate={up ? rate("frames_in") : 0} back />
         <Wire rate={up ? rate("frames_out") : 0} back={false} />
@@ -93,10 +96,9 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
         <dl class="flows">
           <div><dt>{t("in")}</dt><dd>{rateText(rate("frames_in"))}<small> {t("per_second")}</small></dd></div>
           <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
-          <div class={lost > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(lost)}<small> {t("per_second")}</small></dd></div>
+          <div class={lost > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(dropped)}<small> {t("per_second")}</small></dd></div>
         </dl>
-        {error && <p class="bad">{error}</p>}
-        {hint && <p class="warn">{hint}</p>}
+        {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
         <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
         <Peers link={link} />
         <button class="plain more" aria-expanded={open} onClick={() => setOpen(!open)}>{t("counters")} <span aria-hidden="true">{open ? "▴" : "▾"}</span></button>

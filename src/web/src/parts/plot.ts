@@ -1,7 +1,7 @@
 // The drawing of the chart: uPlot, fed with as many points as there are columns of pixels.
 import uPlot from "uplot";
 import type { Line } from "../live/chart_data";
-import { columnTimes, envelope } from "../live/series";
+import { columnTimes, envelope, wentOver } from "../live/series";
 
 export const colours = ["#1f77d0", "#d9541e", "#2a9d4a", "#a13fc4", "#c49a00", "#d43a6b", "#0a9aa8", "#7a5a3a", "#6a72e8", "#7d8b00", "#b0402f", "#3d7f6a"];
 const mostAxes = 4;
@@ -16,10 +16,10 @@ function clock(time: number, step: number): string {
 }
 
 /** A value or two for each column of pixels: upright bars where columns stand side by side, lines over the gaps. Bars cost a tenth of what a
- * line through all of them would. */
-function drawColumns(plot: uPlot, values: readonly (number | null)[], scale: string, colour: string): void {
+ * line through all of them would. Where an angle goes over its end, nothing joins the ends. */
+export function drawColumns(plot: uPlot, values: readonly (number | null)[], unit: string, colour: string): void {
   const { ctx, bbox } = plot;
-  const range = plot.scales[scale];
+  const range = plot.scales[scaleOf(unit)];
   if (range?.min == null || range.max == null || values.length === 0) return;
   const { min, max } = range, times = plot.data[0] as number[];
   const perUnit = bbox.height / (max - min || 1), bottom = bbox.top + bbox.height;
@@ -32,23 +32,29 @@ function drawColumns(plot: uPlot, values: readonly (number | null)[], scale: str
   ctx.fillStyle = ctx.strokeStyle = colour;
   ctx.lineWidth = thick;
   ctx.beginPath();
-  let before = -2, beforeX = 0, beforeY = 0, gaps = false;
+  const upright = (at: number, top: number, low: number): void => ctx.fillRect(Math.round(at), Math.round(top - thick / 2), thick, Math.max(thick, Math.round(low - top)));
+  let before = -4, beforeX = 0, beforeY = 0, last = 0, gaps = false;
   for (let i = 0; i + 1 < values.length; i += 2) {
     const first = values[i], second = values[i + 1];
     if (first == null || second == null || Number.isNaN(first) || Number.isNaN(second)) continue;
     const at = bbox.left + (times[i]! - x.min!) * perSecond;
     const y1 = bottom - (first - min) * perUnit, y2 = bottom - (second - min) * perUnit;
     let top = Math.min(y1, y2), low = Math.max(y1, y2);
-    if (before === i - 2) {
+    const over = before >= 0 && wentOver(unit, last, first);
+    if (wentOver(unit, first, second)) {
+      upright(at, y1, y1);
+      top = low = y2;
+    } else if (before === i - 2 && !over) {
       if (beforeY < top) top = beforeY;
       else if (beforeY > low) low = beforeY;
-    } else if (before >= 0) {
+    } else if (before >= 0 && !over) {
       ctx.moveTo(beforeX, beforeY);
       ctx.lineTo(at, y1);
       gaps = true;
     }
-    ctx.fillRect(Math.round(at), Math.round(top - thick / 2), thick, Math.max(thick, Math.round(low - top)));
+    upright(at, top, low);
     before = i;
+    last = second;
     beforeX = at;
     beforeY = y2;
   }
@@ -85,7 +91,7 @@ export class Plot {
       ],
       series: [{}, ...lines.map((line, i): uPlot.Series => ({ label: line.label, scale: scaleOf(line.unit), stroke: colours[i % colours.length]!, paths: () => null, points: { show: false } }))],
       hooks: {
-        draw: [(plot) => lines.forEach((line, i) => drawColumns(plot, this.data[i + 1]!, scaleOf(line.unit), colours[i % colours.length]!))],
+        draw: [(plot) => lines.forEach((line, i) => drawColumns(plot, this.data[i + 1]!, line.unit, colours[i % colours.length]!))],
         setCursor: [(plot) => onLook(plot.cursor.left !== undefined && plot.cursor.left >= 0 ? plot.posToVal(plot.cursor.left, "x") : undefined)],
         setSelect: [
           (plot) => {

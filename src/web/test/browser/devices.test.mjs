@@ -1,8 +1,9 @@
 // What acts on a device, and what a device says, to the end.
 import assert from "node:assert/strict";
+import dgram from "node:dgram";
 import { after, before, test } from "node:test";
 import { confirm, Gateway, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
-import { HostileDevice } from "./hostile_device.mjs";
+import { frame, HostileDevice } from "./hostile_device.mjs";
 
 let gateway, browser;
 before(async () => {
@@ -126,4 +127,24 @@ test("a device whose every word is HTML, and 10 KB long, is shown in words", asy
     device.stop();
   }
   await page.browserContext().close();
+});
+
+test("says it on every page of a device when two claim to be it", async () => {
+  const page = await openPage(browser, gateway, { hash: "#/31/vehicle" });
+  const port = /127\.0\.0\.1:(\d+)/.exec(JSON.stringify((await asked(page, "links")).find((link) => link.name === "ground")))[1];
+  const both = [dgram.createSocket("udp4"), dgram.createSocket("udp4")];
+  const speak = setInterval(() => { for (const one of both) one.send(frame(31, 255, 3, [0, 0, 0, 0, 0, 0, 0]), Number(port), "127.0.0.1"); }, 50);
+  try {
+    for (const hash of ["#/31/vehicle", "#/31/commands"]) {
+      await go(page, hash);
+      await page.waitForFunction(() => document.querySelector("main .clash b")?.textContent === "Two devices say they are 0x1F.");
+      assert.ok(await page.$eval("main .clash", (note) => note.getBoundingClientRect().bottom < innerHeight));
+    }
+    await go(page, "#/220/vehicle");
+    await page.waitForFunction(() => document.querySelector("main h1 small")?.textContent === "0xDC" && !document.querySelector(".clash"));
+  } finally {
+    clearInterval(speak);
+    for (const one of both) one.close();
+    await page.browserContext().close();
+  }
 });

@@ -41,6 +41,51 @@ for (const [language, width, height, dark] of [["en", 1440, 900, false], ["zh-CN
     await page.browserContext().close();
   });
 
+test("the form of the token has the room to be read, and the header says what is missing", async () => {
+  if (!gateway.token("view")) return; // a user's own gateway asks for none
+  for (const [width, height] of [[1280, 800], [390, 844]]) {
+    const page = await openPage(browser, gateway, { access: "", width, height });
+    await page.waitForSelector(".login");
+    assert.ok((await page.$eval(".login", (form) => form.getBoundingClientRect().width)) > 300, `at ${width}`);
+    assert.equal(await page.$eval(".contact", (lamp) => lamp.textContent), "token needed");
+    await page.browserContext().close();
+  }
+});
+
+test("calls no trouble what a lone browser sees", async () => {
+  const alone = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground"]);
+  try {
+    const page = await openPage(browser, alone);
+    await until("what no host takes", () => page.$$eval(".branch .calm", (all) => all.some((one) => one.textContent.includes("no other host takes it"))));
+    await page.waitForSelector(".well");
+    assert.equal(await page.$$eval(".troubles, .flows .warn, .drops .warn, .troubled", (all) => all.length), 0);
+    await page.browserContext().close();
+  } finally {
+    await alone.end();
+  }
+});
+
+test("says each trouble once", async () => {
+  const page = await openPage(browser, gateway);
+  await page.waitForSelector(".troubles li");
+  const said = await page.$$eval(".troubles span", (all) => all.map((one) => one.textContent));
+  assert.ok(said.length > 0);
+  for (const words of new Set(said))
+    assert.equal(await page.$$eval(".branch", (all, words) => all.filter((one) => one.textContent.includes(words)).length, words), 0, words);
+  await page.browserContext().close();
+});
+
+test("on a phone, the pages of a device are in view and lead there", async () => {
+  const page = await openPage(browser, gateway, { width: 390, height: 844 });
+  await page.waitForSelector("nav .narrow");
+  const outside = await page.$$eval("nav a, nav select", (all) => all.map((one) => one.getBoundingClientRect()).filter((at) => at.width > 0 && (at.left < 0 || at.right > innerWidth)).length);
+  assert.equal(outside, 0);
+  await page.select("nav .narrow", "vehicle");
+  await page.waitForSelector(".figure dd small");
+  assert.match(await page.evaluate(() => location.hash), /^#\/\d+\/vehicle$/);
+  await page.browserContext().close();
+});
+
 test("shows its first values within a second or two of opening", async () => {
   const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
   await page.waitForSelector(".figure dd small");
