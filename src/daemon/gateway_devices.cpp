@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/control.hpp>
 #include <ano/hex.hpp>
 #include <config/read_file.hpp>
 #include <daemon/control_link.hpp>
@@ -130,8 +131,11 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 std::string GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
     if (!link) return "all 64 links are in use: there is no place for the link 'control'";
-    if (frame.destination() == gateway_.settings().gateway.id && !is_device(gateway_.settings().gateway))
-        return ano::hex_byte(frame.destination()) + " is the gateway itself";
+    if (frame.destination() == gateway_.settings().gateway.id) {
+        if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
+        if (ano::is_control(frame) && !gateway_.settings().control.manage)
+            return "the control interface may not manage the gateway (control.manage)";
+    }
     was_taken_ = false;
     refusal_.clear();
     sends_ = true;
