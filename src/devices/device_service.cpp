@@ -297,12 +297,14 @@ void DeviceService::acted(std::uint8_t address) {
     if (const auto job = holder(address)) job->has_acted = true;
 }
 
-void DeviceService::remember(std::string name, std::string text) {
+bool DeviceService::remember(std::string name, std::string text) {
+    if (!is_whole_note(name, text)) return false;
     if (sensor_of_note(name)) {
         write_back_at_ = net_.now();
         net_.wake(*write_back_at_);
     }
     notes_.remember(std::move(name), std::move(text));
+    return true;
 }
 
 // By jobs like others: who flies, or is busy, has them later. Each note has a time of its own, or one that can't be used would keep the
