@@ -148,7 +148,9 @@ std::string GatewayDevices::send(ano::FrameView frame) {
 }
 
 bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
-    return from.id != ourselves && service_.hear(frame, gateway_.time());
+    if (from.id == ourselves) return false;
+    heard_by_ = from.link;
+    return service_.hear(frame, gateway_.time());
 }
 
 void GatewayDevices::offered(const Channel&, ano::FrameView, ChannelId from) {
@@ -221,6 +223,15 @@ bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
         return !(leads & of_port).empty();
     };
     return is_behind(one, other) || is_behind(other, one);
+}
+
+// As the router takes it: links that bear the id go before those that it is pinned to.
+bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
+    const Router& router = gateway_.forwarder().router();
+    LinkSet ways = router.port(port);
+    if (ways.empty()) ways = router.pinned(port);
+    const bool speaks_itself = !(router.learned(port, gateway_.time()).links & ways).empty();
+    return source != port && !speaks_itself && ways.contains(heard_by_);
 }
 
 // Of the strictest of the links that lead there.

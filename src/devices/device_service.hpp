@@ -134,6 +134,7 @@ private:
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);
     void await(ano::TimePoint now);
+    bool answers_at_port(std::uint8_t source, std::uint8_t port);
     void count(Known& known, ano::TimePoint now);
 
     DeviceNet& net_;
