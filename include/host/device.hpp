@@ -83,6 +83,8 @@ public:
     /// Nothing is told to `asker` any more; its requests that wait are not sent.
     void forget(const Asker& asker) noexcept;
 
+    /// Of one at a port id: its own frames, and those of others only where they came by the links that the port id stands for, and
+    /// ended no request of another Device. Who asks several port ids at once would mix their answers otherwise.
     Taken take(FrameView frame, TimePoint now);
     /// What is to be sent at `now`, one by one; valid until the next call of any function. Requests that ran out of time end here.
     std::optional<FrameView> next_frame(TimePoint now);

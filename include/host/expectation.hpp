@@ -51,7 +51,8 @@ private:
     Checks checks_{};        // of an acknowledgement
 };
 
-/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for whoever is behind the port.
+/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for whoever is behind the port. By which
+/// way the frame came is not in it: who knows the links gives Device::take() of a port what comes by the port's own.
 bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept;
 
 }    // namespace ano::host

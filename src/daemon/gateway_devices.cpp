@@ -1,4 +1,5 @@
 #include <ano/address.hpp>
+#include <ano/control.hpp>
 #include <ano/hex.hpp>
 #include <config/read_file.hpp>
 #include <daemon/control_link.hpp>
@@ -65,14 +66,16 @@ void GatewayDevices::remember_notes() {
         const std::string name = entry.path().filename().string();
         if (!is_note(name) || !entry.is_regular_file(ec)) continue;    // others may never end
         std::string text = read_file(entry.path().string(), max_note, ec);
-        if (!ec) {
+        if (ec) spdlog::warn("{}: {}", entry.path().string(), ec.message());
+        else if (!service_.remember(name, std::move(text)))
+            spdlog::warn("{}/{} is damaged: the old values of a calibration are not written back; calibrate again, or remove it",
+                         folder, name);
+        else
             spdlog::info("{}/{}: {}", folder, name,
                          name.starts_with("firmware")
                              ? "the device was left in its loader, it needs its firmware"
                              : "a calibration never ended; the old values are written back as soon as the "
                                "device is heard on the ground");
-            service_.remember(name, std::move(text));
-        } else spdlog::warn("{}: {}", entry.path().string(), ec.message());
     }
 }
 
@@ -130,8 +133,11 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 std::string GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
     if (!link) return "all 64 links are in use: there is no place for the link 'control'";
-    if (frame.destination() == gateway_.settings().gateway.id && !is_device(gateway_.settings().gateway))
-        return ano::hex_byte(frame.destination()) + " is the gateway itself";
+    if (frame.destination() == gateway_.settings().gateway.id) {
+        if (!is_device(gateway_.settings().gateway)) return ano::hex_byte(frame.destination()) + " is the gateway itself";
+        if (ano::is_control(frame) && !gateway_.settings().control.manage)
+            return "the control interface may not manage the gateway (control.manage)";
+    }
     was_taken_ = false;
     refusal_.clear();
     sends_ = true;
@@ -142,7 +148,9 @@ std::string GatewayDevices::send(ano::FrameView frame) {
 }
 
 bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
-    return from.id != ourselves && service_.hear(frame, gateway_.time());
+    if (from.id == ourselves) return false;
+    heard_by_ = from.link;
+    return service_.hear(frame, gateway_.time());
 }
 
 void GatewayDevices::offered(const Channel&, ano::FrameView, ChannelId from) {
@@ -215,6 +223,15 @@ bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
         return !(leads & of_port).empty();
     };
     return is_behind(one, other) || is_behind(other, one);
+}
+
+// As the router takes it: links that bear the id go before those that it is pinned to.
+bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
+    const Router& router = gateway_.forwarder().router();
+    LinkSet ways = router.port(port);
+    if (ways.empty()) ways = router.pinned(port);
+    const bool speaks_itself = !(router.learned(port, gateway_.time()).links & ways).empty();
+    return source != port && !speaks_itself && ways.contains(heard_by_);
 }
 
 // Of the strictest of the links that lead there.

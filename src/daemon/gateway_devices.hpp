@@ -33,6 +33,7 @@ public:
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
     ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
     bool is_same_device(std::uint8_t one, std::uint8_t other) override;
+    bool may_answer_for(std::uint8_t source, std::uint8_t port) override;
     DeviceManners manners(std::uint8_t address) override;
     bool may_have_waited(ano::TimePoint came_at) override;
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
@@ -58,6 +59,7 @@ private:
     Errand errand_;
     std::deque<Chore> chores_;    // that wait for it
     bool sends_ = false;
+    LinkId heard_by_{};    // of the frame that the service hears just now
     bool was_taken_ = false;
     std::string refusal_;
     DeviceService service_;    // last: it says that it no longer listens when it goes

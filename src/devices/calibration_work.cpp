@@ -279,6 +279,12 @@ void forget_written(const WorkPlace& place, const Json& values) {
     }
 }
 
+bool is_whole_backup(const std::string& text, Sensor sensor) {
+    if (!values_in_note(text, sensor)) return false;
+    const Json note = Json::parse(text, nullptr, false);
+    return identity_in(note.value("device", Json{})).has_value();
+}
+
 std::string keep_name(std::uint8_t address, Sensor sensor) {
     return "calibration-" + ano::hex_byte(address) + "-" + std::string{name_of(sensor)} + ".json";
 }

@@ -21,6 +21,9 @@ std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::s
 /// `values` were written to the device, {NAME: value}: kept ones that are among them are kept no longer.
 void forget_written(const WorkPlace& place, const nlohmann::ordered_json& values);
 
+/// What `text` tells can be written back: whose the values are, and all of them.
+bool is_whole_backup(const std::string& text, ano::host::Sensor sensor);
+
 /// "calibration-0xDC-compass.json": what `anoctl param import` takes.
 std::string keep_name(std::uint8_t address, ano::host::Sensor sensor);
 /// Nothing: it is no such name.

@@ -48,6 +48,9 @@ public:
     virtual ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) = 0;
     /// Two addresses stand for one device, or may: one of them is the port by which the other is heard.
     virtual bool is_same_device(std::uint8_t /*one*/, std::uint8_t /*other*/) { return false; }
+    /// `port` is a port id by which a question left: the frame that is heard just now, of `source`, came by where that leads to, and
+    /// who is there doesn't speak as `port` itself.
+    virtual bool may_answer_for(std::uint8_t /*source*/, std::uint8_t /*port*/) { return false; }
     virtual DeviceManners manners(std::uint8_t /*address*/) { return {}; }
     /// A request that came at `came_at` waited through a standstill: it is not to be carried out late.
     virtual bool may_have_waited(ano::TimePoint /*came_at*/) { return false; }

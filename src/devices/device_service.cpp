@@ -82,19 +82,31 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
             known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
                            said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
         }
-        for (const auto& one : known_) {
-            if (!one || !one->device) continue;
+        const auto is_taken_by = [&](const auto& one) {
+            if (!one || !one->device) return false;
             const Taken taken = one->device->take(frame, now);
             is_news = is_news || taken == Taken::ended;
             is_answer = is_answer || taken == Taken::ended || taken == Taken::doubled || taken == Taken::late;
+            return taken == Taken::ended;
+        };
+        // One answer is to one question: what was asked at its own address goes first.
+        const bool is_over = is_taken_by(known);
+        for (std::uint8_t port = 1; port <= ano::address::last_port_id && !is_over; ++port)
+            if (known_[port] && known_[port]->device && answers_at_port(frame.source(), port)) is_taken_by(known_[port]);
+        for (const auto& job : jobs_) {
+            if (!job->work) continue;
+            const std::uint8_t at = job->order.address.value_or(frame.source());
+            if (at == frame.source() || answers_at_port(frame.source(), at)) job->work->hear(frame, now);
         }
-        for (const auto& job : jobs_)
-            if (job->work) job->work->hear(frame, now);
         if (is_news) net_.wake(now);
         return is_answer;
     } catch (const std::bad_alloc&) {    // it was not heard
         return false;
     }
+}
+
+bool DeviceService::answers_at_port(std::uint8_t source, std::uint8_t port) {
+    return ano::address::is_port_id(port) && source != port && net_.may_answer_for(source, port);
 }
 
 void DeviceService::count(Known& known, TimePoint now) {
@@ -297,12 +309,14 @@ void DeviceService::acted(std::uint8_t address) {
     if (const auto job = holder(address)) job->has_acted = true;
 }
 
-void DeviceService::remember(std::string name, std::string text) {
+bool DeviceService::remember(std::string name, std::string text) {
+    if (!is_whole_note(name, text)) return false;
     if (sensor_of_note(name)) {
         write_back_at_ = net_.now();
         net_.wake(*write_back_at_);
     }
     notes_.remember(std::move(name), std::move(text));
+    return true;
 }
 
 // By jobs like others: who flies, or is busy, has them later. Each note has a time of its own, or one that can't be used would keep the

@@ -95,8 +95,9 @@ public:
     /// Nothing is known of it: empty.
     std::optional<ano::host::DeviceInfo> info(std::uint8_t address) const;
 
-    /// What a run before this kept (DeviceNet::keep()). Old values of a calibration are written back as soon as that may be.
-    void remember(std::string name, std::string text);
+    /// What a run before this kept (DeviceNet::keep()). Old values of a calibration are written back as soon as that may be. False:
+    /// it is damaged, and stays where it is.
+    bool remember(std::string name, std::string text);
 
     DeviceNet& net() noexcept { return net_; }
     std::uint8_t own() const noexcept { return own_; }
@@ -133,6 +134,7 @@ private:
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);
     void await(ano::TimePoint now);
+    bool answers_at_port(std::uint8_t source, std::uint8_t port);
     void count(Known& known, ano::TimePoint now);
 
     DeviceNet& net_;

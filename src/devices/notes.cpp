@@ -41,4 +41,9 @@ bool is_note(std::string_view name) {
     return address && name == (sensor ? keep_name(*address, *sensor) : loader_note(*address));
 }
 
+bool is_whole_note(std::string_view name, const std::string& text) {
+    const auto sensor = sensor_of_note(name);
+    return !sensor || is_whole_backup(text, *sensor);
+}
+
 }    // namespace anogate

@@ -38,5 +38,7 @@ private:
 std::string loader_note(std::uint8_t address);
 /// Whether a file of this name is such a note or one of a calibration: it is exactly as we name them, so that it can be shown.
 bool is_note(std::string_view name);
+/// Whether it can be used: a calibration's is damaged without all the values, or without the device that they are of.
+bool is_whole_note(std::string_view name, const std::string& text);
 
 }    // namespace anogate

@@ -39,6 +39,7 @@ public:
     };
 
     std::uint8_t address = 0xDC;
+    std::optional<std::uint8_t> port{};    // asked there, it answers as well
     std::string name = "fake";
     std::uint16_t version = 100;
     std::vector<Parameter> parameters;
@@ -64,7 +65,7 @@ public:
 
     /// The answers to a frame, in order.
     std::vector<Bytes> take(ano::FrameView frame) {
-        if (frame.destination() != address && frame.destination() != 0xFF) return {};
+        if (frame.destination() != address && frame.destination() != 0xFF && frame.destination() != port) return {};
         heard.emplace_back(frame.bytes().begin(), frame.bytes().end());
         if (crashed || deaf) return {};
         if (instead)

@@ -31,6 +31,7 @@ public:
     std::map<std::uint8_t, std::string> refuses;    // frames of this id never leave, and why
     std::map<std::uint8_t, ano::host::Whereabouts> where;
     std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and who is behind it
+    std::set<std::pair<std::uint8_t, std::uint8_t>> ways;    // a port, and whose frames come by its link
     bool listens = false;
     bool stood_still = false;
     std::map<std::string, std::string> kept;
@@ -62,6 +63,7 @@ public:
     bool is_same_device(std::uint8_t one, std::uint8_t other) override {
         return same.contains({one, other}) || same.contains({other, one});
     }
+    bool may_answer_for(std::uint8_t source, std::uint8_t port) override { return ways.contains({port, source}); }
     bool may_have_waited(TimePoint) override { return stood_still; }
     void keep(std::string name, std::string text, std::function<void(std::string)> done) override {
         if (text.empty()) kept.erase(name);

@@ -458,4 +458,45 @@ TEST_F(Jobs, that_read_forever_changing_devices_end) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 502u);
 }
 
+// Two devices whose own addresses are port ids answer alike: it is by their source alone that the answers are told apart.
+TEST(DevicesAtPortIds, read_at_once_are_not_taken_for_each_other) {
+    SimulatedNet net;
+    for (const std::uint8_t address : {std::uint8_t{10}, std::uint8_t{20}}) {
+        FakeDevice& fake = net.add(address);
+        fake.name = "device " + std::to_string(address);
+        fake.parameters.push_back({2, "ADDRESS", "its own", Bytes{address, 0}});
+    }
+    const auto ten = net.asked("GET", "/devices/10/parameters");
+    const auto twenty = net.asked("GET", "/devices/20/parameters");
+    ASSERT_TRUE(net.until([&] { return ten->has_value() && twenty->has_value(); }));
+    for (const auto& [answer, address] : {std::pair{ten, 10}, std::pair{twenty, 20}}) {
+        ASSERT_EQ((*answer)->status, 200u) << (*answer)->json;
+        EXPECT_EQ((*answer)->json.at("device").at("name"), "device " + std::to_string(address));
+        EXPECT_EQ((*answer)->json.at("parameters")[0].at("value"), address);
+    }
+}
+
+struct BehindAPort : testing::Test {
+    SimulatedNet net;
+    FakeDevice& fake = net.add();
+
+    // Whoever is asked at the port 3 is 0xDC.
+    BehindAPort() {
+        fake.make_parameters(20);
+        net.where[3] = {.is_known = true};
+        fake.port = 3;
+    }
+};
+
+TEST_F(BehindAPort, who_answers_by_its_own_address_is_heard) {
+    net.ways.emplace(3, 0xDC);
+    const auto at_port = net.asked("GET", "/devices/3/parameters");
+    const auto at_address = net.asked("GET", "/devices/0xDC/parameters");
+    ASSERT_TRUE(net.until([&] { return at_port->has_value() && at_address->has_value(); }));
+    EXPECT_EQ((*at_port)->status, 200u) << (*at_port)->json;
+    EXPECT_EQ((*at_address)->status, 200u) << (*at_address)->json;
+}
+
+TEST_F(BehindAPort, who_comes_another_way_is_not) { EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 504u); }
+
 }    // namespace
