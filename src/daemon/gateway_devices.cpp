@@ -214,6 +214,15 @@ ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::Ti
     return where;
 }
 
+std::vector<std::string> GatewayDevices::links_in_conflict(std::uint8_t address, ano::TimePoint now) {
+    std::vector<std::string> names;
+    for (const Conflict& conflict : gateway_.forwarder().router().conflicts(now)) {
+        if (conflict.address != address) continue;
+        for (const LinkId link : conflict.links) names.emplace_back(gateway_.name(link));
+    }
+    return names;
+}
+
 bool GatewayDevices::is_same_device(std::uint8_t one, std::uint8_t other) {
     const Router& router = gateway_.forwarder().router();
     const auto is_behind = [&](std::uint8_t address, std::uint8_t port) {

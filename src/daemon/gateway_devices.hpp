@@ -32,6 +32,7 @@ public:
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
     ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
+    std::vector<std::string> links_in_conflict(std::uint8_t address, ano::TimePoint now) override;
     bool is_same_device(std::uint8_t one, std::uint8_t other) override;
     bool may_answer_for(std::uint8_t source, std::uint8_t port) override;
     DeviceManners manners(std::uint8_t address) override;

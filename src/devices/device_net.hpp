@@ -46,6 +46,8 @@ public:
     /// Devices and ports; hosts are not among them.
     virtual std::vector<HeardAddress> heard(ano::TimePoint now) = 0;
     virtual ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) = 0;
+    /// The links by which the several devices that have `address` were heard.
+    virtual std::vector<std::string> links_in_conflict(std::uint8_t /*address*/, ano::TimePoint /*now*/) { return {}; }
     /// Two addresses stand for one device, or may: one of them is the port by which the other is heard.
     virtual bool is_same_device(std::uint8_t /*one*/, std::uint8_t /*other*/) { return false; }
     /// `port` is a port id by which a question left: the frame that is heard just now, of `source`, came by where that leads to, and

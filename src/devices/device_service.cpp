@@ -25,12 +25,21 @@ NotBegun not_begun(unsigned status, std::string error) {
     return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
 }
 
-std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_t> writer) {
+std::string words_of_conflict(std::uint8_t address, const std::vector<std::string>& links) {
+    const std::string device = ano::hex_byte(address);
+    std::string heard;
+    for (const std::string& link : links) heard += (heard.empty() ? " (heard by " : " and ") + link;
+    return "several devices have the address " + device + heard + (heard.empty() ? "" : ")") +
+           ": which of them is meant is not known; when only one is left, anoctl routes --forget " + device;
+}
+
+std::string why(Refusal refusal, std::uint8_t address, std::optional<std::uint8_t> writer,
+                const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
     switch (refusal) {
     case Refusal::no_device: return device + " is no address of a device";
     case Refusal::not_known: return device + " was not heard";
-    case Refusal::in_conflict: return "several devices have the address " + device + ": which of them is meant is not known";
+    case Refusal::in_conflict: return words_of_conflict(address, links);
     case Refusal::on_several_channels:
         return device + " is heard by several links that are no group: a frame to it would go by all of them";
     case Refusal::in_the_air: return device + " is unlocked or flies: this is for the ground";
@@ -165,7 +174,8 @@ std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint 
     auto refused = guard_.refusal(order.deed, address, where, now, order.force);
     if (!refused && !where.is_known) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
-    NotBegun told = not_begun(status_of(*refused), why(*refused, address, guard_.busy_with(address, now)));
+    NotBegun told = not_begun(status_of(*refused),
+                              why(*refused, address, guard_.busy_with(address, now), net_.links_in_conflict(address, now)));
     if (told.status == 409 && *refused != Refusal::busy) told.what = "refused";
     return told;
 }

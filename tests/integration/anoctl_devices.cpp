@@ -102,12 +102,14 @@ TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_some
     const Ran refused = anoctl({"param", "import", file});
     EXPECT_EQ(refused.exit, 2) << "nobody can be asked";
     EXPECT_TRUE(contains(refused.output, "--yes")) << refused.output;
+    EXPECT_TRUE(contains(refused.output, " -> 333\n")) << refused.output;
     EXPECT_NE(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=333\n");
     const Ran written = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(written.exit, 0) << written.output;
     EXPECT_TRUE(contains(written.output, "1 parameter written")) << written.output;
     EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=333\n");
     EXPECT_NE(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=5\n");
+    EXPECT_EQ(anoctl({"param", "import", file}).exit, 0) << "nothing differs: nobody needs to be asked";
 }
 
 TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {

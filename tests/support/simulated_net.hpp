@@ -60,6 +60,7 @@ public:
         return all;
     }
     ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override { return where[address]; }
+    std::vector<std::string> links_in_conflict(std::uint8_t, TimePoint) override { return {"fc", "radio"}; }
     bool is_same_device(std::uint8_t one, std::uint8_t other) override {
         return same.contains({one, other}) || same.contains({other, one});
     }

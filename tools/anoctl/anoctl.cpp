@@ -12,6 +12,7 @@
 #include <array>
 #include <cctype>
 #include <exception>
+#include <map>
 #include <optional>
 #include <ostream>
 #include <span>
@@ -63,13 +64,24 @@ std::string commands() {
     return all;
 }
 
-std::string what_is_missing(const CLI::RequiredError& e) {
+/// "; a, b or c" of "a|b|c"; of anything else nothing.
+std::string choices(std::string value) {
+    const auto last = value.rfind('|');
+    if (last == value.npos) return {};
+    value.replace(last, 1, " or ");
+    for (std::size_t at = 0; (at = value.find('|', at)) != value.npos;) value.replace(at, 1, ", ");
+    return "; it is " + value;
+}
+
+/// `options`: of the command that was chosen.
+std::string what_is_missing(const CLI::RequiredError& e, const Options& options) {
     std::string name = e.what();    // "file is required"
     const auto end = name.find(" is required");
     if (end == name.npos || name.find(' ') < end) return "a command is missing" + commands();
     name.resize(end);
+    const auto option = std::find_if(options.begin(), options.end(), [&](const Option& one) { return one.name == name; });
     for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    return name + " is missing";
+    return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
 }
 
 void reject_unknown_command(int argc, const char* const* argv) {
@@ -134,6 +146,12 @@ CLI::Option* declare(CLI::App& app, const std::string& name, const Option::Into&
         help);
 }
 
+/// Also of a command that asks no gateway: who has an alias with --control uses it for all of them.
+void allow_control(CLI::App& command) {
+    if (command.get_option_no_throw("--control") == nullptr)
+        command.add_option_function<std::string>("--control", [](const std::string&) {})->group("");    // not in --help
+}
+
 void declare(CLI::App& app, const Options& options) {
     for (const Option& option : options) {
         CLI::Option* declared = declare(app, option.name, option.into, option.help)->required(option.required);
@@ -195,11 +213,14 @@ int run(int argc, const char* const* given, Streams& streams) {
     app.set_version_flag("--version", "anoctl " ANOGATE_VERSION);
     app.require_subcommand(1);
     std::vector<std::pair<CLI::App*, Run>> runs;
+    std::map<const CLI::App*, Options> declared;
     for (const Subcommand& s : subcommands()) {
         CLI::App* command = app.add_subcommand(s.name, s.description);
         Options options;
         runs.emplace_back(command, s.add(options));
         declare(*command, options);
+        allow_control(*command);
+        declared.emplace(command, std::move(options));
     }
     app.footer(    // not of the commands, which have a footer that is there before them, and not all of these options
         "Before or behind the command: --json, one JSON object a line; --control PATH, the socket of the gateway.\n"
@@ -223,8 +244,11 @@ int run(int argc, const char* const* given, Streams& streams) {
         return fine;
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
-        const bool stranger = app.get_subcommands().empty() && !unknown.empty();
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0]) : what_is_missing(e), usage);
+        const auto chosen = app.get_subcommands();
+        const bool stranger = chosen.empty() && !unknown.empty();
+        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0])
+                          : what_is_missing(e, chosen.empty() ? Options{} : declared[chosen.front()]),
+                 usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {

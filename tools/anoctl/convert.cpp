@@ -12,6 +12,7 @@
 #include <record/csv.hpp>
 #include <record/pcapng_writer.hpp>
 
+#include <algorithm>
 #include <bitset>
 #include <cstdint>
 #include <map>
@@ -38,6 +39,7 @@ public:
     Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
 
     std::string bytes;
+    const std::string& path() const noexcept { return path_; }
     void write_if(std::size_t enough) {
         if (bytes.size() < enough) return;
         output_.write(bytes);
@@ -56,7 +58,18 @@ public:
     virtual ~Target() = default;
     virtual void take(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
+    /// The files that it wrote, when it has ended.
+    virtual std::vector<std::string> files() const = 0;
 };
+
+/// " into 19 tables: a.csv, b.csv, …"; only the first are named.
+std::string places(const std::vector<std::string>& files) {
+    constexpr std::size_t most = 5;
+    if (files.size() == 1) return files[0] == "-" ? "" : " into " + files[0];
+    std::string text = files.empty() ? ": there is no table" : " into " + counted(files.size(), "table") + ": ";
+    for (std::size_t i = 0; i < std::min(files.size(), most); ++i) text += (i > 0 ? ", " : "") + files[i];
+    return files.size() > most ? text + ", \u2026" : text;
+}
 
 /// OUT-MESSAGE.csv for each message, or one file for the only one.
 class CsvTarget final : public Target {
@@ -73,6 +86,11 @@ public:
     }
     void end() override {
         for (const auto& [id, file] : files_) file->to.write_if(0);
+    }
+    std::vector<std::string> files() const override {
+        std::vector<std::string> all;
+        for (const auto& [id, file] : files_) all.push_back(file->to.path());
+        return all;
     }
 
 private:
@@ -111,6 +129,7 @@ public:
         to_.write_if(batch);
     }
     void end() override { to_.write_if(0); }
+    std::vector<std::string> files() const override { return {to_.path()}; }
 
 private:
     Collected to_;
@@ -133,6 +152,7 @@ public:
         writer_->end(to_.bytes);
         to_.write_if(0);
     }
+    std::vector<std::string> files() const override { return {to_.path()}; }
 
 private:
     Collected to_;
@@ -160,7 +180,7 @@ struct Convert {
         });
         target->end();
         for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
-        tell(streams, counted(taken, "frame") + " of " + file + " written");
+        tell(streams, counted(taken, "frame") + " of " + file + " written" + places(target->files()));
         return facts.fault.empty() ? fine : failed;
     }
 

@@ -23,6 +23,20 @@ TEST(DeviceNames, are_as_written_or_else_of_any_case) {
     EXPECT_TRUE(with_name(devices, "Flo").empty());
 }
 
+TEST(DeviceNames, who_is_there_is_told_where_a_name_is_nobodys) {
+    EXPECT_EQ(no_such_device("Flwo", devices),
+              "'Flwo' is no device that answers (did you mean 'Flow'?); there are 0xDC SimFC, 0xDD SIMFC, 0xDE Flow");
+    EXPECT_EQ(no_such_device("Nobody", Json::array({devices[2]})), "'Nobody' is no device that answers; there is 0xDE Flow");
+    EXPECT_EQ(no_such_device("Nobody", Json::array()), "'Nobody' is no device that answers; none is there");
+}
+
+TEST(DeviceNames, stand_with_the_address_at_the_beginning_of_what_is_told) {
+    EXPECT_EQ(with_device_named("0xDC is unlocked", devices[0]), "SimFC (0xDC) is unlocked");
+    EXPECT_EQ(with_device_named("0xDE is unlocked", devices[0]), "0xDE is unlocked");
+    EXPECT_EQ(with_device_named("0xDC is unlocked", Json{{"address", "0xDC"}}), "0xDC is unlocked");
+    EXPECT_EQ(with_device_named("nothing was written", Json{}), "nothing was written");
+}
+
 TEST(DeviceNames, what_was_left_behind_is_told) {
     EXPECT_TRUE(left_behind(devices[0]).empty());
     EXPECT_EQ(

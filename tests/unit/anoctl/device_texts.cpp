@@ -293,6 +293,13 @@ TEST(JobText, names_the_option_that_allows_what_is_refused) {
     EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land it and lock it first") << "it has no such option";
 }
 
+TEST(JobText, calls_jobs_as_the_commands_are_called) {
+    EXPECT_EQ(command_of_job("put_waypoints"), "waypoint put");
+    EXPECT_EQ(command_of_job("firmware"), "flash");
+    EXPECT_EQ(command_of_job("write"), "param set");
+    EXPECT_EQ(command_of_job("of a later gateway"), "of a later gateway");
+}
+
 TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_enter) {
     std::ostringstream err;
     LiveLines lines{err};
@@ -315,6 +322,8 @@ TEST(CalibrationText, has_the_residuals_and_what_was_found) {
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5",
                                         "the device has stored them: they stay over a restart"}));
+    EXPECT_EQ(calibration_result(Json{{"values", {{"CAL_AEM1_X", 1.0}}}}, "accelerometer")[1], "CAL_AEM1_X=1")
+        << "as param has it";
     EXPECT_EQ(calibration_result(Json{{"before", 0.12}, {"after", 0.012}}, "compass")[0], "residual 12 % before, 1.2 % now");
 }
 

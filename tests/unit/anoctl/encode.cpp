@@ -59,6 +59,9 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
         return support::anoctl(words).err.substr(0, support::anoctl(words).err.find('\n'));
     };
     EXPECT_EQ(first_line({"encode"}), "anoctl: NAME is missing");
+    EXPECT_EQ(first_line({"waypoint"}), "anoctl: ACTION is missing; it is get or put");
+    EXPECT_EQ(first_line({"param"}), "anoctl: ACTION is missing; it is list, get, set, save, reset, export, import or diff");
+    EXPECT_EQ(first_line({"calibrate"}), "anoctl: WHAT is missing; it is accelerometer or compass");
     EXPECT_EQ(first_line({"encode", "check", "--rwa"}), "anoctl: there is no option '--rwa' (did you mean '--raw'?)");
     EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: its value is missing");
     EXPECT_EQ(anoctl({"encode", "ranging", "points=[{"}).exit, 2);

@@ -113,6 +113,29 @@ TEST(Convert, makes_a_table_of_each_message) {
     EXPECT_EQ(text_of(folder / "out-euler.csv"), euler);
 }
 
+TEST(Convert, names_what_it_wrote) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    const std::string tables = anoctl({"convert", file, folder / "out.csv"}).err;
+    EXPECT_NE(tables.find(" written into 2 tables: "), std::string::npos) << tables;
+    EXPECT_NE(tables.find(folder / "out-euler.csv"), std::string::npos) << tables;
+    const std::string lines = anoctl({"convert", file, folder / "out.ndjson"}).err;
+    EXPECT_NE(lines.find(" written into " + (folder / "out.ndjson")), std::string::npos) << lines;
+    EXPECT_EQ(anoctl({"convert", file, "-"}).err.find(" into "), std::string::npos);
+    const std::string none = anoctl({"convert", file, folder / "none.csv", "--id", "mode", "gps"}).err;
+    EXPECT_NE(none.find(" written: there is no table"), std::string::npos) << none;
+}
+
+// Who has `alias anoctl='anoctl --control X'` has it for these as well, which ask no gateway.
+TEST(Info, takes_the_socket_of_a_gateway_that_it_does_not_ask) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight()), nobody = folder / "control.sock";
+    const std::string plain = anoctl({"info", file}).out;
+    EXPECT_EQ(anoctl({"--control", nobody, "info", file}).out, plain);
+    EXPECT_EQ(anoctl({"info", file, "--control", nobody}).out, plain);
+    EXPECT_EQ(anoctl({"convert", file, "-", "--control", nobody}).exit, 0);
+}
+
 TEST(Convert, makes_one_table_of_one_message) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());

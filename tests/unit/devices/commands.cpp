@@ -81,7 +81,11 @@ TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0}));
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", restore).status, 200u);
     net.where[0xDC].in_conflict = true;
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions?force", restore).status, 409u);
+    const auto which = net.ask("POST", "/devices/0xDC/actions?force", restore);
+    EXPECT_EQ(which.status, 409u);
+    EXPECT_EQ(which.json.at("error"),
+              "several devices have the address 0xDC (heard by fc and radio): which of them is meant is not known; when only one "
+              "is left, anoctl routes --forget 0xDC");
     net.where[0xDC] = {.is_known = true, .on_several_channels = true};
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions?force", restore).status, 409u);
 }

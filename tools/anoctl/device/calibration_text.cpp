@@ -1,5 +1,7 @@
 #include "calibration_text.hpp"
 
+#include "parameter_file.hpp"
+
 #include <ano_json/text.hpp>
 #include <anoctl/gateway_json.hpp>
 #include <anoctl/table.hpp>
@@ -117,7 +119,7 @@ std::vector<std::string> calibration_result(const Json& result, const std::strin
     std::vector<std::string> lines{"residual " + residual_text(number_at(result, "before"), is_share) + " before, " +
                                    residual_text(number_at(result, "after"), is_share) + " now"};
     for (const auto& [name, value] : at(result, "values").items())
-        lines.push_back(name + "=" + text_at(at(result, "values"), name));
+        lines.push_back(without_controls(name) + "=" + plain_at(at(result, "values"), name.c_str()));
     lines.emplace_back("the device has stored them: they stay over a restart");
     return lines;
 }

@@ -52,8 +52,8 @@ std::string place_to_type(const DeviceOptions& options) {
 }
 
 // Why it was not done; where somebody else has the device, what can be done about it.
-std::string words_of_refusal(const http::Answer& answer, const DeviceOptions& options) {
-    std::string words = with_options_named(words_of(answer), options.command);
+std::string words_of_refusal(const http::Answer& answer, const Json& device, const DeviceOptions& options) {
+    std::string words = with_device_named(with_options_named(words_of(answer), options.command), device);
     const Json json = Json::parse(answer.body, nullptr, false);
     const std::string job = answer.status == 409 ? text_at(json, "job") : "", place = place_to_type(options);
     if (!job.empty())
@@ -159,7 +159,8 @@ private:
     }
 
     Json result() {
-        const std::string state = text_at(job_, "state"), error = with_options_named(text_at(job_, "error"), options_.command);
+        const std::string state = text_at(job_, "state");
+        const std::string error = with_device_named(with_options_named(text_at(job_, "error"), options_.command), loop_.device);
         if (state == "done" && job_.contains("result")) return std::move(job_["result"]);
         if (interrupted_ || !outcome_) {
             const std::string end = error.starts_with("cancelled") ? error : "cancelled";
@@ -175,7 +176,7 @@ private:
         const bool is_counted = text_at(job_, "kind") == "put_waypoints" && number_at(job_, "total") > 0;
         if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
         if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
-        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer, options_)};
+        if (outcome_->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome_->answer, loop_.device, options_)};
         if (has_job_) throw Failure{"the job ended without a word of how"};
         return parse_answer(outcome_->answer.body);
     }
@@ -233,7 +234,7 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
     loop_->io.run();
     if (!outcome) throw Failure{"there is no answer"};
     if (!outcome->fault.empty()) throw Failure{outcome->fault};
-    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer, options_)};
+    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer, loop_->device, options_)};
     return parse_answer(outcome->answer.body);
 }
 
@@ -259,7 +260,7 @@ const Json& DeviceClient::device() {
     if (found.size() > 1 && !all_have_names(found)) found = choose(devices(true));    // to be chosen by name
     if (found.size() == 1) return loop_->device = found.front();
     if (found.size() > 1) throw UsageError{"there are several devices, choose one by --device: " + list_of(found)};
-    throw Failure{options_.device.empty() ? "no device answers" : ano::in_quotes(options_.device) + " is no device that answers"};
+    throw Failure{options_.device.empty() ? "no device answers" : no_such_device(options_.device, devices(false))};
 }
 
 Json DeviceClient::choose(const Json& found) const {
@@ -283,10 +284,7 @@ const Json& DeviceClient::known_device() {
 
 std::string DeviceClient::target(const std::string& rest) { return "/devices/" + text_at(device(), "address") + rest; }
 
-std::string DeviceClient::device_words() {
-    const std::string name = text_at(device(), "name"), address = text_at(device(), "address");
-    return name.empty() ? address : name + " (" + address + ")";
-}
+std::string DeviceClient::device_words() { return words_of_device(device()); }
 
 void DeviceClient::must_be_able_to_ask(const std::string& what) const {
     if (!options_.yes && !streams_.in_is_terminal)

@@ -1,11 +1,15 @@
 #include "device_names.hpp"
 
 #include <ano_json/lower_case.hpp>
+#include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
 #include <anoctl/gateway_json.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 namespace anoctl {
 
@@ -32,6 +36,28 @@ std::string list_of(const Json& devices) {
 
 bool all_have_names(const Json& devices) {
     return std::all_of(devices.begin(), devices.end(), [](const Json& one) { return !text_at(one, "name").empty(); });
+}
+
+std::string no_such_device(const std::string& name, const Json& devices) {
+    std::vector<std::string> known;
+    for (const Json& device : devices)
+        for (const char* key : {"name", "address"})
+            if (std::string word = text_at(device, key); !word.empty()) known.push_back(std::move(word));
+    return ano::in_quotes(name) + " is no device that answers" +
+           ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()}) +
+           (devices.empty() ? "; none is there"
+                            : "; there " + std::string{devices.size() == 1 ? "is " : "are "} + list_of(devices));
+}
+
+std::string words_of_device(const Json& device) {
+    const std::string name = text_at(device, "name"), address = text_at(device, "address");
+    return name.empty() ? address : name + " (" + address + ")";
+}
+
+std::string with_device_named(std::string words, const Json& device) {
+    const std::string address = text_at(device, "address");
+    if (!address.empty() && words.starts_with(address + " ")) words.replace(0, address.size(), words_of_device(device));
+    return words;
 }
 
 std::vector<std::string> left_behind(const Json& device) {

@@ -16,6 +16,13 @@ ano::Json with_name(const ano::Json& devices, const std::string& name);
 std::string list_of(const ano::Json& devices);
 bool all_have_names(const ano::Json& devices);
 
+/// Why there is none of that name or address, and who is there.
+std::string no_such_device(const std::string& name, const ano::Json& devices);
+/// "SimFC (0xDC)", or "0xDC" while its name is not known.
+std::string words_of_device(const ano::Json& device);
+/// What begins with the address of `device`, with its name: "SimFC (0xDC) is unlocked…".
+std::string with_device_named(std::string words, const ano::Json& device);
+
 /// What an upgrade or a calibration that did not end left behind, a clause each.
 std::vector<std::string> left_behind(const ano::Json& device);
 

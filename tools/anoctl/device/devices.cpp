@@ -1,6 +1,7 @@
 // anoctl devices: who is there, and what is asked of them.
 #include "device_client.hpp"
 #include "device_names.hpp"
+#include "job_text.hpp"
 
 #include <anoctl/anoctl.hpp>
 #include <anoctl/gateway_json.hpp>
@@ -69,7 +70,7 @@ private:
         }
         if (table.empty()) tell(streams, std::string{"no device is there"} + (scan ? "" : "; --scan asks everybody"));
         else table.write(streams.out, "", streams.terminal ? streams.width : 0);
-        if (!have_names && !scan) tell(streams, "not everybody has said his name yet; --scan asks");
+        if (!have_names && !scan) say(streams, "(some have not said their names yet; --scan asks)");
         return fine;
     }
 
@@ -83,8 +84,8 @@ private:
             const bool is_old = has_ended(one) && ended-- > most_ended;
             if (options.json) streams.out << one.dump() << '\n';
             else if (!is_old)
-                table.row({text_at(one, "id"), text_at(one, "device"), text_at(one, "kind"), text_at(one, "state"),
-                           percent_of(one), text_at(one, "client"), text_at(one, "message")});
+                table.row({text_at(one, "id"), text_at(one, "device"), command_of_job(text_at(one, "kind")),
+                           text_at(one, "state"), percent_of(one), text_at(one, "client"), text_at(one, "message")});
         }
         if (options.json) return fine;
         if (table.empty()) tell(streams, "nothing is asked of any device, nor was lately");
@@ -118,8 +119,8 @@ private:
             return fine;
         }
         const std::string state = text_at(ended, "state"), error = text_at(ended, "error"), by = text_at(ended, "client");
-        std::string words = "job " + text_at(ended, "id") + " (" + text_at(ended, "kind") + (by.empty() ? by : " of " + by) +
-                            "): ";
+        std::string words = "job " + text_at(ended, "id") + " (" + command_of_job(text_at(ended, "kind")) +
+                            (by.empty() ? by : " of " + by) + "): ";
         const bool says_so = error.starts_with("cancelled");
         words += state == "cancelled" && before != state ? "cancelled" : "it was over: " + state;
         if (says_so) words += error.substr(std::string_view{"cancelled"}.size());

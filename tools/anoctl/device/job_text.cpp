@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 namespace anoctl {
 namespace {
@@ -93,6 +95,20 @@ std::string with_options_named(std::string words, std::string_view command) {
     const bool has_force = command == "param" || command == "flash";
     words += has_force ? "; land it and lock it, or do it all the same by --force" : "; land it and lock it first";
     return words;
+}
+
+std::string command_of_job(const std::string& kind) {
+    static constexpr std::pair<std::string_view, std::string_view> commands[]{
+        {"parameters", "param list"},  {"write", "param set"},
+        {"apply", "param import"},     {"action", "param save/reset"},
+        {"commands", "command list"},  {"command", "command call"},
+        {"waypoints", "waypoint get"}, {"put_waypoints", "waypoint put"},
+        {"firmware", "flash"},         {"calibration", "calibrate"},
+        {"scan", "devices --scan"},
+    };
+    for (const auto& [name, command] : commands)
+        if (name == kind) return std::string{command};
+    return kind;
 }
 
 std::string half_done(const ano::Json& job) {

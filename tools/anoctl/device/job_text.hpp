@@ -17,6 +17,9 @@ std::string progress_text(const ano::Json& job, double seconds, std::size_t widt
 /// Its message, without the rate that the message of an upgrade has.
 std::string step_text(const ano::Json& job);
 
+/// The command of anoctl that asks for jobs of this kind: "waypoint put".
+std::string command_of_job(const std::string& kind);
+
 /// What is half done when it was cancelled, in a clause: "4096 of 16384 bytes were written, the device is left in its loader: flash it
 /// again". Empty: nothing is.
 std::string half_done(const ano::Json& job);

@@ -265,10 +265,10 @@ private:
     int import_from(Streams& streams) const {
         const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
-        client.must_be_able_to_ask("param import");
         const Difference d = difference(client, given, longer, streams);
         if (!options.json) show(d, streams);
         if (d.changes > 0) {
+            client.must_be_able_to_ask("param import");
             const std::string other = of_another_device(given, client.known_device());
             if (!other.empty() && options.yes) tell(streams, other);
             if (!other.empty() && !client.may(other + ". Go on all the same?")) return declined(streams);
