@@ -83,7 +83,8 @@ export function Parameters({ device }: { device: number }) {
     setEnds((before) => ({ ...before, ...Object.fromEntries(written.map((one) => [one.name, one])) }));
     const now = new Map(written.filter((one) => one.stored !== undefined).map((one) => [one.name, one.stored!]));
     setAll((before) => before && { ...before, parameters: before.parameters.map((one) => (now.has(nameOf(one)) ? { ...one, value: now.get(nameOf(one))! } : one)) });
-    setTyped((before) => Object.fromEntries(Object.entries(before).filter(([name]) => !now.has(name))));
+    const done = new Set(written.filter((one) => one.state === "written" || one.state === "same").map((one) => one.name));
+    setTyped((before) => Object.fromEntries(Object.entries(before).filter(([name]) => !done.has(name))));
   };
   const write = (): void =>
     action.run(
