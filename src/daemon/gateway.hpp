@@ -124,6 +124,11 @@ public:
     void answer_ourselves(ano::FrameView frame) {
         if (hears_own_) hears_own_(frame);
     }
+    /// And hears while it asks, in a clause, why the gateway does not do that.
+    void on_refusal_to_ourselves(std::function<void(const std::string&)> call) { hears_refusal_ = std::move(call); }
+    void refuse_ourselves(const std::string& why) {
+        if (hears_refusal_) hears_refusal_(why);
+    }
     /// Asks everybody who is there; `tell` gets a line for each that was heard. Why not, in a clause; empty: it begins.
     using Scan = std::function<std::string(const std::function<void(const std::string&)>& tell)>;
     void on_scan(Scan call) { scan_ = std::move(call); }
@@ -215,6 +220,7 @@ private:
     ConfigState config_state_;
     GatewayVoice* voice_ = nullptr;
     std::function<void(ano::FrameView)> hears_own_;
+    std::function<void(const std::string&)> hears_refusal_;
     Scan scan_;
     std::optional<Changing> changing_;
     Alarm change_check_;

@@ -123,6 +123,8 @@ void GatewayDevices::listen(bool wants) {
     else gateway_.remove_observer(*this);
     gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
                                           : std::function<void(ano::FrameView)>{});
+    gateway_.on_refusal_to_ourselves(wants ? [this](const std::string& why) { refusal_ = why; }
+                                           : std::function<void(const std::string&)>{});
 }
 
 bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {

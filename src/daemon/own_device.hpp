@@ -46,6 +46,7 @@ private:
     std::string scan() override;
     std::string pulse(std::size_t line) override;
     std::vector<LinkSummary> summaries() override;
+    void refuse_ourselves(const std::string& why) override { gateway_.refuse_ourselves(why); }
     void warn(const std::string& line) override;
 
     using Link = GatewayDevice::Link;

@@ -208,6 +208,7 @@ bool GatewayDevice::done(const std::string& refusal, std::string_view what) {
 // In words: the protocol has no negative answer.
 void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const std::string& why) {
     ++(counters_.*cause);
+    if (asker_ && asker_->is_ourselves) deeds_.refuse_ourselves(why);
     if (now_ < next_refusal_) {
         ++untold_refusals_;
         return;

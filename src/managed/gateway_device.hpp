@@ -45,6 +45,8 @@ public:
     /// `line` counts those of Settings::gpio that can be asked for something.
     virtual std::string pulse(std::size_t line) = 0;
     virtual std::vector<LinkSummary> summaries() = 0;
+    /// What the control interface asked for just now is not done; the protocol has no such answer.
+    virtual void refuse_ourselves(const std::string& why) = 0;
     /// A line for the log of the program.
     virtual void warn(const std::string& line) = 0;
 

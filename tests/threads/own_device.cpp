@@ -266,6 +266,9 @@ TEST_F(OwnDevice, is_a_device_to_our_own_host_engine) {
     EXPECT_EQ(written.at("clamped"), true) << written;
     EXPECT_EQ(ask("POST", "/devices/21/commands/RESTART_LINK", R"({"values": [0]})").dump().find("error"), std::string::npos);
     EXPECT_TRUE(daemon->until_says("ground changed: restarted"));
+    const json refused = ask("POST", "/devices/21/commands/RESTART_LINK", R"({"values": [77]})");
+    EXPECT_EQ(refused.at("what"), "refused") << refused;
+    EXPECT_EQ(refused.at("error"), "RESTART_LINK: there is no link 77") << refused;
     EXPECT_EQ(ask("POST", "/devices/21/actions", R"({"action": "save"})").dump().find("error"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(dir / "state/parameters.json"));
     EXPECT_EQ(ask("GET", "/devices").at("devices")[0].at("name"), "vehicle");

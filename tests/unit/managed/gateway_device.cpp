@@ -33,10 +33,11 @@ public:
     std::vector<LinkSummary> summaries() override {
         return {{LinkSummary::State::up, 0x0102030405, 2, 3}, {LinkSummary::State::waiting, 0, 0, 0}};
     }
+    void refuse_ourselves(const std::string& why) override { refused.push_back(why); }
     void warn(const std::string& line) override { warnings.push_back(line); }
 
     std::vector<WrittenValues> applied, saved;
-    std::vector<std::string> did, warnings;
+    std::vector<std::string> did, refused, warnings;
     std::string refusal;
 
 private:
@@ -201,6 +202,14 @@ TEST_F(GatewayAsDevice, does_not_restore_what_would_close_the_link_of_who_asks) 
     const Bytes restore = ask(0xE0, {0x10, 0xAA, 0});
     EXPECT_EQ(answers(restore, {9, "control", true, true}), std::vector<Bytes>{acknowledges(restore)});
     EXPECT_EQ(value(en_fc), 0) << "who comes by another way may";
+}
+
+TEST_F(GatewayAsDevice, tells_the_control_interface_why_it_does_not) {
+    answers(ask(0xC0, {1, 0, 3, 77}), manager);
+    EXPECT_TRUE(deeds.refused.empty()) << "a link hears it by a line";
+    for (int i = 0; i < 2; ++i) answers(ask(0xC0, {1, 0, 3, 77}), {9, "control", true, true});
+    EXPECT_EQ(deeds.refused,
+              (std::vector<std::string>{"RESTART_LINK: there is no link 77", "RESTART_LINK: there is no link 77"}));
 }
 
 TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
