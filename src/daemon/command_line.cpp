@@ -13,7 +13,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <optional>
+#include <system_error>
 
 namespace anogate {
 namespace {
@@ -151,6 +153,24 @@ std::vector<ConfigText> read_files(const std::string& path, bool by_default, Dra
     return files;
 }
 
+/// A configuration file that stands where a LINK should.
+bool is_config_file(const std::string& text) {
+    std::error_code ec;
+    const bool has_kind = find_link_kind(link_kinds(), text.substr(0, text.find(':'))) != nullptr;
+    return !has_kind && (text.ends_with(".json") || std::filesystem::is_regular_file(text, ec));
+}
+
+void read_links(const std::vector<std::string>& links, Draft& draft) {
+    for (const std::string& link : links) {
+        if (!is_config_file(link)) {
+            read_link(link, "", draft);
+            continue;
+        }
+        draft.errors.push_back({"LINK " + in_quotes(link), "no LINK (did you mean --config " + printable(link) + "?)"});
+        draft.broken_links = true;
+    }
+}
+
 /// A control socket that somebody named must be possible: he will look for it there.
 void check_control(Draft& draft) {
     const std::string& socket = draft.settings.control.socket;
@@ -194,7 +214,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     if (instead) files = *instead;
     else if (by_default || !arguments.configs.empty()) files = read_files(file, by_default, draft);
     read_config(files, draft);
-    for (const std::string& link : arguments.links) read_link(link, "", draft);
+    read_links(arguments.links, draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);
     read_options(arguments, draft);
     validate(draft);
