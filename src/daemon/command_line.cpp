@@ -166,7 +166,7 @@ void read_links(const std::vector<std::string>& links, Draft& draft) {
             read_link(link, "", draft);
             continue;
         }
-        draft.errors.push_back({"LINK " + in_quotes(link), "no LINK (did you mean --config " + printable(link) + "?)"});
+        draft.errors.push_back({"LINK " + in_quotes(link), "is not a link (did you mean --config " + printable(link) + "?)"});
         draft.broken_links = true;
     }
 }

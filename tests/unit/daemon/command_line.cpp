@@ -58,10 +58,10 @@ TEST(CommandLine, links_and_options) {
 }
 
 TEST(CommandLine, a_file_in_the_place_of_a_link_is_taken_for_the_configuration_that_it_may_be) {
-    EXPECT_EQ(error_of({"g.json"}), "LINK 'g.json': no LINK (did you mean --config g.json?)\n");
+    EXPECT_EQ(error_of({"g.json"}), "anogated: LINK 'g.json': is not a link (did you mean --config g.json?)\n");
     const support::TempDir folder;
     const std::string file = folder.write("gateway", "{}");
-    EXPECT_EQ(error_of({file.c_str()}), "LINK '" + file + "': no LINK (did you mean --config " + file + "?)\n");
+    EXPECT_EQ(error_of({file.c_str()}), "anogated: LINK '" + file + "': is not a link (did you mean --config " + file + "?)\n");
 }
 
 TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
