@@ -29,8 +29,8 @@ std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& lim
 ///
 /// A write that is not acknowledged is read back all the same.
 ///
-/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid, with nothing sent to be written: the
-/// value does not fit the type, or the parameter is not there.
+/// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid,
+/// with nothing sent to be written: the value does not fit the type, or the parameter is not there.
 class ParameterWrite final : public Task {
 public:
     ParameterWrite(Device& device, ParameterInfo info, AnyValue value, TextLimits limits = {});

@@ -25,7 +25,8 @@ Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type);
 /// What `misfit` says of a value, with the range of the type where this is why: "is out of range, u8 is 0 to 255".
 std::string words_of_misfit(Misfit misfit, Type type);
 
-/// The value that `bytes` are; nothing when there are too few. append() makes the same bytes of it, also of a NaN. Text is what stands before the first NUL.
+/// The value that `bytes` are; nothing when there are too few. append() makes the same bytes of it, also of a NaN. Text is what
+/// stands before the first NUL.
 std::optional<AnyValue> value_of(Bytes bytes, Type type);
 
 /// Whether both are the same bytes on the wire: a NaN is the same as one of the same bits, 0 is not -0. False where one does not fit.

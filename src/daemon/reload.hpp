@@ -41,8 +41,8 @@ struct ReloadOutcome {
     std::optional<ano::Duration> confirm_within{};    // nothing: there is nothing to confirm
 };
 
-/// What is asked is done in its order, one after the other; that a configuration is confirmed, or not in time, goes first. The files are read, judged and compared in a thread; the gateway is changed
-/// in the loop.
+/// What is asked is done in its order, one after the other; that a configuration is confirmed, or not in time, goes first. The
+/// files are read, judged and compared in a thread; the gateway is changed in the loop.
 class Reload {
 public:
     /// `running`: the configuration of the gateway, which is its last confirmed one; `written`: what hosts wrote behind it, the gateway

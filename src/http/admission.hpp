@@ -30,9 +30,10 @@ class Admission {
 public:
     void set(AdmissionRules rules) { rules_ = std::move(rules); }
 
-    /// What it may, or the answer that refuses it. At a network door: a Host that is not a name of ours, for a name of others may be
-    /// made to lead to us (DNS rebinding); an Origin that is not where the request goes; a body that a form of any page could send;
-    /// a wrong token. A token that was judged at the head of the request (Request::judged) is not looked at again. A request that a proxy passed on needs a token wherever it came in.
+    /// What it may, or the answer that refuses it. At a network door: a Host that is not a name of ours, for a name of others may
+    /// be made to lead to us (DNS rebinding); an Origin that is not where the request goes; a body that a form of any page could
+    /// send; a wrong token. A token that was judged at the head of the request (Request::judged) is not looked at again. A request
+    /// that a proxy passed on needs a token wherever it came in.
     tl::expected<Access, Response> judge(const Request& request, ano::TimePoint now);
 
     /// What a token allows that was given by other means than a header: 401, or 429 for who fails often.

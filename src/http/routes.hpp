@@ -16,7 +16,8 @@ namespace anogate::http {
 Response not_permitted(Access given, Access needed);
 
 /// Rows of method, pattern and function, and what there is to say of them. A pattern is a path such as /links/{name}, where {name}
-/// stands for any one segment that is not empty. Where several patterns fit, the one that was added first counts. Who answers GET answers HEAD as well.
+/// stands for any one segment that is not empty. Where several patterns fit, the one that was added first counts. Who answers GET
+/// answers HEAD as well.
 class Routes {
 public:
     using Function = std::function<Response(const Request& request)>;
