@@ -5,7 +5,7 @@
 //          writer.write(frame, bytes); ...    // append; each call appends whole blocks, so a file may be cut behind any of them
 //          writer.end(bytes);
 #pragma once
-#include <record/recording.hpp>
+#include <record/recording_writer.hpp>
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace anogate {
 
-class PcapngWriter {
+class PcapngWriter final : public RecordingWriter {
 public:
     /// Texts are cut behind so many bytes, and before a NUL.
     static constexpr std::size_t max_text = 1024;
@@ -24,11 +24,10 @@ public:
     PcapngWriter(const RecordingHead& head, std::string& out);
 
     /// Appends a frame, and its link when that is new. `peer` without `channel` is not kept.
-    void write(const RecordedFrame& frame, std::string& out);
-    /// Is told with the next frame, or at the end.
-    void write(const RecordedLoss& loss);
-    /// Appends what tells that the recording was ended; nothing is written behind it.
-    void end(std::string& out);
+    void write(const RecordedFrame& frame, std::string& out) override;
+    void write(const RecordedLoss& loss) override;
+    void flush(std::string&) override {}    // it holds nothing back
+    void end(std::string& out) override;
 
 private:
     struct Interface {

@@ -1,0 +1,60 @@
+#include <record/pcapng_reader.hpp>
+#include <record/pcapng_writer.hpp>
+#include <record/recording_repair.hpp>
+
+#include <variant>
+
+namespace anogate {
+
+class RecordingRepair::Reading {
+public:
+    virtual ~Reading() = default;
+    virtual void give(std::string_view bytes) = 0;
+    virtual Result finish() = 0;
+};
+
+namespace {
+
+// The end tells how many frames each link has: the same writer, given the same frames, knows.
+class PcapngReading final : public RecordingRepair::Reading {
+public:
+    void give(std::string_view bytes) override {
+        reader_.give(bytes);
+        while (const auto item = reader_.next()) {
+            if (!writer_) writer_ = std::make_unique<PcapngWriter>(reader_.head(), written_);
+            if (const auto* frame = std::get_if<RecordedFrame>(&*item)) {
+                writer_->write(*frame, written_);
+                ++frames_;
+            } else {
+                writer_->write(std::get<RecordedLoss>(*item));
+            }
+            written_.clear();
+        }
+    }
+    RecordingRepair::Result finish() override {
+        RecordingRepair::Result result;
+        result.keep = reader_.position();
+        result.frames = frames_;
+        result.is_recording = reader_.position() > 0;
+        result.is_whole = reader_.has_end() && reader_.unfinished() == 0 && !reader_.is_damaged();
+        if (!result.is_recording || reader_.has_end()) return result;
+        if (!writer_) writer_ = std::make_unique<PcapngWriter>(reader_.head(), written_);
+        writer_->end(result.append);
+        return result;
+    }
+
+private:
+    PcapngReader reader_;
+    std::unique_ptr<PcapngWriter> writer_;
+    std::string written_;
+    std::uint64_t frames_ = 0;
+};
+
+}    // namespace
+
+RecordingRepair::RecordingRepair(RecordingFormat) : reading_{std::make_unique<PcapngReading>()} {}
+RecordingRepair::~RecordingRepair() = default;
+void RecordingRepair::give(std::string_view bytes) { reading_->give(bytes); }
+RecordingRepair::Result RecordingRepair::finish() { return reading_->finish(); }
+
+}    // namespace anogate

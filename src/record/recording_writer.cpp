@@ -1,0 +1,27 @@
+#include <record/pcapng_writer.hpp>
+#include <record/recording_writer.hpp>
+
+#include <iterator>
+
+namespace anogate {
+namespace {
+
+constexpr std::string_view names[] = {"pcapng", "mcap"};
+
+}    // namespace
+
+std::string_view text(RecordingFormat format) noexcept { return names[static_cast<std::size_t>(format)]; }
+
+std::optional<RecordingFormat> recording_format_of(std::string_view file) noexcept {
+    const std::size_t dot = file.rfind('.');
+    if (dot == std::string_view::npos) return std::nullopt;
+    for (std::size_t i = 0; i < std::size(names); ++i)
+        if (file.substr(dot + 1) == names[i]) return static_cast<RecordingFormat>(i);
+    return std::nullopt;
+}
+
+std::unique_ptr<RecordingWriter> make_recording_writer(RecordingFormat, const RecordingHead& head, std::string& out) {
+    return std::make_unique<PcapngWriter>(head, out);
+}
+
+}    // namespace anogate
