@@ -32,6 +32,7 @@ struct Draft {
     std::vector<Origin> links, routes, aliases, gpio;    // where each of these in the settings was said
     Origin unknown;                                      // where settings.gateway.unknown was said
     Origin tunnel;                                       // where settings.tunnel was said
+    Origin record;                                       // where settings.record was said
     Origin control, log;                                 // and these
     ConfigErrors errors;
     ConfigErrors warnings;                         // of what is allowed and may not be meant

@@ -86,7 +86,7 @@ public:
     }
     Values section(const std::string& name) const {
         Values values;
-        add_values(json_[name], name + ".", values);
+        if (json_.contains(name)) add_values(json_[name], name + ".", values);
         return values;
     }
     const Json& list(const std::string& name) const { return json_[name]; }
@@ -166,6 +166,7 @@ Difference difference(const Settings& before, const Settings& after) {
     Difference result;
     result.links = differences_of_links(old, wanted);
     append(result.gateway, differences_of(old.section("gateway"), wanted.section("gateway")));
+    append(result.gateway, differences_of(old.section("record"), wanted.section("record")));
     for (const char* list : {"routes", "gpio", "flexible"})
         append(result.gateway, differences_of_list(list, old.list(list), wanted.list(list)));
     if (are_reordered(old, wanted)) result.gateway.emplace_back("links: another order");

@@ -50,6 +50,7 @@ Keys<WrapSettings> wrap_keys() noexcept;
 /// The uses are their kinds.
 Keys<GpioSettings> gpio_keys() noexcept;
 Keys<ControlSettings> control_keys() noexcept;
+Keys<RecordSettings> record_keys() noexcept;
 Keys<LogSettings> log_keys() noexcept;
 
 /// The keys that an object may have, and what is said of others.

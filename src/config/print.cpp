@@ -58,6 +58,7 @@ std::string print_config(const Settings& settings) {
     for (const GpioSettings& line : settings.gpio) document["gpio"].push_back(object_of(line));
     document["flexible"] = ano::flexible_to_json(settings.flexible);
     document["control"] = object_of(settings.control, control_keys());
+    if (settings.record) document["record"] = object_of(*settings.record, record_keys());
     document["log"] = object_of(settings.log, log_keys());
     return document.dump(2) + "\n";
 }

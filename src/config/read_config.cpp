@@ -93,7 +93,7 @@ public:
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
         constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias", "tunnel",
-                                              "gpio",    "flexible", "control", "log"};
+                                              "gpio",    "flexible", "control", "record", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));
             if (name == "$schema") continue;    // how a file tells editors where config/anogate.schema.json is
@@ -113,6 +113,9 @@ public:
             else if (name == "control") {
                 section(value, pointer, control_keys(), draft_.settings.control);
                 note(draft_.control, value, "socket", {pointer, true});
+            } else if (name == "record") {
+                draft_.record = {pointer, true};
+                section(value, pointer, record_keys(), draft_.settings.record.emplace());
             } else if (name == "log") {
                 section(value, pointer, log_keys(), draft_.settings.log);
                 note(draft_.log, value, "file", {pointer, true});
@@ -128,9 +131,9 @@ private:
         return "unknown key " + in_quotes(name) + ano::did_you_mean(name, names);
     }
 
-    /// False: another file has said `tunnel`.
+    /// False: another file has said `tunnel`, or `record`.
     bool is_first(const std::string& name, const json& value, const std::string& pointer) {
-        if (name == "tunnel") return is_first("/tunnel", pointer, name);
+        if (name == "tunnel" || name == "record") return is_first("/" + name, pointer, name);
         if (value.is_object() && (name == "gateway" || name == "control" || name == "log"))
             for (const auto& [key, ignored] : value.items())
                 is_first("/" + name + ano::pointer_step(key), pointer + ano::pointer_step(key), key);

@@ -80,6 +80,7 @@ std::string config_schema(LinkKinds kinds) {
                             {"gpio", {{"type", "array"}, {"items", object_of(gpio_keys())}}},
                             {"flexible", {{"type", "array"}, {"items", flexible()}}},
                             {"control", object_of(control_keys())},
+                            {"record", object_of(record_keys())},
                             {"log", object_of(log_keys())}};
     Json document{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "anogate configuration"}};
     document.update(schema);

@@ -89,6 +89,7 @@ public:
         for (std::size_t i = 0; i < draft_.settings.aliases.size(); ++i) alias(i);
         if (draft_.settings.tunnel) tunnel(*draft_.settings.tunnel);
         control(draft_.settings.control);
+        if (draft_.settings.record) record(*draft_.settings.record);
         for (std::size_t i = 0; i < draft_.settings.gpio.size(); ++i)
             if (!draft_.gpio[i].broken) gpio(i);
     }
@@ -260,6 +261,15 @@ private:
             if (const auto bound = bound_port_of(links_[i]);
                 bound && collide(*bound, {EndpointSpec{{tunnel.bind, tunnel.port}}, {}, {}}))
                 error(draft_.tunnel, "port", "local port " + std::to_string(tunnel.port) + " is used by " + who(i) + " already");
+    }
+
+    void record(const RecordSettings& record) {
+        for (std::size_t i = 0; i < record.links.size(); ++i)
+            must_exist(record.links[i], draft_.record, "link/" + std::to_string(i), {}, true);
+        if (record.keep_free != 0 && record.keep_free < record.free)
+            error(draft_.record, "keep/free",
+                  "'keep.free' must be at least 'free', " + size_text(record.free) +
+                      ": nothing would be written before anything is deleted");
     }
 
     void control(const ControlSettings& control) {

@@ -95,6 +95,9 @@ void check_for_service(Draft& draft, const std::string& config_file) {
     if (control.http && !is_below(looked_up(control.token_file), service_state_folder) &&
         !fs::exists(looked_up(control.token_file), ec) && !ec)    // one that is there is only read
         check_writable(control.token_file, "token_file", draft.control.key("token_file"), service_state_folder, service);
+    if (draft.settings.record && !draft.settings.record->folder.empty() &&
+        !is_below(looked_up(draft.settings.record->folder), service_state_folder))
+        check_writable(draft.settings.record->folder, "folder", draft.record.key("folder"), service_state_folder, service);
     if (control.socket != "none") check_writable(control.socket, "socket", draft.control.key("socket"), service.runtime, service);
 }
 

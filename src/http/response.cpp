@@ -133,6 +133,7 @@ std::string head_of(const Response& response, const Sending& sending) {
     if (sending.version != 10 && !sending.keep_alive) add(head, "Connection", "close");
     if (sending.chunked) add(head, "Transfer-Encoding", "chunked");
     else if (!response.producer) add(head, "Content-Length", std::to_string(response.size()));
+    else if (response.length) add(head, "Content-Length", std::to_string(*response.length));
     return head + "\r\n";
 }
 

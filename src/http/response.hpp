@@ -4,8 +4,10 @@
 #include <http/request.hpp>
 #include <http/web_socket.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,7 @@ struct Response {
     std::string type = "application/json";
     std::vector<Field> headers;                   // more of them
     std::unique_ptr<Producer> producer;           // makes the body, in place of `body`
+    std::optional<std::uint64_t> length{};        // of what the producer makes, bytes; one that ends before ends the connection
     std::unique_ptr<WebSocketUser> web_socket;    // the connection becomes a WebSocket; for requests that is_web_socket() only
     Later later;                                  // it comes later, in the place of all this; within SessionLimits::patience
     bool patient = false;                         // `later` may take as long as it takes

@@ -277,9 +277,11 @@ void Session::await_answer(std::shared_ptr<void> needed) {
 void Session::send(Response response, bool head_only) {
     if (std::exchange(answer_awaited_, false)) expect_progress();
     needed_.reset();
-    if (response.producer && sending_.version == 10)
+    if (response.producer && !response.length && sending_.version == 10)
         sending_.keep_alive = false;    // the end of the body is that of the connection
-    sending_.chunked = response.producer && sending_.version != 10;
+    sending_.chunked = response.producer && !response.length && sending_.version != 10;
+    has_length_ = response.length.has_value();
+    to_come_ = response.length.value_or(0);
     head_ = head_of(response, sending_);
     if (!head_only) {
         body_ = std::move(response.body);
@@ -325,6 +327,7 @@ void Session::next_part() {
     const Producer::Next next = producer_->next(body_);
     if (!stream_) return;
     if (next == Producer::Next::end) producer_.reset();
+    if (!takes_part(producer_ == nullptr)) return close();
     if (sending_.chunked && !body_.empty()) body_ = chunk(body_);
     if (sending_.chunked && !producer_) body_ += last_chunk;
     part_awaited_ = next == Producer::Next::later && body_.empty();
@@ -334,6 +337,14 @@ void Session::next_part() {
     }
     expect_progress();
     write();
+}
+
+// False: it does not keep to the length that was told, which only the end of the connection can tell its client.
+bool Session::takes_part(bool is_last) {
+    if (!has_length_) return true;
+    if (body_.size() > to_come_) return false;
+    to_come_ -= body_.size();
+    return !is_last || to_come_ == 0;
 }
 
 // From anywhere, also from within next(): so the loop calls the producer.

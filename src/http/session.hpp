@@ -95,6 +95,7 @@ private:
     void write();
     void wrote();
     void next_part();
+    bool takes_part(bool is_last);
     void wake();
     void refuse(const Response& words);
     void expect_progress();
@@ -124,6 +125,8 @@ private:
     std::size_t written_ = 0;
     std::unique_ptr<Producer> producer_;
     bool part_awaited_ = false;      // the producer has none for now
+    bool has_length_ = false;        // its answer was told to have
+    std::uint64_t to_come_ = 0;      // so many bytes more
     bool answer_awaited_ = false;    // a patient one
     std::shared_ptr<void> needed_;
     BodyRoom room_for_body_;             // of the request that comes, or is answered

@@ -30,6 +30,7 @@ void for_every_key(auto visit) {
     section("wrap", wrap_keys());
     section("gpio", gpio_keys());
     section("control", control_keys());
+    section("record", record_keys());
     section("log", log_keys());
 }
 
@@ -147,7 +148,7 @@ TEST(Sample, shows_every_key_in_a_configuration_that_works) {
     const json document = json::parse(text, nullptr, true, true);
     std::map<std::string, std::set<std::string>> seen;
     add_names(seen["wrap"], document["tunnel"]["wrap"][0]);
-    for (const char* section : {"gateway", "tunnel", "control", "log"}) add_names(seen[section], document[section]);
+    for (const char* section : {"gateway", "tunnel", "control", "record", "log"}) add_names(seen[section], document[section]);
     for (const char* section : {"routes", "alias"}) add_names(seen[section], document[section][0]);
     for (const json& line : document["gpio"]) add_names(seen["gpio"], line);
     for (const json& link : document["links"])

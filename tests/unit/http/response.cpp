@@ -41,6 +41,13 @@ TEST(ResponseHead, of_a_stream_has_no_length) {
     EXPECT_EQ(head_of(response, {10, false}).find("Content-Length"), std::string::npos);
 }
 
+TEST(ResponseHead, of_a_stream_whose_length_is_known_says_it) {
+    Response response;
+    response.producer = std::make_unique<Parts>();
+    response.length = 1234;
+    EXPECT_NE(head_of(response, {}).find("\r\nContent-Length: 1234\r\n"), std::string::npos);
+}
+
 TEST(ResponseError, is_json_whatever_it_quotes) {
     EXPECT_EQ(error(404, "no '\"' or \\ here").body, "{\"error\": \"no '\\\"' or \\\\ here\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(error(400, "\n\x1b\xff").body, "{\"error\": \"???\", \"what\": \"invalid\"}\n");

@@ -1,0 +1,58 @@
+// What is remembered of the last while, within a bound: arithmetic, no I/O.
+//
+// Flow:    ring.push(batch, cost, now);            // as it comes
+//          ring.forget_until(now); ring.items()    // what there is of the last while, the oldest first
+#pragma once
+#include <ano/time.hpp>
+
+#include <cstddef>
+#include <deque>
+#include <utility>
+
+namespace anogate {
+
+/// Items go when they are older than the span, and the oldest when all of them cost more than the bound.
+template <class Item>
+class Ring {
+public:
+    struct Kept {
+        Item item;
+        std::size_t cost = 0;    // bytes of memory
+        ano::TimePoint at{};
+    };
+
+    Ring(ano::Duration span, std::size_t most) : span_{span}, most_{most} {}
+
+    /// One that costs more than the bound by itself is not kept, nor is anything before it: nothing is missing in the middle.
+    void push(Item item, std::size_t cost, ano::TimePoint now) {
+        kept_.push_back({std::move(item), cost, now});
+        cost_ += cost;
+        while (cost_ > most_) drop_oldest();
+        forget_until(now);
+    }
+    void forget_until(ano::TimePoint now) {
+        while (!kept_.empty() && now - kept_.front().at > span_) drop_oldest();
+    }
+    void clear() {
+        kept_.clear();
+        cost_ = 0;
+    }
+    const std::deque<Kept>& items() const noexcept { return kept_; }
+    std::size_t cost() const noexcept { return cost_; }
+    ano::Duration span() const noexcept { return span_; }
+    /// For how long it remembers at `now`.
+    ano::Duration reach(ano::TimePoint now) const noexcept { return kept_.empty() ? ano::Duration{} : now - kept_.front().at; }
+
+private:
+    void drop_oldest() {
+        cost_ -= kept_.front().cost;
+        kept_.pop_front();
+    }
+
+    ano::Duration span_;
+    std::size_t most_;
+    std::deque<Kept> kept_;
+    std::size_t cost_ = 0;
+};
+
+}    // namespace anogate
