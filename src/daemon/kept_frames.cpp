@@ -22,11 +22,11 @@ std::uint64_t count_of(std::string_view records) noexcept {
     return count;
 }
 
-std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
+std::string_view name_numbered(const std::vector<std::string>& names, std::size_t number) {
     return number < names.size() ? std::string_view{names[number]} : std::string_view{};
 }
 
-std::uint64_t nanoseconds(ano::Duration time) {
+std::uint64_t in_nanoseconds(ano::Duration time) {
     return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count());
 }
 
@@ -34,10 +34,10 @@ std::uint64_t nanoseconds(ano::Duration time) {
 
 RecordingHead recording_head() {
     const ClockReading clocks = read_clocks();
-    return {"anogated " ANOGATE_VERSION, nanoseconds(clocks.real), nanoseconds(clocks.boot)};
+    return {"anogated " ANOGATE_VERSION, in_nanoseconds(clocks.real), in_nanoseconds(clocks.boot)};
 }
 
-std::string names_of(const LostFrames& lost) {
+std::string loss_names(const LostFrames& lost) {
     std::string names;
     for (unsigned n = 0; n < lost.by_id.size(); ++n) {
         if (lost.by_id[n] == 0) continue;
@@ -79,7 +79,7 @@ bool KeptFramesWriting::next(std::string& into) {
 }
 
 void KeptFramesWriting::write(const FrameRecord& record, const FramesPart& part, std::string& into) {
-    const std::string_view link = name_at(part.tables->links, record.link);
+    const std::string_view link = name_numbered(part.tables->links, record.link);
     const auto described = frames_.descriptions.find(link);
     const auto causes = frame_causes();
     const bool has_channel = record.channel != FrameRecord::no_channel;
@@ -90,7 +90,7 @@ void KeptFramesWriting::write(const FrameRecord& record, const FramesPart& part,
                     .direction = record.direction,
                     .cause = record.cause < causes.size() ? causes[record.cause] : std::string_view{},
                     .channel = has_channel ? std::optional{record.channel} : std::nullopt,
-                    .peer = has_channel ? name_at(part.tables->peers, record.channel) : std::string_view{},
+                    .peer = has_channel ? name_numbered(part.tables->peers, record.channel) : std::string_view{},
                     .frame = record.frame},
                    into);
 }
@@ -109,7 +109,7 @@ void FrameMemory::more() {
             tables_ = std::move(*tables);
         } else if (const auto* lost = std::get_if<LostFrames>(&*item)) {
             lost_.count += lost->count;
-            lost_names_ = names_of(*lost);
+            lost_names_ = loss_names(*lost);
         } else {
             auto& batch = std::get<WatchQueue::Batch>(*item);
             const std::size_t cost = batch->capacity() + lost_names_.size() + cost_of_part;

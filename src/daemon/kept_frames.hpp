@@ -53,7 +53,7 @@ private:
 /// What the gateway says of itself now: for the head of a recording.
 RecordingHead recording_head();
 /// "euler 120, inertial 120"
-std::string names_of(const LostFrames& lost);
+std::string loss_names(const LostFrames& lost);
 
 /// Watches, and remembers. No frame is copied for it alone, and none allocated.
 class FrameMemory final : private Watcher {

@@ -18,8 +18,6 @@ constexpr ano::Duration tick = std::chrono::milliseconds{500};
 constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of who asked for it, when the disk says nothing
 constexpr unsigned ticks_between_looks = 20;
 
-std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
-
 FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
     if (ranges.empty()) return ~FrameFilterSettings::Bytes{};
     FrameFilterSettings::Bytes bytes;
@@ -28,7 +26,15 @@ FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
     return bytes;
 }
 
+// How little is free changes all the time.
+std::string without_numbers(std::string text) {
+    std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+    return text;
+}
+
 }    // namespace
+
+std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
 
 FrameFilterSettings frames_of(const RecordSettings& settings) {
     FrameFilterSettings filter;
@@ -214,11 +220,12 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
         spdlog::info("recording into {}", report.file);
         look_soon();
     }
-    if (report.error == running.told_error) return;
+    const std::string error = without_numbers(report.error);
+    if (error == running.told_error) return;
     if (report.error.empty())
         spdlog::info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
     else spdlog::warn("recording {}: {}; frames go on, but are not recorded", running.asked.name, report.error);
-    running.told_error = report.error;
+    running.told_error = error;
     look_soon();
 }
 
@@ -238,8 +245,8 @@ void Recordings::reap() {
         past_.frames += report.frames;
         past_.bytes += report.bytes;
         past_.not_written += report.not_written;
-        spdlog::info("recording {} ended: {} frames, {} bytes in {} files, {} frames not written", running->asked.name,
-                     report.frames, report.bytes, report.files, report.not_written);
+        spdlog::info("recording {} ended: {} frames, {} bytes in {}, {} frames not written", running->asked.name, report.frames,
+                     report.bytes, report.files == 1 ? "one file" : std::to_string(report.files) + " files", report.not_written);
         for (const Say& say : std::exchange(running->ended, {})) say(json_answer(json_of(*running)));
     }
     std::erase_if(running_, has_ended);

@@ -16,8 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
-
 http::Response refused(const Refusal& refusal) { return http::error(refusal.status, refusal.words); }
 
 Json json_of(const FoundRecording& file) {

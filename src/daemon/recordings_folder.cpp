@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t most_name = 100;
 constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
-constexpr std::size_t piece_size = 1024 * 1024;
+constexpr std::size_t bytes_at_a_time = 1024 * 1024;
 constexpr std::string_view our_program = "anogated ";    // the version is behind it
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
@@ -35,7 +35,7 @@ bool is_name(std::string_view name, std::size_t most) noexcept {
     return !name.empty() && name.size() <= most && name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
 }
 
-UniqueFd open_folder(const std::string& folder) { return UniqueFd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)}; }
+UniqueFd opened_folder(const std::string& folder) { return UniqueFd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)}; }
 
 std::string read_at(int fd, std::uint64_t at, std::size_t size) {
     std::string bytes(size, '\0');
@@ -164,8 +164,8 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
     if (!file || file->glance.is_ended || ::flock(file->fd.get(), LOCK_EX | LOCK_NB) != 0) return std::nullopt;
     RecordingRepair repair{file->format};
     std::uint64_t at = 0;
-    for (std::string piece = read_at(file->fd.get(), 0, piece_size); !piece.empty();
-         piece = read_at(file->fd.get(), at, piece_size)) {
+    for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
+         piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
         repair.give(piece);
         at += piece.size();
     }
@@ -206,7 +206,7 @@ std::optional<std::uint64_t> room_for(const std::string& folder) {
 
 FolderView view_of(const std::string& folder) {
     FolderView view;
-    const UniqueFd at = open_folder(folder);
+    const UniqueFd at = opened_folder(folder);
     if (!at && errno != ENOENT) view.error = error_text(folder, errno);
     view.free = room_for(folder);
     if (!at) return view;
@@ -222,7 +222,7 @@ FolderView view_of(const std::string& folder) {
 
 std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const std::string& name) {
     if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
-    const UniqueFd at = open_folder(folder);
+    const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     auto file = open_ours(at.get(), name);
     if (!file) return refusal_of_open(name, errno);
@@ -231,7 +231,7 @@ std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const 
 
 std::optional<Refusal> remove_recording(const std::string& folder, const std::string& name) {
     if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
-    const UniqueFd at = open_folder(folder);
+    const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);
     if (!file) return refusal_of_open(name, errno);
@@ -240,7 +240,7 @@ std::optional<Refusal> remove_recording(const std::string& folder, const std::st
 }
 
 std::optional<Refusal> check_new_name(const std::string& folder, const std::string& name) {
-    const UniqueFd at = open_folder(folder);
+    const UniqueFd at = opened_folder(folder);
     if (!at && errno != ENOENT) return Refusal{507, error_text(folder, errno)};
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         const std::string file = name + "." + std::string{text(format)};
@@ -253,7 +253,7 @@ std::optional<Refusal> check_new_name(const std::string& folder, const std::stri
 
 std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     std::vector<RepairedFile> all;
-    const UniqueFd at = open_folder(folder);
+    const UniqueFd at = opened_folder(folder);
     if (!at) return all;
     for (const std::string& name : names_in(at.get()))
         if (auto repaired = repair(at.get(), name)) all.push_back(std::move(*repaired));
@@ -281,7 +281,7 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
     std::string fault;
     for (bool more = true; more && fault.empty();) {
         std::string bytes;
-        while (more && bytes.size() < piece_size) more = writing.next(bytes);
+        while (more && bytes.size() < bytes_at_a_time) more = writing.next(bytes);
         const auto is_free = free_bytes(folder);
         if (is_free && *is_free < free + bytes.size()) fault = "the disk has only " + std::to_string(*is_free) + " bytes free";
         else if (const int error = file.append(bytes); error != 0) fault = error_text(error);

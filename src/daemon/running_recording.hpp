@@ -13,13 +13,15 @@ struct Recordings::Running {
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
     std::uint64_t told_files = 0;
-    std::string told_error{};
+    std::string told_error{};    // without its numbers
     bool is_ending = false;
     std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits to hear of it
 };
 
 /// Of the file that is written; empty: there is none yet.
 std::string file_name_of(const Recordings::Running& running);
+
+std::chrono::seconds since_1970();
 
 http::Response json_answer(nlohmann::ordered_json json);
 

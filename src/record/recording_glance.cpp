@@ -67,9 +67,9 @@ constexpr std::uint8_t mcap_header = 1, mcap_metadata = 12;
 constexpr std::string_view mcap_head_name = "anogate.recording";
 
 // Takes fields off the front; what is not there is 0 or empty.
-class Fields {
+class GlanceFields {
 public:
-    explicit Fields(std::string_view bytes) noexcept : rest_{bytes} {}
+    explicit GlanceFields(std::string_view bytes) noexcept : rest_{bytes} {}
 
     template <class T>
     T number() noexcept {
@@ -96,10 +96,10 @@ std::uint64_t decimal(std::string_view text) {
 }
 
 RecordingHead head_of_mcap(std::string_view metadata) {
-    Fields fields{metadata};
+    GlanceFields fields{metadata};
     RecordingHead head;
     if (fields.text() != mcap_head_name) return head;
-    Fields pairs{fields.text()};
+    GlanceFields pairs{fields.text()};
     while (!pairs.empty()) {
         const std::string_view key = pairs.text(), value = pairs.text();
         if (key == "program") head.program = value;
@@ -112,7 +112,7 @@ RecordingHead head_of_mcap(std::string_view metadata) {
 RecordingGlance glance_at_mcap(std::string_view first, std::string_view last) {
     RecordingGlance glance;
     if (!first.starts_with(mcap_magic)) return glance;
-    Fields file{first.substr(mcap_magic.size())};
+    GlanceFields file{first.substr(mcap_magic.size())};
     for (int record = 0; record < 2; ++record) {
         const auto opcode = file.number<std::uint8_t>();
         const std::string_view body = file.bytes(file.number<std::uint64_t>());

@@ -104,7 +104,8 @@ TEST_F(LaterAnswers, whose_length_is_told_are_followed_by_others_unless_they_end
         EXPECT_TRUE(loop.until([&] {
             char buffer[4096];
             return ::recv(other, buffer, sizeof buffer, MSG_DONTWAIT) == 0;
-        })) << path << ": only the end of the connection tells";
+        })) << path
+            << ": only the end of the connection tells";
         ::close(other);
     }
 }

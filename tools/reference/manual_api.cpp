@@ -31,11 +31,35 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     page.item("409", "", "What is asked for is not there at the moment");
     page.item("413", "", "The body is too large");
     page.item("415", "", "Over TCP a body is application/json or application/octet-stream");
-    page.item("422", "", "The configuration has faults: \"faults\" lists them");
+    page.item("422", "", "The configuration has faults: \"faults\" lists them; or a recording can't be called or made like that");
     page.item("429", "", "Too early, or too many wrong tokens: \"wait_s\" or the header Retry-After says how long to wait");
     page.item("503", "", "All places are taken: header Retry-After");
-    page.item("507", "", "There is no room on the disk for so large a body");
+    page.item("507", "", "There is no room on the disk for so large a body, or for a recording");
     page.end_list();
+    page.section("RECORDINGS");
+    page.text(
+        "GET /recordings answers with what runs and what is in the folder, the newest first. Times are Unix seconds; frames is "
+        "null "
+        "where a file does not tell it, keep_last where nothing is kept. by is configuration or request, state recording, ended "
+        "or "
+        "unfinished.");
+    page.literal(
+        "{\"folder\": \"/var/lib/anogate/recordings\", \"free_bytes\": 12000000000, \"free_needed\": 500000000, \"error\": "
+        "\"\",\n"
+        " \"others\": 0,\n"
+        " \"keep_last\": {\"seconds\": 60, \"held_s\": 59.9, \"frames\": 1200, \"bytes\": 48000, \"saved\": 2, \"skipped\": 0,\n"
+        "               \"last\": \"20261123-154735Z-fault.pcapng\", \"error\": \"\"},\n"
+        " \"running\": [{\"name\": \"flight\", \"by\": \"request\", \"file\": \"flight-2.pcapng\", \"files\": 2,\n"
+        "              \"format\": \"pcapng\", \"frames\": 123, \"bytes\": 4567, \"not_written\": 0, \"error\": \"\",\n"
+        "              \"since\": 1763898044.1, \"seconds\": 12.3, \"ends_in_s\": null}],\n"
+        " \"recordings\": [{\"name\": \"flight.pcapng\", \"format\": \"pcapng\", \"bytes\": 4567, \"frames\": 123,\n"
+        "                 \"begun\": 1763898044.1, \"time\": 1763898050, \"state\": \"ended\"}]}");
+    page.text(
+        "error of one that runs says why nothing of it is written now, and not_written how many frames are missing. others are "
+        "files "
+        "that the gateway did not write: they are neither listed, read nor deleted. The status has the same under recording, "
+        "without "
+        "the files.");
     page.section("ERRORS OF LINKS");
     page.text(
         "In the status each link has \"error\", a clause for people that is empty while all is well, \"error_id\" and "
