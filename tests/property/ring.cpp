@@ -30,13 +30,13 @@ TEST(RingProperty, holds_the_newest_that_fit_without_a_gap_and_nothing_that_is_t
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         support::Random random{seed};
         const auto span = std::chrono::milliseconds{1 + random.below(2000)};
-        const std::size_t most = 1 + random.below(5000);
+        const std::size_t most = 1 + random.below(std::size_t{5000});
         Ring<unsigned> ring{span, most};
         std::vector<Pushed> all;
         ano::TimePoint now{};
         for (unsigned i = 0; i < 200; ++i) {
             now += std::chrono::milliseconds{random.below(100)};
-            const std::size_t cost = random.below(random.one_in(20) ? 8000 : 300);
+            const std::size_t cost = random.below(std::size_t{random.one_in(20) ? 8000u : 300u});
             ring.push(i, cost, now);
             all.push_back({i, cost, now});
             ASSERT_LE(ring.cost(), most) << seed;
@@ -57,7 +57,7 @@ TEST(RingProperty, forgets_only_what_it_must) {
         Ring<unsigned> ring{10s, 1000};
         std::vector<Pushed> all;
         for (unsigned i = 0; i < 100; ++i) {
-            all.push_back({i, random.below(400), ano::TimePoint{} + i * 10ms});
+            all.push_back({i, random.below(std::size_t{400}), ano::TimePoint{} + i * 10ms});
             ring.push(i, all.back().cost, all.back().at);
             // What did not fit once is not back when there is room: so at least since the last time that nothing else fitted.
             std::size_t least = 0;
