@@ -4,7 +4,7 @@ import { bytesText, digitsOf, duration, fixed, shortNumber, valueText } from "..
 import { frameOf } from "../src/parts/frame_of";
 import { gridStep, type Point } from "../src/parts/ground";
 import { addPlace, addPoint, clearTracks, earthTrackOf } from "../src/parts/tracks";
-import { changesOf, fileOf, isSame, valuesIn, type Parameter } from "../src/parts/parameter_set";
+import { changesOf, fileOf, isSame, strangerIn, valuesIn, type Parameter } from "../src/parts/parameter_set";
 import { pinnedOf, type Command } from "../src/live/device";
 import { questionOf } from "../src/live/recordings";
 import type { MessageRow } from "../src/protocol/table";
@@ -114,5 +114,11 @@ test("a file of parameters comes back with every digit", () => {
   const text = fileOf({ address: "0xDC", name: "SimFC", sw: 100 }, parameters);
   assert.deepEqual(changesOf(parameters, valuesIn(text)!), {});
   assert.deepEqual(valuesIn('{"parameters": {"BIG": 18446744073709551615}}'), { BIG: "18446744073709551615" });
+  const device = { address: "0xDC", name: "SimFC" };
+  assert.equal(strangerIn(text, device), undefined);
+  assert.equal(strangerIn('{"name": "SimIMU", "device": "0xDC"}', device), "SimIMU");
+  assert.equal(strangerIn('{"name": "SimFC", "device": "0x1E"}', device), undefined, "the same kind, moved to another address");
+  assert.equal(strangerIn('{"device": "0x1E"}', device), "0x1E");
+  for (const silent of ["", "null", "[]", '{"device": "0xdc"}', '{"parameters": {}}']) assert.equal(strangerIn(silent, device), undefined, silent);
   for (const bad of ["", "[]", "7", "null", '{"parameters": [1]}']) assert.equal(valuesIn(bad), undefined, bad);
 });
