@@ -148,7 +148,11 @@ function drawVehicle({ pen, px, py, colour }: Sheet, now: Point, yaw: number): v
   pen.translate(px(now), py(now));
   pen.rotate((-yaw * Math.PI) / 180);
   pen.fillStyle = colour("--bad");
-  pen.beginPath(); pen.moveTo(0, -12); pen.lineTo(8, 10); pen.lineTo(0, 5); pen.lineTo(-8, 10); pen.closePath(); pen.fill();
+  pen.beginPath(); pen.moveTo(0, -12); pen.lineTo(8, 10); pen.lineTo(0, 5); pen.lineTo(-8, 10); pen.closePath();
+  pen.lineWidth = 2; // seen on any ground
+  pen.strokeStyle = colour("--card");
+  pen.stroke();
+  pen.fill();
   pen.restore();
 }
 
