@@ -233,20 +233,20 @@ struct LogSettings {
 
 /// The gateway records what passes it.
 struct RecordSettings {
-    bool start = true;                          // from the start on; no: when it is asked to
-    std::string folder;                         // empty: "recordings" in the state folder
+    bool start = true;     // from the start on; no: when it is asked to
+    std::string folder;    // empty: "recordings" in the state folder
     std::string format = "pcapng";
     std::vector<std::string> direction{"in"};
-    std::vector<ByteRange> ids, from, to;       // empty: all
-    std::vector<std::string> links;             // empty: all
+    std::vector<ByteRange> ids, from, to;    // empty: all
+    std::vector<std::string> links;          // empty: all
     std::vector<LimitRule> limit;
     std::uint64_t rotate_size = 1'000'000'000;    // bytes of a file; 0: never
     std::optional<Duration> rotate_time;
-    std::uint64_t keep_size = 0;                // bytes of all recordings; 0: no limit
+    std::uint64_t keep_size = 0;    // bytes of all recordings; 0: no limit
     std::optional<Duration> keep_age;
-    std::uint64_t keep_free = 0;                // for so many free bytes of the disk older recordings go; 0: none does
-    std::uint64_t free = 500'000'000;           // while fewer are free, nothing is written
-    std::optional<Duration> keep_last;          // in memory
+    std::uint64_t keep_free = 0;          // for so many free bytes of the disk older recordings go; 0: none does
+    std::uint64_t free = 500'000'000;     // while fewer are free, nothing is written
+    std::optional<Duration> keep_last;    // in memory
     bool operator==(const RecordSettings&) const = default;
 };
 

@@ -72,8 +72,7 @@ std::string links_and_keys_help(LinkKinds kinds) {
            section("gateway", gateway_keys()) + link_objects(kinds) + section("routes: a list of objects", route_keys()) +
            section("alias: a list of objects", alias_keys()) + section("tunnel", tunnel_keys()) +
            section("tunnel/wrap: a list of objects", wrap_keys()) + section("gpio: a list of objects", gpio_keys()) +
-           section("control", control_keys()) + section("record", record_keys()) +
-           section("log", log_keys());
+           section("control", control_keys()) + section("record", record_keys()) + section("log", log_keys());
 }
 
 }    // namespace anogate

@@ -92,7 +92,7 @@ public:
 
     void document(const json& document) {
         if (!is_object(document, file_, draft_.errors)) return;
-        constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias", "tunnel",
+        constexpr std::string_view names[] = {"gateway", "links",    "routes",  "alias",  "tunnel",
                                               "gpio",    "flexible", "control", "record", "log"};
         for (const auto& [name, value] : document.items()) {
             const std::string pointer = at(file_, ano::pointer_step(name));

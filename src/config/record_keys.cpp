@@ -58,9 +58,7 @@ constexpr Key<R> record_rows[] = {
     senders<&R::from>("from", "only from these addresses"),
     senders<&R::to>("to", "only to these addresses"),
     row<&R::links>({.name = "link", .form = Form::names, .help = "only by these links", .least = 1, .most = max_name}),
-    Key<R>{{.name = "limit",
-            .form = Form::limits,
-            .help = "frames a second of an id or message that are recorded at most"},
+    Key<R>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
            get_limit,
            put_limit},
     size<&R::rotate_size>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
@@ -69,9 +67,10 @@ constexpr Key<R> record_rows[] = {
     duration<&R::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
     size<&R::keep_free>("keep.free", "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
     size<&R::free>("free", "while fewer bytes of the disk are free, nothing is written"),
-    duration<&R::keep_last>("keep_last", second, most_in_memory,
-                            "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "
-                            "fault, and when a link is lost (default: none)"),
+    duration<&R::keep_last>(
+        "keep_last", second, most_in_memory,
+        "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "
+        "fault, and when a link is lost (default: none)"),
 };
 
 }    // namespace

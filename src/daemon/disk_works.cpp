@@ -53,15 +53,14 @@ void DiskWorks::stop() {
 
 http::Response answer_from(DiskWorks& disk, std::function<http::Response()> work) {
     const auto held = std::make_shared<DiskWorks::Ticket>();
-    http::Response response = http::later([&disk, work = std::move(work),
-                                           weak = std::weak_ptr{held}](const std::function<void(http::Response)>& say) {
-        const auto made = std::make_shared<http::Response>();
-        DiskWorks::Ticket ticket = disk.run([made, work] { *made = work(); },
-                                            [made, say](const std::string& fault) {
-                                                say(fault.empty() ? std::move(*made) : http::error(503, fault));
-                                            });
-        if (const auto still = weak.lock()) *still = std::move(ticket);
-    });
+    http::Response response = http::later(
+        [&disk, work = std::move(work), weak = std::weak_ptr{held}](const std::function<void(http::Response)>& say) {
+            const auto made = std::make_shared<http::Response>();
+            DiskWorks::Ticket ticket = disk.run(
+                [made, work] { *made = work(); },
+                [made, say](const std::string& fault) { say(fault.empty() ? std::move(*made) : http::error(503, fault)); });
+            if (const auto still = weak.lock()) *still = std::move(ticket);
+        });
     response.patient = true;
     response.needed = held;
     return response;

@@ -63,7 +63,12 @@ void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
 
 void FrameWatch::remove(Watcher& watcher) {
     const std::size_t before = streams_.size();
-    for (auto& stream : streams_) std::erase(stream->watchers, &watcher);
+    for (auto& stream : streams_) {
+        const auto place = std::find(stream->watchers.begin(), stream->watchers.end(), &watcher);
+        if (place == stream->watchers.end()) continue;
+        end_batch(*stream);    // he may still take what he saw
+        stream->watchers.erase(place);
+    }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
     if (!streams_.empty() || before == 0) return;
     gateway_.remove_observer(*this);

@@ -41,6 +41,7 @@ public:
 
     /// `watcher` is told from now on, until remove(); the tables come first.
     void add(Watcher& watcher, const FrameFilterSettings& settings);
+    /// He sees no more; what he saw until now is in his queue.
     void remove(Watcher& watcher);
 
 private:

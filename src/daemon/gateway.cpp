@@ -328,10 +328,12 @@ void Gateway::link_down(Link& link, LinkError why) {
     forwarder_.link_down(link.id());
     const bool is_news = s.up || s.error.text != why.text;
     if (is_news) spdlog::warn("{}: {}; waiting for it", link.name(), why.text);
-    if (s.up) s.since = now_;
+    const bool was_up = s.up;
+    if (was_up) s.since = now_;
     s.up = false;
     s.error = std::move(why);
     if (is_news && voice_) voice_->link_changed(s);
+    if (was_up && recording_) recording_->link_lost(s);
     gpio_->link_state(link.id(), false);
 }
 

@@ -5,6 +5,7 @@
 #include <daemon/gpio.hpp>
 #include <daemon/loop_beat.hpp>
 #include <daemon/peer_log.hpp>
+#include <daemon/recording_figures.hpp>
 #include <daemon/stored_state.hpp>
 #include <gateway/forwarder.hpp>
 #include <gateway/settings.hpp>
@@ -49,6 +50,21 @@ public:
 
 protected:
     ~GatewayVoice() = default;
+};
+
+/// What records, as far as the loop and its reports have to know.
+class RecordingService {
+public:
+    virtual void link_lost(const LinkState& link) = 0;
+    /// What the configuration says to record, or would say by its defaults. Each says why not, in a clause; empty: it begins, or ends.
+    virtual std::string start_recording() = 0;
+    virtual std::string stop_recording() = 0;
+    /// The section `recording` of the status.
+    virtual void describe(nlohmann::ordered_json& recording) = 0;
+    virtual RecordingFigures figures() = 0;
+
+protected:
+    ~RecordingService() = default;
 };
 
 /// One thread, one loop: everything is called from the io_context it was made with.
@@ -115,6 +131,9 @@ public:
     /// nullptr: it is no device, as at first. `voice` outlives the gateway's last call, or is taken back.
     void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }
     const GatewayVoice* voice() const noexcept { return voice_; }
+    /// nullptr: nothing records, as at first. As the voice.
+    void set_recording(RecordingService* service) noexcept { recording_ = service; }
+    RecordingService* recording() const noexcept { return recording_; }
     void set_own(Forwarder::Own* own) noexcept { forwarder_.set_own(own); }
     /// What the gateway itself says to who asked by the channel, and to hosts that were heard: as of the Forwarder.
     void answer(ChannelId to, ano::FrameView frame) { forwarder_.answer(to, frame, now()); }
@@ -219,6 +238,7 @@ private:
     TimePoint stop_by_{};
     ConfigState config_state_;
     GatewayVoice* voice_ = nullptr;
+    RecordingService* recording_ = nullptr;
     std::function<void(ano::FrameView)> hears_own_;
     std::function<void(const std::string&)> hears_refusal_;
     Scan scan_;

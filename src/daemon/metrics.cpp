@@ -106,6 +106,26 @@ void write_channels(MetricsText& text, const MetricsSnapshot& s) {
     });
 }
 
+void write_recording(MetricsText& text, const RecordingFigures& figures) {
+    const auto one = [&text](std::string_view name, MetricType type, std::string_view help, std::uint64_t value) {
+        text.family(name, type, help);
+        text.sample({}, value);
+    };
+    using enum MetricType;
+    one("anogate_recording_running", gauge, "recordings that are under way", figures.running);
+    one("anogate_recording_failing", gauge, "of them, those of which nothing is written now; the status says why",
+        figures.failing);
+    one("anogate_recording_frames", counter, "frames that were written into recordings", figures.frames);
+    one("anogate_recording_written_bytes", counter, "bytes that were written into recordings", figures.bytes);
+    one("anogate_recording_not_written", counter, "frames that are missing in recordings: the disk did not take them",
+        figures.not_written);
+    if (figures.free) one("anogate_recording_disk_free_bytes", gauge, "of the disk of the recordings", *figures.free);
+    one("anogate_recording_memory_frames", gauge, "frames that keep_last holds", figures.memory_frames);
+    one("anogate_recording_memory_bytes", gauge, "the memory that they take", figures.memory_bytes);
+    one("anogate_recording_saved", counter, "times that what keep_last held was saved", figures.saved);
+    one("anogate_recording_skipped", counter, "times that it was not: it had been within a minute", figures.skipped);
+}
+
 void write_tunnel(MetricsText& text, const TunnelCounters& counters) {
     for (const auto& row : tunnel_counters) {
         std::string_view name = row.name;
@@ -170,6 +190,7 @@ MetricsSnapshot metrics_snapshot(const Gateway& gateway, TimePoint now) {
     s.conflicts = gateway.forwarder().router().conflicts(now).size();
     for (const LinkState& state : gateway.links()) s.links.push_back(snapshot_of(gateway, state, now));
     if (const TunnelLink* tunnel = gateway.tunnel()) s.tunnel = tunnel->counters();
+    if (gateway.recording()) s.recording = gateway.recording()->figures();
     s.process = this_process();
     return s;
 }
@@ -182,6 +203,7 @@ std::string metrics(MetricsSnapshot snapshot, MetricsForm form) {
     write_links(text, snapshot);
     write_channels(text, snapshot);
     if (snapshot.tunnel) write_tunnel(text, *snapshot.tunnel);
+    if (snapshot.recording) write_recording(text, *snapshot.recording);
     write_process(text, snapshot.process);
     return text.take();
 }

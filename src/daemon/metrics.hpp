@@ -3,6 +3,7 @@
 #include <ano/time.hpp>
 #include <daemon/metrics_text.hpp>
 #include <daemon/process_figures.hpp>
+#include <daemon/recording_figures.hpp>
 #include <gateway/counters.hpp>
 
 #include <array>
@@ -47,6 +48,7 @@ struct MetricsSnapshot {
     std::uint64_t conflicts = 0;
     std::vector<Link> links;
     std::optional<TunnelCounters> tunnel;
+    std::optional<RecordingFigures> recording;
     ProcessFigures process;
 };
 

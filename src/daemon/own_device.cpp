@@ -227,6 +227,16 @@ std::string OwnDevice::pulse(std::size_t number) {
     return "there is no line " + std::to_string(number);
 }
 
+std::string OwnDevice::start_recording() {
+    RecordingService* const service = gateway_.recording();
+    return service ? service->start_recording() : "nothing here records";
+}
+
+std::string OwnDevice::stop_recording() {
+    RecordingService* const service = gateway_.recording();
+    return service ? service->stop_recording() : "nothing here records";
+}
+
 std::vector<LinkSummary> OwnDevice::summaries() {
     std::vector<LinkSummary> all;
     for (const LinkSettings& settings : gateway_.settings().links)

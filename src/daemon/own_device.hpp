@@ -45,6 +45,8 @@ private:
     std::string restart(const std::string& link) override;
     std::string scan() override;
     std::string pulse(std::size_t line) override;
+    std::string start_recording() override;
+    std::string stop_recording() override;
     std::vector<LinkSummary> summaries() override;
     void refuse_ourselves(const std::string& why) override { gateway_.refuse_ourselves(why); }
     void warn(const std::string& line) override;

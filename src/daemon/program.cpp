@@ -9,10 +9,13 @@
 #include <daemon/notify.hpp>
 #include <daemon/own_device.hpp>
 #include <daemon/program.hpp>
+#include <daemon/recording_routes.hpp>
+#include <daemon/recordings.hpp>
 #include <daemon/reload.hpp>
 #include <daemon/reload_routes.hpp>
 #include <daemon/rooms.hpp>
 #include <daemon/routes.hpp>
+#include <daemon/state_folder.hpp>
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
 #include <link/ip_socket.hpp>
@@ -53,6 +56,11 @@ void fill_standard_files() {
     if (fd > STDERR_FILENO) ::close(fd);
 }
 
+std::string recordings_folder() {
+    const std::string folder = state_folder();
+    return folder.empty() ? folder : folder + "/recordings";
+}
+
 // What runs: the gateway, its control interface, and what the system tells us by signals.
 class Program {
 public:
@@ -62,15 +70,18 @@ public:
           source_{std::move(source)},
           reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file), written},
           own_device_{gateway_, reload_, kept_parameters_path(line.config_file), kept},
+          recordings_{gateway_, recordings_folder()},
           signals_{io_, SIGTERM, SIGINT, SIGHUP} {
         gateway_.set_config_state({line.config_file, runs});
         own_device_.keep_in_step();
         reload_.on_links_changed([this](const std::vector<std::string>& names) {
             for (const std::string& name : names) hint_log_.forget(name);
+            recordings_.configure();
         });
         add_routes(
             control_.routes(), gateway_, [this] { return control_.network_door(); }, installed_page());
         add_reload_routes(control_.routes(), reload_);
+        add_recording_routes(control_.routes(), recordings_);
         control_.add_login_route();
         gateway_.go_on_from(take_handover());
         gateway_.before_closing([this] { hand_over(gateway_); });
@@ -88,6 +99,7 @@ public:
             status_ = 1;
             stop("a required link is missing");
         });
+        recordings_.start();
         notify_systemd("READY=1", {}, Patience::some);
         keep_watchdog();
         hints_.start(between_hints);
@@ -137,6 +149,7 @@ private:
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
+            recordings_.stop();    // what left until now is in them
             signals_.cancel();
         });
         if (!again) control_.finish(flush_patience);    // the jobs have ended: who follows one is told how
@@ -148,6 +161,7 @@ private:
     std::string why_;       // it ends
     Reload reload_;
     OwnDevice own_device_;
+    Recordings recordings_;
     ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};

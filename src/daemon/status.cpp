@@ -149,6 +149,12 @@ Json links_array(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
+Json recording_json(const Gateway& gateway) {
+    Json json;    // null: nothing records here
+    if (gateway.recording()) gateway.recording()->describe(json);
+    return json;
+}
+
 }    // namespace
 
 std::string status_json(Gateway& gateway, const NetworkDoor& door) {
@@ -160,6 +166,7 @@ std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     json["conflicts"] = conflicts_json(gateway, now);
     json["tunnel"] = tunnel_json(gateway);
     json["gpio"] = gpio_json(gateway.gpio(), now);
+    json["recording"] = recording_json(gateway);
     json["http"] = http_json(door);
     json["map"] = map_json(gateway.settings().control.map);
     return line_of(json);

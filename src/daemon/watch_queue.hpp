@@ -76,6 +76,8 @@ public:
         return lost;
     }
     std::size_t bytes() const noexcept { return bytes_; }
+    /// Frames whose loss was not told yet.
+    std::uint64_t lost() const noexcept { return lost_.count; }
 
 private:
     std::size_t max_bytes_;

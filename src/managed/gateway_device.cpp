@@ -102,9 +102,13 @@ void GatewayDevice::add_commands() {
     });
     commands.add({1, 0, 4}, "SUMMARY", "1 to 10: each link once a second in the flexible frame of this number; 0: no more",
                  [this](std::uint8_t flexible) { return summarise(flexible); });
-    if (lines.empty()) return;
-    commands.add({1, 0, 5}, "PULSE", "the GPIO line, by its number:" + lines,
-                 [this](std::uint8_t number) { return done(deeds_.pulse(number), "PULSE"); });
+    if (!lines.empty())
+        commands.add({1, 0, 5}, "PULSE", "the GPIO line, by its number:" + lines,
+                     [this](std::uint8_t number) { return done(deeds_.pulse(number), "PULSE"); });
+    commands.add({1, 0, 6}, "START_RECORDING", "records as the configuration says; the status says where to",
+                 [this] { return done(deeds_.start_recording(), "START_RECORDING"); });
+    commands.add({1, 0, 7}, "STOP_RECORDING", "ends that recording",
+                 [this] { return done(deeds_.stop_recording(), "STOP_RECORDING"); });
 }
 
 std::string GatewayDevice::pulsed_lines() const {

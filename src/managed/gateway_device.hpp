@@ -44,6 +44,8 @@ public:
     virtual std::string scan() = 0;
     /// `line` counts those of Settings::gpio that can be asked for something.
     virtual std::string pulse(std::size_t line) = 0;
+    virtual std::string start_recording() = 0;
+    virtual std::string stop_recording() = 0;
     virtual std::vector<LinkSummary> summaries() = 0;
     /// What the control interface asked for just now is not done; the protocol has no such answer.
     virtual void refuse_ourselves(const std::string& why) = 0;

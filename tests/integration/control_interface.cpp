@@ -118,6 +118,14 @@ protected:
         refuses("POST", "/gpio", 404, "unknown", "no GPIO line fits", "{}");
         refuses("POST", "/gpio", 400, "invalid", "unknown key 'lien'", R"({"lien": 3})");
     }
+    void recordings() const {
+        const json all = get("/recordings");
+        EXPECT_EQ(all.at("folder"), socket + ".state/recordings");
+        EXPECT_EQ(all.at("recordings"), json::array());
+        EXPECT_EQ(all.at("running"), json::array());
+        EXPECT_EQ(all.at("keep_last"), json());
+        EXPECT_TRUE(all.at("free_bytes").is_number());
+    }
 
     TempDir dir;
     std::string socket = dir / "control.sock";
@@ -178,6 +186,12 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"GET /jobs/{job}", [this] { refuses("GET", "/jobs/7", 404, "unknown", "there is no job '7'"); }},
         {"DELETE /jobs/{job}", [this] { refuses("DELETE", "/jobs/x", 404, "unknown", "'x'"); }},
         {"POST /jobs/{job}/next", [this] { refuses("POST", "/jobs/7/next", 404, "unknown", "there is no job"); }},
+        {"GET /recordings", [this] { recordings(); }},    // Recordings, as all that follow
+        {"POST /recordings", [this] { refuses("POST", "/recordings", 422, "invalid", "'nmae'", R"({"nmae": "x"})"); }},
+        {"GET /recordings/last", [this] { refuses("GET", "/recordings/last", 409, "busy", "keep_last"); }},
+        {"GET /recordings/{name}", [this] { refuses("GET", "/recordings/none.pcapng", 404, "unknown", "no recording"); }},
+        {"POST /recordings/{name}/end", [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "nothing is being"); }},
+        {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no dot in front"); }},
         {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkDoor
     };
     std::set<std::string> tested, there;

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -70,6 +71,42 @@ TEST_F(LaterAnswers, are_sent_when_they_are_known_and_others_meanwhile) {
     EXPECT_TRUE(heard(slow, "at once")) << "what was asked behind it";
     ::close(slow);
     ::close(quick);
+}
+
+class Bytes : public Producer {
+public:
+    explicit Bytes(std::size_t size) : left_{size} {}
+    Next next(std::string& into) override {
+        into.assign(std::min<std::size_t>(left_, 1000), 'b');
+        left_ -= into.size();
+        return left_ == 0 ? Next::end : Next::part;
+    }
+
+private:
+    std::size_t left_;
+};
+
+TEST_F(LaterAnswers, whose_length_is_told_are_followed_by_others_unless_they_end_early) {
+    const auto answer = [](std::size_t told, std::size_t made) {
+        Response response;
+        response.length = told;
+        response.producer = std::make_unique<Bytes>(made);
+        return response;
+    };
+    server.routes().add("GET", "/whole", [&](const Request&) { return answer(2500, 2500); });
+    server.routes().add("GET", "/short", [&](const Request&) { return answer(2500, 1500); });
+    server.routes().add("GET", "/long", [&](const Request&) { return answer(2500, 3500); });
+    const int fd = ask("GET /whole HTTP/1.1\r\n\r\nGET /now HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(heard(fd, "\r\nContent-Length: 2500\r\n\r\n" + std::string(2500, 'b') + "HTTP/1.1 409 Conflict"));
+    ::close(fd);
+    for (const char* path : {"/short", "/long"}) {
+        const int other = ask("GET " + std::string{path} + " HTTP/1.1\r\n\r\nGET /now HTTP/1.1\r\n\r\n");
+        EXPECT_TRUE(loop.until([&] {
+            char buffer[4096];
+            return ::recv(other, buffer, sizeof buffer, MSG_DONTWAIT) == 0;
+        })) << path << ": only the end of the connection tells";
+        ::close(other);
+    }
 }
 
 TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {

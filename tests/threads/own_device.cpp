@@ -117,7 +117,7 @@ TEST_F(OwnDevice, answers_a_host_that_knows_the_text_alone) {
     guest.say(frame(host, self, 0xE0, {1, 0, 0}));
     EXPECT_TRUE(guest.hears(frame(self, host, 0xE0, {1, 7, 0})));
     guest.say(frame(host, self, 0xC1, {0, 0, 0}));
-    EXPECT_TRUE(guest.hears(frame(self, host, 0xC1, {0, 4, 0})));
+    EXPECT_TRUE(guest.hears(frame(self, host, 0xC1, {0, 6, 0})));
     const json status = daemon->status();
     for (const json& route : status.at("routes"))
         EXPECT_TRUE(route.at("address") != "0x15" || route.at("via") == "own") << "its own word teaches nothing";

@@ -25,7 +25,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 25> all{{
+    static constexpr std::array<Subcommand, 26> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -47,6 +47,7 @@ std::span<const Subcommand> subcommands() noexcept {
         {"image", "Writes the pictures that devices send as PNG files", add_image},
         {"top", "Shows the channels and addresses of the gateway that runs, live", add_top},
         {"record", "Records the frames of the gateway that runs into a file that Wireshark opens", add_record},
+        {"recordings", "Shows what the gateway records itself; starts, ends, fetches and deletes that", add_recordings},
         {"info", "Shows what a recording holds", add_info},
         {"convert", "Makes tables or lines of JSON of a recording", add_convert},
         {"replay", "Says again by a link what devices said in a recording", add_replay},

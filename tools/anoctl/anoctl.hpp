@@ -59,6 +59,7 @@ Run add_messages(Options& options);
 Run add_monitor(Options& options);
 Run add_ports(Options& options);
 Run add_record(Options& options);
+Run add_recordings(Options& options);
 Run add_replay(Options& options);
 Run add_send(Options& options);
 Run add_top(Options& options);

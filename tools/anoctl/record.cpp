@@ -105,10 +105,11 @@ struct Record {
     std::string file;
     std::vector<std::string> ids, from, to, links, directions;
     std::optional<ano::Duration> time;
-    bool force = false, json = false;
+    bool force = false, json = false, last = false;
     GatewayOptions gateway;
 
     int run(Streams& streams) const {
+        if (last) return save_last(streams);
         for (const char* other : {".csv", ".json", ".ndjson", ".jsonl", ".mcap"})
             if (file.ends_with(other))
                 throw UsageError{
@@ -134,6 +135,19 @@ struct Record {
     }
 
 private:
+    /// What the gateway holds of the last while.
+    int save_last(Streams& streams) const {
+        if (file == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
+        const std::string recording = gateway.ask(
+            "GET", file.ends_with(".mcap") ? "/recordings/last?format=mcap" : "/recordings/last?format=pcapng");
+        RecordingOutput output{file, force, streams};
+        output.write(recording);
+        output.sync();
+        if (!output.fault().empty()) throw Failure{file + ": it can't be written: " + output.fault()};
+        if (json) (file == "-" ? streams.err : streams.out) << ano::Json{{"file", file}, {"bytes", output.size()}}.dump() << '\n';
+        else tell(streams, file + ": " + counted(output.size(), "byte") + ", what the gateway held of the last while");
+        return fine;
+    }
     std::string query() const {
         const std::vector<std::string> in{"in"};
         return filter_words("id", ids) + filter_words("from", from) + filter_words("to", to) + filter_words("link", links) +
@@ -189,6 +203,12 @@ Run add_record(Options& options) {
     options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
     options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
+    options.push_back({"--last",
+                       &self->last,
+                       "",
+                       "What the gateway holds of the last while (keep_last in its configuration), and nothing more",
+                       false,
+                       {"--id", "--from", "--to", "--link", "--direction", "--seconds"}});
     options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
     options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
     GatewayOptions::add(options, self->gateway);

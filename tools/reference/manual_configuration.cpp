@@ -77,9 +77,8 @@ std::string configuration_page() {
         "\"source\", "
         "and \"fields\", a list of {\"name\", \"type\", \"scale\", \"unit\"}, where type is u8, i8, u16, i16, u32, i32 or f32.");
     put_section<ControlSettings>(page, "control", "An object:", control_keys());
-    put_section<RecordSettings>(page, "record",
-                                "An object; with it the gateway records what passes it into files that Wireshark opens.",
-                                record_keys());
+    put_section<RecordSettings>(
+        page, "record", "An object; with it the gateway records what passes it into files that Wireshark opens.", record_keys());
     put_section<LogSettings>(page, "log", "An object:", log_keys());
     page.section("FILES");
     page.begin_list();

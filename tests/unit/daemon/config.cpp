@@ -40,6 +40,10 @@ TEST(Config, every_section) {
         ],
         "routes": [{"address": "0xDC", "link": "fc"}, {"address": 7, "link": "udp-listen-12333"}, {"address": "30-40", "link": "fc"}],
         "control": {"socket": "none"},
+        "record": {"start": false, "folder": "/data", "format": "mcap", "direction": ["in", "dropped"], "id": ["euler", "0xF1-0xFA"],
+                   "from": ["0xDC"], "to": ["30-40"], "link": ["fc"], "limit": {"euler": 10},
+                   "rotate": {"size": "10MB", "time": "10m"}, "keep": {"size": "2GB", "age": "720h", "free": "1GB"},
+                   "free": "100MB", "keep_last": "60s"},
         "log": {"level": "debug", "file": "/var/log/anogate.log", "rotate": 0}
     })");
     EXPECT_EQ(s.gateway, (GatewaySettings{199, "boat", Unknown::link, "fc", std::chrono::minutes{5}}));
@@ -52,7 +56,44 @@ TEST(Config, every_section) {
     EXPECT_TRUE(s.links[3].as<UdpListenSettings>().allow_any);
     EXPECT_EQ(s.routes, (std::vector<RouteSettings>{{220, 220, "fc"}, {7, 7, "udp-listen-12333"}, {30, 40, "fc"}}));
     EXPECT_EQ(s.control.socket, "none");
+    RecordSettings record;
+    record.start = false;
+    record.folder = "/data";
+    record.format = "mcap";
+    record.direction = {"in", "dropped"};
+    record.ids = {{3, 3}, {0xF1, 0xFA}};
+    record.from = {{0xDC, 0xDC}};
+    record.to = {{30, 40}};
+    record.links = {"fc"};
+    record.limit = {{3, 10}};
+    record.rotate_size = 10'000'000;
+    record.rotate_time = std::chrono::minutes{10};
+    record.keep_size = 2'000'000'000;
+    record.keep_age = std::chrono::hours{720};
+    record.keep_free = 1'000'000'000;
+    record.free = 100'000'000;
+    record.keep_last = std::chrono::seconds{60};
+    EXPECT_EQ(s.record, record);
     EXPECT_EQ(s.log, (LogSettings{"debug", "/var/log/anogate.log", 0}));
+}
+
+TEST(Config, without_a_section_for_it_records_nothing_by_itself) {
+    EXPECT_FALSE(settings_of("{}").record.has_value());
+    EXPECT_EQ(settings_of(R"({"record": {}})").record, RecordSettings{});
+}
+
+TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
+    EXPECT_EQ(faults_in(R"({"record": {"direction": ["in", "ot"]}})"),
+              "/record/direction: 'direction' has 'ot', which is none of in, out and dropped (did you mean 'out'?)\n");
+    EXPECT_EQ(faults_in(R"({"record": {"direction": []}})"),
+              "/record/direction: 'direction' must name what is recorded: in, out, dropped\n");
+    EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "record": {"link": ["fx"]}})"),
+              "/record/link/0: there is no link 'fx' (did you mean 'fc'?); give one of fc\n");
+    EXPECT_EQ(
+        faults_in(R"({"record": {"keep": {"free": "1MB"}}})"),
+        "/record/keep/free: 'keep.free' must be at least 'free', 500MB: nothing would be written before anything is deleted\n");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"bytes": "1MB"}}})").substr(0, 19), "/record/keep/bytes:");
+    EXPECT_EQ(faults_in(R"({"record": {"format": "csv"}})"), "/record/format: 'format' must be one of pcapng, mcap, not 'csv'\n");
 }
 
 TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
@@ -683,6 +724,16 @@ Settings random_settings(support::Random& random) {
     }
     if (links != 0 && random.one_in(2)) s.tunnel = random_tunnel(random, s.links);
     s.control.socket = random.of({"", "none", "/tmp/c.sock"});
+    if (random.one_in(2)) {
+        RecordSettings& record = s.record.emplace();
+        record.start = random.one_in(2);
+        record.format = random.of({"pcapng", "mcap"});
+        record.direction = random.one_in(2) ? std::vector<std::string>{"in"} : std::vector<std::string>{"out", "dropped"};
+        if (random.one_in(2)) record.ids = {{3, 7}};
+        if (links != 0 && random.one_in(2)) record.links = {s.links[0].name};
+        record.rotate_size = random.of<std::uint64_t>({0, 1000, 1'000'000'000});
+        if (random.one_in(2)) record.keep_last = std::chrono::seconds{1 + random.below(3600u)};
+    }
     s.log.level = random.of({"trace", "debug", "info", "warn", "error"});
     s.log.file = random.of({"", "/var/log/x"});
     s.log.rotate = random.of<std::uint64_t>({0, 1, 1000, 1024, 10'000'000, 3 << 20});

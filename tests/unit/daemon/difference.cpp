@@ -112,6 +112,15 @@ TEST(Difference, of_all_else_says_what_needs_a_restart) {
         << "nothing to do while it runs";
 }
 
+TEST(Difference, of_what_is_recorded_takes_effect_at_once) {
+    EXPECT_EQ(between("{}", R"({"record": {"keep_last": "5s"}})").needs_restart, Lines{});
+    EXPECT_EQ(
+        between(R"({"record": {"keep_last": "5s"}})", R"({"record": {"keep_last": "6s", "rotate": {"size": "1MB"}}})").gateway,
+        (Lines{"record.rotate.size: 1GB -> 1MB", "record.keep_last: 5s -> 6s"}));
+    EXPECT_FALSE(between(R"({"record": {}})", "{}").is_none());
+    EXPECT_TRUE(between(R"({"record": {}})", R"({"record": {"start": true}})").is_none());
+}
+
 TEST(Difference, of_the_order_alone_is_one_of_the_links_only) {
     EXPECT_EQ(between(R"({"links": ["sim:fc", "sim:fc,name=b"]})", R"({"links": ["sim:fc,name=b", "sim:fc,name=fc"]})").gateway,
               Lines{"links: another order"});

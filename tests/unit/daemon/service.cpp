@@ -45,6 +45,14 @@ TEST(Service, writes_nowhere_else) {
               "/run/anogate/c works\n");
 }
 
+TEST(Service, records_in_its_state_folder) {
+    EXPECT_EQ(faults(R"({"record": {}})"), "");
+    EXPECT_EQ(faults(R"({"record": {"folder": "/var/lib/anogate/flights"}})"), "");
+    EXPECT_EQ(
+        faults(R"({"record": {"folder": "/mnt/usb"}})"),
+        or_elsewhere("a.json: /record/folder: 'folder' '/mnt/usb': the service may not write there; /var/lib/anogate/usb works"));
+}
+
 TEST(Service, makes_tokens_in_its_own_folder_alone) {
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/var/lib/anogate/token"}})"), "");
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),

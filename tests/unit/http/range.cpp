@@ -36,8 +36,8 @@ TEST(Range, beyond_the_file_is_outside_of_it) {
 }
 
 TEST(Range, that_is_none_is_the_whole) {
-    for (const char* header : {"", "bytes", "bytes=", "bytes=-", "bytes=x-", "bytes=1-x", "bytes=9-1", "lines=1-2", "bytes=0-1,3-4",
-                               "bytes=+1-2", "bytes=--5"})
+    for (const char* header : {"", "bytes", "bytes=", "bytes=-", "bytes=x-", "bytes=1-x", "bytes=9-1", "lines=1-2",
+                               "bytes=0-1,3-4", "bytes=+1-2", "bytes=--5"})
         EXPECT_EQ(shown(header), "whole 0+100") << header;
 }
 

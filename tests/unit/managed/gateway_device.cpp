@@ -30,6 +30,8 @@ public:
     std::string restart(const std::string& link) override { return done("restart " + link); }
     std::string scan() override { return done("scan"); }
     std::string pulse(std::size_t line) override { return done("pulse " + std::to_string(line)); }
+    std::string start_recording() override { return done("start recording"); }
+    std::string stop_recording() override { return done("stop recording"); }
     std::vector<LinkSummary> summaries() override {
         return {{LinkSummary::State::up, 0x0102030405, 2, 3}, {LinkSummary::State::waiting, 0, 0, 0}};
     }
@@ -233,14 +235,15 @@ TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
 }
 
 TEST_F(GatewayAsDevice, describes_its_commands_and_does_them) {
-    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 4, 0}));
+    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 6, 0}));
     Bytes described{2, 0, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0};
     for (const Bytes& part : {text("RESTART_LINK", 20), text("the link, by its number: 0 fc 1 ground")})
         described.insert(described.end(), part.begin(), part.end());
     EXPECT_EQ(answer(ask(0xC1, {1, 2, 0})), says(0xC2, described));
-    for (const Bytes& command : {ask(0xC0, {1, 0, 1}), ask(0xC0, {1, 0, 2}), ask(0xC0, {1, 0, 3, 1})})
+    for (const Bytes& command :
+         {ask(0xC0, {1, 0, 1}), ask(0xC0, {1, 0, 2}), ask(0xC0, {1, 0, 3, 1}), ask(0xC0, {1, 0, 6}), ask(0xC0, {1, 0, 7})})
         EXPECT_EQ(answer(command), acknowledges(command));
-    EXPECT_EQ(deeds.did, (std::vector<std::string>{"reload", "scan", "restart ground"}));
+    EXPECT_EQ(deeds.did, (std::vector<std::string>{"reload", "scan", "restart ground", "start recording", "stop recording"}));
     for (const Bytes& said : answers(ask(0xC0, {1, 0, 3, 2}), manager)) EXPECT_EQ(said[3], 0xA0);
     EXPECT_EQ(device.counters().refused, 1u) << "there is no link 2";
     EXPECT_TRUE(answer(ask(0xC0, {9, 9, 9})).empty());
@@ -253,7 +256,7 @@ TEST_F(GatewayAsDevice, pulses_the_lines_that_can_be_asked) {
     reset.link = "fc";
     file.gpio = {lamp, reset};
     device.configure(file, {});
-    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 5, 0}));
+    EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 7, 0}));
     const Bytes command = ask(0xC0, {1, 0, 5, 0});
     EXPECT_EQ(answer(command), acknowledges(command));
     EXPECT_EQ(deeds.did, std::vector<std::string>{"pulse 0"});

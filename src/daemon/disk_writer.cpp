@@ -1,0 +1,228 @@
+#include <ano/hex.hpp>
+#include <ano/messages.hpp>
+#include <daemon/disk_writer.hpp>
+#include <gateway/frame_record.hpp>
+#include <link/clocks.hpp>
+#include <link/errors.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+RecordingHead head_now() {
+    const ClockReading clocks = read_clocks();
+    return {"anogated " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
+            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count())};
+}
+
+std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
+    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
+}
+
+std::string names_of(const LostFrames& lost) {
+    std::string text;
+    for (unsigned n = 0; n < lost.by_id.size(); ++n) {
+        if (lost.by_id[n] == 0) continue;
+        const ano::Message* message = ano::find_message(static_cast<std::uint8_t>(n));
+        if (!text.empty()) text += ", ";
+        text.append(message ? std::string{message->name} : ano::hex_byte(static_cast<std::uint8_t>(n)));
+        text.append(" ").append(std::to_string(lost.by_id[n]));
+    }
+    return text;
+}
+
+std::string megabytes(std::uint64_t bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / 1e6);
+    return text;
+}
+
+// Another file may do where this one does not.
+bool is_of_the_file(int error) noexcept {
+    return error == EIO || error == EFBIG || error == ESTALE || error == ENODEV || error == ENXIO || error == EBADF;
+}
+
+}    // namespace
+
+std::uint64_t RecorderItem::frames() const noexcept {
+    std::uint64_t count = 0;
+    if (!batch) return count;
+    for (std::string_view rest = *batch; take_record(rest);) ++count;
+    return count;
+}
+
+void DiskWriter::take(RecorderItem item) {
+    encode(item);
+    unsafe_.push_back(std::move(item));
+}
+
+void DiskWriter::encode(const RecorderItem& item) {
+    if (item.names) names_ = item.names;
+    if (item.lost) writer_->write(RecordedLoss{item.lost->count, names_of(*item.lost)});
+    if (!item.batch) return;
+    const RecordedNames& names = *names_;
+    const auto causes = frame_causes();
+    std::string_view rest = *item.batch;
+    while (const auto record = take_record(rest)) {
+        const bool is_dropped = record->direction == Direction::dropped && record->cause < causes.size();
+        RecordedFrame frame{.time_ns = record->time_ns,
+                            .boottime_ns = record->boottime_ns,
+                            .link = name_at(names.links, record->link),
+                            .link_description = name_at(names.kinds, record->link),
+                            .direction = record->direction,
+                            .cause = is_dropped ? causes[record->cause] : std::string_view{},
+                            .frame = record->frame};
+        if (record->channel != FrameRecord::no_channel) {
+            frame.channel = record->channel;
+            frame.peer = name_at(names.peers, record->channel);
+        }
+        writer_->write(frame, waiting_);
+        ++waiting_frames_;
+    }
+}
+
+void DiskWriter::turn(ano::TimePoint now) {
+    if (!error_.empty() && now < try_again_at_) return;
+    error_ = work(now);
+    if (!error_.empty() && !file_) error_ = work(now);    // that file was left: perhaps the next one does
+    if (!error_.empty()) try_again_at_ = now + try_again_after;
+    report();
+}
+
+void DiskWriter::finish(ano::TimePoint now) {
+    is_finishing_ = true;
+    hurry();
+    turn(now);
+    if (error_.empty()) return;
+    std::uint64_t given_up = waiting_frames_;
+    if (!file_)
+        for (const RecorderItem& item : unsafe_) given_up += item.frames();
+    progress_.not_written += given_up;
+}
+
+// Why not, in a clause; empty: all is well.
+std::string DiskWriter::work(ano::TimePoint now) {
+    if (file_ && now >= look_for_file_at_) {
+        look_for_file_at_ = now + look_time;
+        if (!file_->is_there()) leave_file();
+    }
+    if (std::string fault = file_ ? std::string{} : begin(now); !fault.empty()) return fault;
+    const FileSoFar so_far{file_->size() + waiting_.size(), safe_frames_ + written_frames_ + waiting_frames_ - frames_before_,
+                           now - began_};
+    if (!is_ending_) {
+        writer_->flush(waiting_);
+        if (is_finishing_ || is_time_for_the_next({settings_.rotate_bytes, settings_.rotate_time}, so_far)) {
+            writer_->end(waiting_);
+            is_ending_ = true;
+        } else if (std::string fault = look_for_room(now); !fault.empty()) {
+            return fault;
+        }
+    }
+    if (std::string fault = write(now); !fault.empty() || !is_ending_) return fault;
+    bytes_before_ += file_->size();
+    writer_.reset();
+    file_.reset();
+    is_ending_ = false;
+    return is_finishing_ ? std::string{} : begin(now);
+}
+
+std::string DiskWriter::begin(ano::TimePoint now) {
+    look_for_room_at_ = now;
+    if (std::string fault = look_for_room(now); !fault.empty()) return fault;
+    auto made = RecordingFile::create(settings_.folder, settings_.name, settings_.format, number_);
+    progress_.is_busy();
+    if (const auto* fault = std::get_if<DiskFault>(&made)) return fault->text;
+    file_.emplace(std::get<RecordingFile>(std::move(made)));
+    its_number_ = number_++;
+    ++files_;
+    path_ = file_->path();
+    began_ = safe_at_ = now;
+    look_for_file_at_ = now + look_time;
+    look_for_room_behind_ = room_between_looks;
+    safe_size_ = 0;
+    frames_before_ = safe_frames_;
+    names_ = safe_names_;
+    writer_ = make_recording_writer(settings_.format, head_now(), waiting_);
+    for (const RecorderItem& item : unsafe_) encode(item);
+    writer_->flush(waiting_);
+    return write(now);
+}
+
+// Looked at every few MiB, and so much more is asked for: what is written until the next look, and what ends a file, fit in there.
+std::string DiskWriter::look_for_room(ano::TimePoint now) {
+    const std::uint64_t size = file_ ? file_->size() + waiting_.size() : 0;
+    if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
+    look_for_room_at_ = now + look_time;
+    look_for_room_behind_ = size + room_between_looks;
+    const auto free = settings_.keep_free > 0 ? free_bytes(settings_.folder) : std::nullopt;
+    progress_.is_busy();
+    if (!free || *free >= settings_.keep_free + room_between_looks + 4 * much) return {};
+    look_for_room_at_ = now;
+    return settings_.folder + ": only " + megabytes(*free) + " of the disk are free, and " + megabytes(settings_.keep_free) +
+           " stay so";
+}
+
+std::string DiskWriter::write(ano::TimePoint now) {
+    progress_.is_busy();
+    if (!waiting_.empty()) {
+        if (const int error = file_->append(waiting_); error != 0) return failed(error);
+        waiting_.clear();
+        written_frames_ += std::exchange(waiting_frames_, 0);
+        progress_.is_busy();
+    }
+    if (file_->size() == safe_size_ || (!is_ending_ && now - safe_at_ < sync_time && safe_size_ > 0)) return {};
+    if (const int error = file_->sync(); error != 0) {
+        std::string fault = failed(error);
+        if (file_) leave_file();    // the kernel takes for written what it could not write
+        return fault;
+    }
+    progress_.is_busy();
+    is_safe(now);
+    return {};
+}
+
+std::string DiskWriter::failed(int error) {
+    std::string fault = error_text(path_, error);
+    if (is_of_the_file(error)) leave_file();
+    return fault;
+}
+
+void DiskWriter::is_safe(ano::TimePoint now) {
+    safe_at_ = now;
+    safe_size_ = file_->size();
+    safe_frames_ += std::exchange(written_frames_, 0);
+    safe_names_ = names_;
+    std::size_t bytes = 0;
+    for (const RecorderItem& item : unsafe_) bytes += item.bytes();
+    unsafe_.clear();
+    progress_.in_flight -= bytes;
+}
+
+void DiskWriter::leave_file() {
+    if (safe_size_ > 0) {
+        file_->cut(safe_size_);
+        bytes_before_ += safe_size_;
+    } else if (file_->is_there()) {
+        file_->remove();
+        number_ = its_number_;
+        --files_;
+    }
+    writer_.reset();
+    file_.reset();
+    is_ending_ = false;
+    waiting_.clear();
+    waiting_frames_ = written_frames_ = 0;
+}
+
+void DiskWriter::report() {
+    progress_.frames = safe_frames_ + written_frames_;
+    progress_.bytes = bytes_before_ + (file_ ? file_->size() : 0);
+    progress_.files = files_;
+}
+
+}    // namespace anogate

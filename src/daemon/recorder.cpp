@@ -1,0 +1,202 @@
+#include <config/link_kind.hpp>
+#include <daemon/frame_watch.hpp>
+#include <daemon/gateway.hpp>
+#include <daemon/recorder.hpp>
+#include <daemon/recorder_thread.hpp>
+#include <link/alarm.hpp>
+#include <link/asio.hpp>
+#include <link/descriptor.hpp>
+
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+constexpr std::chrono::milliseconds patience_at_the_end{500};
+constexpr ano::Duration silent_for = std::chrono::milliseconds{750};    // a disk that is told of
+constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
+constexpr ano::Duration slack = std::chrono::milliseconds{50};
+
+std::shared_ptr<const RecordedNames> names_of(const WatchTables& tables, const Gateway& gateway) {
+    auto names = std::make_shared<RecordedNames>();
+    names->links = tables.links;
+    names->peers = tables.peers;
+    names->kinds.resize(tables.links.size());
+    for (const LinkState& state : gateway.links())
+        if (const std::size_t number = index(state.link->id()); number < names->kinds.size())
+            names->kinds[number] = state.link->settings().kind->name;
+    return names;
+}
+
+std::string silence_text(ano::Duration silence) {
+    const auto seconds = std::max<std::int64_t>(1, std::chrono::duration_cast<std::chrono::seconds>(silence).count());
+    return "the disk has taken nothing for " + std::to_string(seconds) + " s";
+}
+
+}    // namespace
+
+class Recorder::Impl final : private Watcher {
+public:
+    Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change);
+    ~Impl();
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    void end();
+    RecorderReport report() const;
+    const RecorderSettings& settings() const noexcept { return settings_; }
+
+private:
+    void more() override { give(); }
+    void give();
+    bool give_next();
+    void look();
+    void beat();
+    void tell();
+
+    Gateway& gateway_;
+    FrameWatch& watch_;
+    RecorderSettings settings_;
+    std::function<void()> on_change_;
+    std::shared_ptr<RecorderThread> thread_;
+    Descriptor said_;
+    Alarm beat_;
+    RecorderThread::News news_;
+    std::uint64_t lost_ = 0;    // frames, told in the file or not
+    bool watches_ = false;
+    bool is_ended_ = false;
+    bool is_silent_ = false;                                          // the disk
+    TimePoint ends_at_{};                                             // at the latest, once end() was called
+    std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // not: a call of on_change is under way
+};
+
+Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change)
+    : gateway_{gateway},
+      watch_{watch},
+      settings_{std::move(settings)},
+      on_change_{std::move(on_change)},
+      thread_{std::make_shared<RecorderThread>(settings_)},
+      said_{gateway.io()},
+      beat_{gateway.alarms(), [this] { beat(); }, slack} {
+    news_.error = RecorderThread::start(thread_);
+    if (!news_.error.empty()) {
+        is_ended_ = true;
+        tell();
+        return;
+    }
+    said_.open(thread_->said());
+    said_.read_with([this] { look(); });
+    watches_ = true;
+    watch_.add(*this, settings_.filter);
+}
+
+// Where the disk is known to hang, or had its time since end(), it is not waited for.
+Recorder::Impl::~Impl() {
+    end();
+    if (is_ended_) return;
+    if (!is_silent_) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(ends_at_ - Clock::now());
+        thread_->wait_for_end(std::max(left, std::chrono::milliseconds::zero()));
+    }
+    thread_->abandon();
+}
+
+// As long as there is room: what is too much waits in the queue, and is lost and counted there.
+void Recorder::Impl::give() {
+    while (thread_->has_room() && give_next()) {}
+    if (!beat_.is_set()) beat_.set(Clock::now() + beat_time);
+}
+
+bool Recorder::Impl::give_next() {
+    auto next = queue.next(Clock::now());
+    if (!next) return false;
+    RecorderItem item;
+    if (auto* batch = std::get_if<WatchQueue::Batch>(&*next)) {
+        item.batch = std::move(*batch);
+    } else if (const auto* lost = std::get_if<LostFrames>(&*next)) {
+        lost_ += lost->count;
+        item.lost = std::make_shared<const LostFrames>(*lost);
+    } else {
+        item.names = names_of(*std::get<WatchQueue::Tables>(*next), gateway_);
+    }
+    const std::uint64_t frames = watches_ ? 0 : item.frames();    // which the last of them may have no place for
+    if (!thread_->give(std::move(item))) lost_ += frames;
+    return true;
+}
+
+void Recorder::Impl::end() {
+    if (!watches_) return;
+    watch_.remove(*this);
+    watches_ = false;
+    while (give_next()) {}    // 1 MiB at most
+    thread_->end();
+    ends_at_ = Clock::now() + patience_at_the_end;
+    beat_.set(Clock::now() + beat_time);
+}
+
+// What the thread says.
+void Recorder::Impl::look() {
+    eventfd_t count = 0;
+    ::eventfd_read(said_.fd(), &count);
+    bool is_new = false;
+    while (auto news = thread_->next_news()) {
+        news_ = std::move(*news);
+        is_new = true;
+    }
+    if (thread_->wait_for_end(std::chrono::milliseconds::zero())) {
+        is_ended_ = is_new = true;
+        is_silent_ = false;
+        said_.close();
+        beat_.cancel();
+    } else if (watches_) {
+        give();
+    }
+    if (is_new) tell();
+}
+
+// While something is under way.
+void Recorder::Impl::beat() {
+    const ano::Duration silence = thread_->silence(Clock::now());
+    if (const bool was_silent = std::exchange(is_silent_, silence >= silent_for); was_silent != is_silent_) tell();
+    if (watches_) give();
+    if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || !watches_) beat_.set(Clock::now() + beat_time);
+    else beat_.cancel();
+}
+
+// Not from within: it may end this.
+void Recorder::Impl::tell() {
+    if (!std::exchange(*is_told_, false)) return;
+    asio::post(gateway_.io(), [this, still_there = std::weak_ptr<bool>{is_told_}] {
+        const auto is_told = still_there.lock();
+        if (!is_told) return;
+        *is_told = true;
+        const auto call = on_change_;
+        call();
+    });
+}
+
+RecorderReport Recorder::Impl::report() const {
+    const DiskProgress& progress = thread_->progress();
+    RecorderReport report;
+    report.is_ended = is_ended_;
+    report.file = news_.file;
+    report.files = progress.files;
+    report.frames = progress.frames;
+    report.bytes = progress.bytes;
+    report.not_written = lost_ + queue.lost() + progress.not_written;
+    report.error = is_silent_ ? silence_text(thread_->silence(Clock::now())) : news_.error;
+    return report;
+}
+
+Recorder::Recorder(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change)
+    : impl_{std::make_unique<Impl>(gateway, watch, std::move(settings), std::move(on_change))} {}
+Recorder::~Recorder() = default;
+void Recorder::end() { impl_->end(); }
+RecorderReport Recorder::report() const { return impl_->report(); }
+const RecorderSettings& Recorder::settings() const noexcept { return impl_->settings(); }
+
+}    // namespace anogate

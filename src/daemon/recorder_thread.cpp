@@ -1,0 +1,162 @@
+#include <daemon/recorder_thread.hpp>
+#include <link/errors.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr int collects = 200;               // ms: what comes meanwhile is written together
+constexpr int deep_sleep = 1000;            // ms: as often the disk is looked at while nothing comes
+constexpr std::size_t much = 512 * 1024;    // bytes that are not waited with
+constexpr int nice_of_thread = 5;
+
+UniqueFd make_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
+
+bool wait_for(int event, int most) {
+    pollfd one{event, POLLIN, 0};
+    return ::poll(&one, 1, most) > 0;
+}
+
+// The loop comes first, and has the signals.
+void stand_behind_the_loop() {
+    sigset_t all;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+    ::pthread_setname_np(::pthread_self(), "recorder");
+    const sched_param none{};
+    ::sched_setscheduler(0, SCHED_OTHER, &none);    // of this thread, as the next
+    ::setpriority(PRIO_PROCESS, 0, std::max(::getpriority(PRIO_PROCESS, 0), nice_of_thread));
+}
+
+}    // namespace
+
+std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
+    self->wake_ = make_event();
+    self->said_ = make_event();
+    self->ended_ = make_event();
+    if (!self->wake_ || !self->said_ || !self->ended_) return error_text("the recorder has no descriptor", errno);
+    try {
+        std::thread{[self] {
+            stand_behind_the_loop();
+            self->run();
+        }}.detach();
+    } catch (const std::system_error& error) {
+        return error_text("the recorder has no thread", error.code().value());
+    }
+    return {};
+}
+
+bool RecorderThread::has_room() noexcept {
+    if (progress_.in_flight < max_in_flight && items_.has_room()) return true;
+    wants_room_ = true;
+    return progress_.in_flight < max_in_flight && items_.has_room();    // it may have come before the thread was told
+}
+
+bool RecorderThread::give(RecorderItem item) {
+    const std::size_t bytes = item.bytes();
+    if (!items_.has_room()) return false;
+    progress_.in_flight += bytes;
+    const std::size_t before = queued_.fetch_add(bytes);
+    items_.push(std::move(item));
+    const bool is_first = sleeps_deep_.exchange(false);
+    if (is_first || (before < much && before + bytes >= much)) wake();
+    return true;
+}
+
+void RecorderThread::end() {
+    is_ending_ = true;
+    wake();
+}
+
+void RecorderThread::abandon() {
+    is_abandoned_ = true;
+    end();
+}
+
+bool RecorderThread::wait_for_end(std::chrono::milliseconds most) const {
+    return wait_for(ended_.get(), static_cast<int>(most.count()));
+}
+
+ano::Duration RecorderThread::silence(ano::TimePoint now) const noexcept {
+    const std::int64_t since = progress_.busy_since;
+    return since == 0 ? ano::Duration::zero() : now - ano::TimePoint{ano::Duration{since}};
+}
+
+UniqueFd RecorderThread::said() const noexcept { return UniqueFd{::fcntl(said_.get(), F_DUPFD_CLOEXEC, 0)}; }
+
+void RecorderThread::wake() const noexcept { ::eventfd_write(wake_.get(), 1); }
+
+void RecorderThread::run() {
+    DiskWriter disk{settings_, progress_};
+    bool is_ended = false;
+    while (!is_ended) {
+        progress_.is_busy();
+        is_ended = is_ending_;    // what was given before is in the queue now
+        if (is_ended) disk.hurry();
+        take_all(disk);
+        if (is_ended) {
+            disk.finish(ano::Clock::now());
+            while (const auto item = items_.pop()) progress_.not_written += item->frames();
+        } else {
+            disk.turn(ano::Clock::now());
+        }
+        progress_.is_idle();
+        tell(disk);
+        if (!is_ended) sleep(disk);
+    }
+    ::eventfd_write(ended_.get(), 1);
+    ::eventfd_write(said_.get(), 1);
+}
+
+// A turn for every part, and the first to begin.
+void RecorderThread::take_all(DiskWriter& disk) {
+    disk.turn(ano::Clock::now());
+    while (disk.takes_more() && !is_abandoned_) {
+        auto item = items_.pop();
+        if (!item) return;
+        queued_ -= item->bytes();
+        disk.take(std::move(*item));
+        if (disk.has_much()) disk.turn(ano::Clock::now());
+    }
+}
+
+void RecorderThread::sleep(const DiskWriter& disk) {
+    if (!disk.has_work()) {
+        sleeps_deep_ = true;
+        if (!items_.empty()) sleeps_deep_ = false;    // it came meanwhile, and who gave it may not have seen that
+        else wait_for(wake_.get(), deep_sleep);
+        sleeps_deep_ = false;
+    } else {
+        wait_for(wake_.get(), collects);
+    }
+    eventfd_t count = 0;
+    ::eventfd_read(wake_.get(), &count);
+}
+
+void RecorderThread::tell(const DiskWriter& disk) {
+    bool has_said = wants_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
+    if (has_said) wants_room_ = false;
+    if (told_.file != disk.file() || told_.error != disk.error()) {
+        News news{disk.file(), disk.error()};
+        if (news_.push(news)) {
+            told_ = std::move(news);
+            has_said = true;
+        }
+    }
+    if (has_said) ::eventfd_write(said_.get(), 1);
+}
+
+}    // namespace anogate

@@ -1,0 +1,194 @@
+#include <ano_json/nearest.hpp>
+#include <ano_json/text.hpp>
+#include <daemon/recording_routes.hpp>
+#include <daemon/recordings.hpp>
+#include <http/routes.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using http::Access;
+using http::Request;
+
+constexpr std::string_view filters[] = {"from", "to", "id", "link", "direction"};
+constexpr double most_seconds = 30.0 * 24 * 3600;
+
+struct Wanted {
+    AskedRecording recording;
+    bool is_last = false;
+    std::optional<RecordingFormat> format;
+};
+using Fault = std::string;
+
+std::optional<RecordingFormat> format_called(std::string_view name) {
+    for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap})
+        if (name == text(format)) return format;
+    return std::nullopt;
+}
+
+Fault is_no_format(std::string_view word) {
+    constexpr std::string_view formats[] = {"pcapng", "mcap"};
+    return "format " + ano::in_quotes(word) + " is neither pcapng nor mcap" + ano::did_you_mean(word, formats);
+}
+
+/// A word of a filter: a text, a number, or a list of them.
+std::optional<std::string> words_of(const Json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number_unsigned()) return value.dump();
+    if (!value.is_array()) return std::nullopt;
+    std::string words;
+    for (const Json& word : value) {
+        if (!word.is_string() && !word.is_number_unsigned()) return std::nullopt;
+        words += (words.empty() ? "" : ",") + (word.is_string() ? word.get<std::string>() : word.dump());
+    }
+    return words;
+}
+
+// The body of POST /recordings.
+class BodyReader {
+public:
+    Fault read(const std::string& name, const Json& value) {
+        if (name == "name") return read_name(value);
+        if (name == "format") return read_format(value);
+        if (name == "seconds") return read_seconds(value);
+        if (name == "last") return read_last(value);
+        if (name == "limit") return read_limit(value);
+        if (std::find(std::begin(filters), std::end(filters), name) != std::end(filters)) return read_filter(name, value);
+        constexpr std::string_view names[] = {"name", "format", "seconds", "last", "limit",
+                                              "from", "to",     "id",      "link", "direction"};
+        return "unknown word " + ano::in_quotes(name) + ano::did_you_mean(name, names);
+    }
+    /// When all was read. `links`: those that there are.
+    Fault finish(std::span<const std::string_view> links) {
+        if (wanted.is_last && (has_time_ || !fields_.empty()))
+            return "what is kept is saved as it is: without filters and seconds";
+        if (const auto end = recording_format_of(wanted.recording.name)) {    // "flight.pcapng"
+            if (wanted.format && *wanted.format != *end)
+                return "the end of the name says " + std::string{text(*end)} + ", the format " +
+                       std::string{text(*wanted.format)};
+            wanted.format = *end;
+            std::string& name = wanted.recording.name;
+            name.resize(name.size() - text(*end).size() - 1);
+            if (name.empty()) name = ".";    // it has none
+        }
+        if (!has_direction_) fields_.push_back({"direction", "in"});
+        auto parsed = parse_frame_query(fields_, links);
+        if (auto* fault = std::get_if<std::string>(&parsed)) return *fault;
+        wanted.recording.filter = std::move(std::get<FrameQuery>(parsed).filter);
+        return {};
+    }
+
+    Wanted wanted;
+
+private:
+    Fault read_name(const Json& value) {
+        if (!value.is_string()) return "\"name\" must be a text";
+        wanted.recording.name = value.get<std::string>();
+        return wanted.recording.name.empty() ? "\"name\" is empty: leave it out, and it is the time" : "";
+    }
+    Fault read_format(const Json& value) {
+        if (!value.is_string()) return "\"format\" must be a text";
+        const auto& word = value.get_ref<const std::string&>();
+        wanted.format = format_called(word);
+        return wanted.format ? Fault{} : is_no_format(word);
+    }
+    Fault read_seconds(const Json& value) {
+        const double seconds = value.is_number() ? value.get<double>() : 0;
+        if (!(seconds > 0 && seconds <= most_seconds)) return "\"seconds\" must be a number above 0, of 30 days at most";
+        wanted.recording.time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
+        has_time_ = true;
+        return {};
+    }
+    Fault read_last(const Json& value) {
+        if (!value.is_boolean()) return "\"last\" must be true or false";
+        wanted.is_last = value.get<bool>();
+        return {};
+    }
+    Fault read_limit(const Json& value) {
+        if (!value.is_object()) return "\"limit\" must be an object such as {\"euler\": 10}: frames a second";
+        for (const auto& [message, rate] : value.items()) {
+            if (!rate.is_number()) return "\"limit\" of " + ano::in_quotes(message) + " must be a number of frames a second";
+            fields_.push_back({"limit." + message, rate.dump()});
+        }
+        return {};
+    }
+    Fault read_filter(const std::string& name, const Json& value) {
+        const auto words = words_of(value);
+        if (!words) return "\"" + name + "\" must be a text, or a list of texts";
+        has_direction_ = has_direction_ || name == "direction";
+        fields_.push_back({name, *words});
+        return {};
+    }
+
+    std::vector<http::Field> fields_;
+    bool has_direction_ = false, has_time_ = false;
+};
+
+std::variant<Wanted, Fault> read_body(const Request& request, const Gateway& gateway) {
+    BodyReader reader;
+    Json body = Json::object();
+    if (!request.body.empty()) body = Json::parse(request.body, nullptr, false);
+    if (!body.is_object()) return Fault{"the body must be a JSON object such as {\"name\": \"flight\"}"};
+    for (const auto& [name, value] : body.items())
+        if (Fault fault = reader.read(name, value); !fault.empty()) return fault;
+    std::vector<std::string_view> links{"control"};    // which may come to be
+    for (const LinkState& state : gateway.links()) links.push_back(state.link->name());
+    if (Fault fault = reader.finish(links); !fault.empty()) return fault;
+    return std::move(reader.wanted);
+}
+
+http::Response begin(Recordings& recordings, const Request& request) {
+    auto read = read_body(request, recordings.gateway());
+    if (const auto* fault = std::get_if<Fault>(&read)) return http::error(422, *fault);
+    Wanted& wanted = std::get<Wanted>(read);
+    if (wanted.is_last) return recordings.save_last(std::move(wanted.recording.name), wanted.format);
+    wanted.recording.format = wanted.format.value_or(recordings.usual_format());
+    return recordings.begin(std::move(wanted.recording));
+}
+
+http::Response last(Recordings& recordings, const Request& request) {
+    std::optional<RecordingFormat> format;
+    for (const http::Field& field : request.query) {
+        if (field.name != "format")
+            return http::error(400, "unknown word " + ano::in_quotes(field.name) + " in the query: there is format");
+        format = format_called(field.value);
+        if (!format) return http::error(400, is_no_format(field.value));
+    }
+    return recordings.last(format);
+}
+
+}    // namespace
+
+void add_recording_routes(http::Routes& routes, Recordings& recordings) {
+    const auto name_in = [](const Request& request) { return std::string{request.parameter("name")}; };
+    routes.add({"GET", "/recordings", Access::view,
+                "the recordings: those that run, those in the folder, the room on its disk, and what keep_last holds",
+                [&recordings](const Request&) { return recordings.list(); }});
+    routes.add({"POST", "/recordings", Access::control,
+                "begins a recording {\"name\", \"format\", \"seconds\", and the filters of GET /frames}, of what comes in unless "
+                "\"direction\" "
+                "says otherwise; at most four run at once beside that of the configuration; {\"last\": true, \"name\"} saves "
+                "what keep_last holds",
+                [&recordings](const Request& request) { return begin(recordings, request); }});
+    routes.add({"GET", "/recordings/last", Access::view, "what keep_last holds, as a file; format=pcapng or mcap",
+                [&recordings](const Request& request) { return last(recordings, request); }});
+    routes.add({"GET", "/recordings/{name}", Access::view, "a recording, whole or a range of it",
+                [&recordings, name_in](const Request& request) { return recordings.file(request, name_in(request)); }});
+    routes.add({"POST", "/recordings/{name}/end", Access::control, "ends a recording that runs, and says what became of it",
+                [&recordings, name_in](const Request& request) { return recordings.end(name_in(request)); }});
+    routes.add({"DELETE", "/recordings/{name}", Access::control,
+                "deletes a recording that the gateway wrote, once it is ended; any other file is left alone",
+                [&recordings, name_in](const Request& request) { return recordings.remove(name_in(request)); }});
+}
+
+}    // namespace anogate

@@ -1,0 +1,275 @@
+#include <daemon/recordings.hpp>
+#include <daemon/running_recording.hpp>
+#include <link/asio.hpp>
+#include <link/clocks.hpp>
+
+#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr ano::Duration tick = std::chrono::milliseconds{500};
+constexpr ano::Duration patience_at_the_begin = std::chrono::seconds{2};    // of who asked for it, when the disk says nothing
+constexpr unsigned ticks_between_looks = 20;
+
+std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
+
+FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
+    if (ranges.empty()) return ~FrameFilterSettings::Bytes{};
+    FrameFilterSettings::Bytes bytes;
+    for (const ByteRange& range : ranges)
+        for (unsigned n = range.first; n <= range.last; ++n) bytes.set(n);
+    return bytes;
+}
+
+}    // namespace
+
+FrameFilterSettings frames_of(const RecordSettings& settings) {
+    FrameFilterSettings filter;
+    filter.ids = bytes_of(settings.ids);
+    filter.from = bytes_of(settings.from);
+    filter.to = bytes_of(settings.to);
+    filter.links = settings.links;
+    const auto has = [&](const char* word) {
+        return std::find(settings.direction.begin(), settings.direction.end(), word) != settings.direction.end();
+    };
+    filter.directions = {has("in"), has("out"), has("dropped")};
+    filter.limit = settings.limit;
+    return filter;
+}
+
+std::string name_by_time(std::chrono::seconds since) {
+    const auto time = static_cast<std::time_t>(since.count());
+    std::tm parts{};
+    ::gmtime_r(&time, &parts);
+    std::array<char, 40> name{};
+    return {name.data(), std::strftime(name.data(), name.size(), "%Y%m%d-%H%M%SZ", &parts)};
+}
+
+Recordings::Recordings(Gateway& gateway, std::string usual_folder)
+    : gateway_{gateway},
+      usual_folder_{std::move(usual_folder)},
+      watch_{gateway},
+      disk_{gateway.io()},
+      clock_{gateway.io(), [this] { watch_clock(); }} {
+    gateway_.set_recording(this);
+    settings_ = gateway_.settings().record.value_or(RecordSettings{});
+    folder_ = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+}
+
+Recordings::~Recordings() {
+    gateway_.set_recording(nullptr);
+    is_alive_.reset();
+    ear_.reset();
+    memory_.reset();
+    running_.clear();
+}
+
+void Recordings::start() {
+    is_started_ = true;
+    repair();
+    configure();
+    look_soon();
+}
+
+// What is recorded now ends only where it would be another recording.
+void Recordings::configure() {
+    if (!is_started_ || is_stopped_) return;
+    const auto& record = gateway_.settings().record;
+    const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
+    const bool was_configured = std::exchange(is_configured_, record.has_value());
+    folder_ = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+    RecordSettings same = before;
+    same.keep_size = settings_.keep_size;
+    same.keep_age = settings_.keep_age;
+    same.keep_free = settings_.keep_free;
+    same.keep_last = settings_.keep_last;
+    const bool is_other = same != settings_ || was_configured != is_configured_;
+    if (is_other) {
+        if (Running* const running = configured_one()) {
+            running->is_ending = true;
+            running->recorder->end();
+        }
+        if (is_configured_ && settings_.start) {
+            if (const std::string why = start_recording(); !why.empty()) spdlog::error("recording: {}", why);
+        }
+    }
+    if (before.keep_last != settings_.keep_last || frames_of(before) != frames_of(settings_) || !memory_) remember();
+    keep_clock();
+    look_soon();
+}
+
+void Recordings::remember() {
+    ear_.reset();
+    memory_.reset();
+    if (!settings_.keep_last) return;
+    memory_ = std::make_unique<FrameMemory>(gateway_, watch_, frames_of(settings_), *settings_.keep_last);
+    ear_ = std::make_unique<FaultEar>(watch_, [this] { save_for("fault"); });
+}
+
+void Recordings::stop() {
+    if (std::exchange(is_stopped_, true)) return;
+    ear_.reset();
+    memory_.reset();
+    end_by_ = Clock::now() + patience_at_the_end;
+    for (const auto& running : running_)
+        if (!std::exchange(running->is_ending, true)) running->recorder->end();
+    clock_.start(tick / 10);
+    check_end();
+}
+
+// A disk that hangs does not keep the program.
+void Recordings::check_end() {
+    if (!end_by_ || (!running_.empty() && Clock::now() < *end_by_)) return;
+    end_by_.reset();
+    clock_.stop();
+    for (const auto& running : running_) spdlog::warn("recording {}: the disk is not waited for any longer", running->asked.name);
+    running_.clear();
+    disk_.stop();
+}
+
+void Recordings::watch_clock() {
+    if (is_stopped_) return check_end();
+    for (const auto& running : running_)
+        if (!running->begun.empty() && Clock::now() - running->began_at >= patience_at_the_begin)
+            for (const Say& say : std::exchange(running->begun, {})) say(json_answer(json_of(*running)));
+    for (const auto& running : running_)
+        if (running->asked.time && !running->is_ending && Clock::now() - running->began_at >= *running->asked.time) {
+            running->is_ending = true;
+            running->recorder->end();
+        }
+    if (++ticks_ % ticks_between_looks == 0) look_soon();
+}
+
+AskedRecording Recordings::configured() const {
+    return {name_by_time(since_1970()), usual_format(), frames_of(settings_), std::nullopt};
+}
+
+RecordingFormat Recordings::usual_format() const {
+    return settings_.format == text(RecordingFormat::mcap) ? RecordingFormat::mcap : RecordingFormat::pcapng;
+}
+
+RecorderSettings Recordings::settings_of(const AskedRecording& asked) const {
+    RecorderSettings settings;
+    settings.folder = folder_;
+    settings.name = asked.name;
+    settings.format = asked.format;
+    settings.filter = asked.filter;
+    settings.rotate_bytes = settings_.rotate_size;
+    settings.rotate_time = settings_.rotate_time.value_or(ano::Duration{});
+    settings.keep_free = settings_.free;
+    return settings;
+}
+
+Recordings::Running& Recordings::launch(const AskedRecording& asked, bool is_configured) {
+    Running& running = *running_.emplace_back(std::make_unique<Running>());
+    running.asked = asked;
+    running.is_configured = is_configured;
+    running.began_ns = recording_head().time_ns;
+    running.began_at = Clock::now();
+    running.recorder = std::make_unique<Recorder>(gateway_, watch_, settings_of(asked), [this, &running] { changed(running); });
+    keep_clock();
+    return running;
+}
+
+Recordings::Running* Recordings::configured_one() {
+    for (const auto& running : running_)
+        if (running->is_configured && !running->is_ending) return running.get();
+    return nullptr;
+}
+
+Recordings::Running* Recordings::find(const std::string& name) {
+    for (const auto& running : running_)
+        if (running->asked.name == name || (running->recorder && file_name_of(*running) == name)) return running.get();
+    return nullptr;
+}
+
+std::size_t Recordings::count_of_asked() const {
+    const auto asked = std::count_if(running_.begin(), running_.end(), [](const auto& r) { return !r->is_configured; });
+    return static_cast<std::size_t>(asked) + starting_.size();
+}
+
+void Recordings::changed(Running& running) {
+    if (!running.recorder) return;    // it is being made
+    const RecorderReport report = running.recorder->report();
+    tell_news(running, report);
+    const bool has_begun = report.files > 0 && report.error.empty();
+    if (!running.begun.empty() && (has_begun || !report.error.empty() || report.is_ended)) {
+        for (const Say& say : std::exchange(running.begun, {}))
+            say(has_begun ? json_answer(json_of(running)) : http::error(507, "nothing is recorded: " + report.error));
+        if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->end();
+    }
+    if (report.is_ended) reap_soon();
+}
+
+void Recordings::tell_news(Running& running, const RecorderReport& report) {
+    if (report.files != running.told_files) {
+        running.told_files = report.files;
+        spdlog::info("recording into {}", report.file);
+        look_soon();
+    }
+    if (report.error == running.told_error) return;
+    if (report.error.empty())
+        spdlog::info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
+    else spdlog::warn("recording {}: {}; frames go on, but are not recorded", running.asked.name, report.error);
+    running.told_error = report.error;
+    look_soon();
+}
+
+// Not in a call of a recorder.
+void Recordings::reap_soon() {
+    asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
+        if (!alive.expired()) reap();
+    });
+}
+
+void Recordings::reap() {
+    const auto has_ended = [](const auto& running) { return running->recorder->report().is_ended; };
+    const std::size_t before = running_.size();
+    for (const auto& running : running_) {
+        if (!has_ended(running)) continue;
+        const RecorderReport report = running->recorder->report();
+        past_.frames += report.frames;
+        past_.bytes += report.bytes;
+        past_.not_written += report.not_written;
+        spdlog::info("recording {} ended: {} frames, {} bytes in {} files, {} frames not written", running->asked.name,
+                     report.frames, report.bytes, report.files, report.not_written);
+        for (const Say& say : std::exchange(running->ended, {})) say(json_answer(json_of(*running)));
+    }
+    std::erase_if(running_, has_ended);
+    if (running_.size() == before) return;
+    if (is_stopped_) return check_end();
+    keep_clock();
+    look_soon();
+}
+
+// It ticks only while there is something to look after.
+void Recordings::keep_clock() {
+    const bool deletes = settings_.keep_size != 0 || settings_.keep_age || settings_.keep_free != 0;
+    if (running_.empty() && !deletes) clock_.stop();
+    else clock_.start(tick);
+}
+
+std::string Recordings::start_recording() {
+    if (is_stopped_) return "the gateway ends";
+    if (configured_one()) return "it records already";
+    if (folder_.empty()) return "there is no folder for it: name one, \"record\": {\"folder\": \"/path\"}";
+    changed(launch(configured(), true));
+    return {};
+}
+
+std::string Recordings::stop_recording() {
+    Running* const running = configured_one();
+    if (!running) return "it does not record";
+    running->is_ending = true;
+    running->recorder->end();
+    return {};
+}
+
+}    // namespace anogate

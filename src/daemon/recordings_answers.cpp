@@ -1,0 +1,335 @@
+// What Recordings tells of itself and answers to clients, and what it does on the disk for that.
+#include <daemon/answer_json.hpp>
+#include <daemon/running_recording.hpp>
+#include <daemon/served_file.hpp>
+#include <link/asio.hpp>
+#include <link/clocks.hpp>
+
+#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
+
+http::Response refused(const Refusal& refusal) { return http::error(refusal.status, refusal.words); }
+
+Json json_of(const FoundRecording& file) {
+    Json json{{"name", file.name}, {"format", text(file.format)}, {"bytes", file.bytes}};
+    json["frames"] = file.frames ? Json(*file.frames) : Json(nullptr);
+    json["begun"] = json_seconds(file.begun_ns);
+    json["time"] = file.changed.count();
+    json["state"] = text(file.state);
+    return json;
+}
+
+// What keep_last holds, made while it is sent.
+class KeptFramesParts final : public http::Producer {
+public:
+    KeptFramesParts(KeptFrames frames, RecordingFormat format) : writing_{std::move(frames), format} {}
+    Next next(std::string& into) override { return writing_.next(into) ? Next::part : Next::end; }
+
+private:
+    KeptFramesWriting writing_;
+};
+
+std::string type_of(RecordingFormat format) {
+    return format == RecordingFormat::pcapng ? "application/vnd.tcpdump.pcap" : "application/octet-stream";
+}
+
+const char* const nothing_kept =
+    "nothing is kept: \"record\": {\"keep_last\": \"60s\"} in the configuration keeps the last minute";
+const char* const no_folder =
+    "there is no folder for recordings: \"record\": {\"folder\": \"/path\"} in the configuration names one";
+
+}    // namespace
+
+std::string file_name_of(const Recordings::Running& running) {
+    if (!running.recorder) return {};
+    return std::filesystem::path{running.recorder->report().file}.filename().string();
+}
+
+http::Response json_answer(Json json) {
+    http::Response response;
+    response.body = line_of(std::move(json));
+    return response;
+}
+
+Json Recordings::json_of(const Running& running) const {
+    const RecorderReport report = running.recorder->report();
+    const ano::Duration runs = Clock::now() - running.began_at;
+    Json json{{"name", running.asked.name},
+              {"by", running.is_configured ? "configuration" : "request"},
+              {"file", file_name_of(running)},
+              {"files", report.files},
+              {"format", text(running.asked.format)},
+              {"frames", report.frames},
+              {"bytes", report.bytes},
+              {"not_written", report.not_written},
+              {"error", report.error},
+              {"since", json_seconds(running.began_ns)},
+              {"seconds", in_seconds(runs)}};
+    json["ends_in_s"] = running.asked.time ? Json(in_seconds(std::max(ano::Duration{}, *running.asked.time - runs)))
+                                           : Json(nullptr);
+    return json;
+}
+
+void Recordings::describe(Json& recording) {
+    recording["folder"] = folder_;
+    recording["free_bytes"] = free_ ? Json(*free_) : Json(nullptr);
+    recording["free_needed"] = settings_.free;
+    recording["keep_last"] = nullptr;
+    if (memory_) {
+        const FrameMemory::Figures kept = memory_->figures();
+        recording["keep_last"] = {{"seconds", in_seconds(kept.span)},
+                                  {"held_s", in_seconds(kept.reach)},
+                                  {"frames", kept.frames},
+                                  {"bytes", kept.bytes},
+                                  {"saved", past_.saved},
+                                  {"skipped", past_.skipped},
+                                  {"last", last_saved_},
+                                  {"error", save_fault_}};
+    }
+    Json all = Json::array();
+    for (const auto& running : running_) all.push_back(json_of(*running));
+    recording["running"] = std::move(all);
+}
+
+RecordingFigures Recordings::figures() {
+    RecordingFigures figures = past_;
+    figures.free = free_;
+    for (const auto& running : running_) {
+        const RecorderReport report = running->recorder->report();
+        ++figures.running;
+        if (!report.error.empty()) ++figures.failing;
+        figures.frames += report.frames;
+        figures.bytes += report.bytes;
+        figures.not_written += report.not_written;
+    }
+    if (memory_) {
+        const FrameMemory::Figures kept = memory_->figures();
+        figures.memory_frames = kept.frames;
+        figures.memory_bytes = kept.bytes;
+    }
+    return figures;
+}
+
+http::Response Recordings::list() {
+    Json json;
+    describe(json);
+    return answer_from(disk_, [folder = folder_, json = std::move(json)] {
+        const FolderView view = view_of(folder);
+        Json all{{"folder", folder}};
+        all["free_bytes"] = view.free ? Json(*view.free) : Json(nullptr);
+        all["free_needed"] = json["free_needed"];
+        all["error"] = view.error;
+        all["others"] = view.others;
+        all["keep_last"] = json["keep_last"];
+        all["running"] = json["running"];
+        all["recordings"] = Json::array();
+        for (const FoundRecording& file : view.files) all["recordings"].push_back(anogate::json_of(file));
+        return json_answer(std::move(all));
+    });
+}
+
+http::Response Recordings::begin(AskedRecording asked) {
+    if (asked.name.empty()) asked.name = name_by_time(since_1970());
+    if (!is_recording_name(asked.name)) return http::error(422, recording_name_rule(asked.name));
+    if (folder_.empty()) return http::error(409, no_folder);
+    if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is being recorded already");
+    if (count_of_asked() >= most_asked)
+        return http::error(409, std::to_string(most_asked) + " recordings that were asked for run already: end one of them");
+    const auto held = std::make_shared<DiskWorks::Ticket>();
+    http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Say& say) {
+        const auto refusal = std::make_shared<std::optional<Refusal>>();
+        starting_.insert(asked.name);
+        DiskWorks::Ticket ticket = disk_.run(
+            [refusal, folder = folder_, name = asked.name] { *refusal = check_new_name(folder, name); },
+            [this, refusal, asked, say](const std::string& fault) { named(asked, fault, *refusal, say); });
+        // Who leaves before it is known whether the name is free gets no recording.
+        if (const auto still = weak.lock())
+            *still = std::shared_ptr<void>(ticket.get(),
+                                           [this, ticket, name = asked.name, alive = std::weak_ptr<bool>{is_alive_}](void*) {
+                                               if (!alive.expired()) starting_.erase(name);
+                                           });
+    });
+    response.patient = true;
+    response.needed = held;
+    return response;
+}
+
+void Recordings::named(const AskedRecording& asked, const std::string& fault, const std::optional<Refusal>& refusal,
+                       const Say& say) {
+    starting_.erase(asked.name);
+    if (!fault.empty()) return say(http::error(503, fault));
+    if (refusal) return say(refused(*refusal));
+    if (is_stopped_) return say(http::error(503, "the gateway ends"));
+    Running& running = launch(asked, false);
+    running.begun.push_back(say);
+    changed(running);
+}
+
+http::Response Recordings::end(const std::string& name) {
+    Running* const found = find(name);
+    if (!found) return http::error(404, "nothing is being recorded under that name; anoctl recordings says what is");
+    http::Response response = http::later([this, found](const Say& say) {
+        found->ended.push_back(say);
+        if (!std::exchange(found->is_ending, true)) found->recorder->end();
+        changed(*found);
+    });
+    response.patient = true;
+    return response;
+}
+
+http::Response Recordings::remove(std::string name) {
+    return answer_from(disk_, [folder = folder_, name = std::move(name)] {
+        if (const auto refusal = remove_recording(folder, name)) return refused(*refusal);
+        return json_answer({{"name", name}, {"deleted", true}});
+    });
+}
+
+http::Response Recordings::file(const http::Request& request, std::string name) {
+    ServedFile file;
+    file.type = type_of(recording_format_of(name).value_or(RecordingFormat::mcap));
+    if (is_recording_name(name)) file.save_as = name;
+    file.open = [folder = folder_, name = std::move(name)]() -> std::variant<UniqueFd, http::Response> {
+        auto opened = open_recording(folder, name);
+        if (auto* refusal = std::get_if<Refusal>(&opened)) return refused(*refusal);
+        return std::move(std::get<UniqueFd>(opened));
+    };
+    return served(disk_, request, std::move(file));
+}
+
+http::Response Recordings::save_last(std::string name, std::optional<RecordingFormat> format) {
+    if (!memory_) return http::error(409, nothing_kept);
+    if (folder_.empty()) return http::error(409, no_folder);
+    const bool is_made_up = name.empty();
+    if (is_made_up) name = name_by_time(since_1970()) + "-last";
+    if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
+    http::Response response = http::later([this, name, is_made_up, format](const Say& say) {
+        if (is_made_up) return save(name, format.value_or(usual_format()), say);
+        const auto refusal = std::make_shared<std::optional<Refusal>>();
+        disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
+                             [this, refusal, name, format, say](const std::string& fault) {
+                                 if (!fault.empty()) say(http::error(503, fault));
+                                 else if (*refusal) say(refused(**refusal));
+                                 else save(name, format.value_or(usual_format()), say);
+                             });
+    });
+    response.patient = true;
+    return response;
+}
+
+http::Response Recordings::last(std::optional<RecordingFormat> format) {
+    if (!memory_) return http::error(409, nothing_kept);
+    const RecordingFormat made = format.value_or(usual_format());
+    http::Response response;
+    response.type = type_of(made);
+    response.headers.push_back({"Content-Disposition", "attachment; filename=\"" + name_by_time(since_1970()) + "-last." +
+                                                           std::string{text(made)} + "\""});
+    response.producer = std::make_unique<KeptFramesParts>(memory_->frames(), made);
+    return response;
+}
+
+void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
+
+// Of what comes again and again, the first is told; it is not saved while a link is taken down within a call of its own.
+void Recordings::save_for(std::string_view why) {
+    if (!memory_ || is_stopped_ || folder_.empty()) return;
+    const TimePoint now = Clock::now();
+    if (saved_at_ && now - *saved_at_ < between_saves) {
+        ++past_.skipped;
+        return;
+    }
+    saved_at_ = now;
+    asio::post(gateway_.io(),
+               [this, name = name_by_time(since_1970()) + "-" + std::string{why}, alive = std::weak_ptr<bool>{is_alive_}] {
+                   if (!alive.expired() && memory_ && !is_stopped_) save(name, usual_format(), [](const http::Response&) {});
+               });
+}
+
+void Recordings::save(const std::string& name, RecordingFormat format, Say say) {
+    if (!memory_) return say(http::error(409, nothing_kept));
+    const auto frames = std::make_shared<KeptFrames>(memory_->frames());
+    const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
+    const std::uint64_t count = frames->frames();
+    disk_.run_for_nobody([result, frames, folder = folder_, name, format,
+                          free = settings_.free] { *result = save_frames(folder, name, format, free, std::move(*frames)); },
+                         [this, result, count, say = std::move(say)](const std::string& fault) {
+                             if (!fault.empty()) *result = Refusal{503, fault};
+                             saved(*result, count, say);
+                         });
+}
+
+void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {
+    if (const auto* refusal = std::get_if<Refusal>(&result)) {
+        save_fault_ = refusal->words;
+        spdlog::warn("recording: the last frames are not saved: {}", refusal->words);
+        return say(refused(*refusal));
+    }
+    const SavedFrames& file = std::get<SavedFrames>(result);
+    ++past_.saved;
+    save_fault_.clear();
+    last_saved_ = file.name;
+    spdlog::info("recording: the last {} frames are saved as {}", frames, file.name);
+    look_soon();
+    say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
+}
+
+// One look at a time; of those wanted meanwhile, one more.
+void Recordings::look_soon() {
+    if (is_stopped_ || folder_.empty()) return;
+    if (std::exchange(is_looking_, true)) look_again_ = true;
+    else look();
+}
+
+void Recordings::look() {
+    struct Seen {
+        std::optional<std::uint64_t> free;
+        std::vector<std::string> gone;
+    };
+    const auto seen = std::make_shared<Seen>();
+    const KeepLimits limits{settings_.keep_size,
+                            std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_age.value_or(ano::Duration{})),
+                            settings_.keep_free};
+    disk_.run_for_nobody(
+        [seen, limits, folder = folder_] {
+            const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
+            if (has_limits) seen->gone = delete_old(folder, limits, since_1970());
+            seen->free = room_for(folder);
+        },
+        [this, seen](const std::string& fault) { looked(seen->free, seen->gone, fault); });
+}
+
+void Recordings::looked(std::optional<std::uint64_t> free, const std::vector<std::string>& gone, const std::string& fault) {
+    is_looking_ = false;
+    if (fault.empty()) free_ = free;
+    for (const std::string& name : gone) spdlog::info("recording: {} is deleted, as \"keep\" says", name);
+    if (std::exchange(look_again_, false)) look_soon();
+}
+
+void Recordings::repair() {
+    if (folder_.empty()) return;
+    const auto repaired = std::make_shared<std::vector<RepairedFile>>();
+    disk_.run_for_nobody([repaired, folder = folder_] { *repaired = repair_recordings(folder); },
+                         [repaired](const std::string& fault) {
+                             if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
+                             for (const RepairedFile& file : *repaired) {
+                                 if (!file.fault.empty())
+                                     spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
+                                 else
+                                     spdlog::info(
+                                         "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
+                                         "taken off",
+                                         file.name, file.frames, file.cut);
+                             }
+                         });
+}
+
+}    // namespace anogate

@@ -1,0 +1,296 @@
+#include <daemon/recording_file.hpp>
+#include <daemon/recordings_folder.hpp>
+#include <daemon/served_file.hpp>
+#include <link/errors.hpp>
+#include <record/recording_glance.hpp>
+#include <record/recording_repair.hpp>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t most_name = 100;
+constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
+constexpr std::size_t piece_size = 1024 * 1024;
+constexpr std::string_view our_program = "anogated ";    // the version is behind it
+constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
+
+bool may_be_in_name(char c) noexcept {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+}
+
+bool is_name(std::string_view name, std::size_t most) noexcept {
+    return !name.empty() && name.size() <= most && name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
+}
+
+UniqueFd open_folder(const std::string& folder) { return UniqueFd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)}; }
+
+std::string read_at(int fd, std::uint64_t at, std::size_t size) {
+    std::string bytes(size, '\0');
+    std::size_t have = 0;
+    while (have < size) {
+        const ssize_t n = ::pread(fd, bytes.data() + have, size - have, static_cast<off_t>(at + have));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) break;
+        have += static_cast<std::size_t>(n);
+    }
+    bytes.resize(have);
+    return bytes;
+}
+
+RecordingGlance glance_at_file(int fd, RecordingFormat format, std::uint64_t size) {
+    const std::uint64_t last = size > glance_size ? size - glance_size : 0;
+    return glance_at(format, read_at(fd, 0, glance_size), read_at(fd, last, glance_size));
+}
+
+bool is_ours(const RecordingGlance& glance) { return glance.head.program.starts_with(our_program); }
+
+/// Who writes a recording has it locked as long as he does.
+bool is_locked(int fd) {
+    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK;
+    ::flock(fd, LOCK_UN);
+    return false;
+}
+
+struct OpenRecording {
+    UniqueFd fd;
+    struct stat is {};
+    RecordingFormat format{};
+    RecordingGlance glance;
+};
+
+/// One that the gateway wrote; nothing: it is none, and errno says why it can't be opened, or is 0.
+std::optional<OpenRecording> open_ours(int folder, const std::string& name, bool writable = false) {
+    errno = 0;
+    const auto format = recording_format_of(name);
+    if (!format || !is_name(name, most_file_name)) return std::nullopt;
+    OpenRecording file;
+    file.fd = open_regular(folder, name, writable);
+    if (!file.fd || ::fstat(file.fd.get(), &file.is) != 0) return std::nullopt;
+    file.format = *format;
+    file.glance = glance_at_file(file.fd.get(), *format, static_cast<std::uint64_t>(file.is.st_size));
+    errno = 0;
+    return is_ours(file.glance) ? std::optional{std::move(file)} : std::nullopt;
+}
+
+struct CloseFolder {
+    void operator()(DIR* folder) const noexcept { ::closedir(folder); }
+};
+
+/// Of everything but folders, hidden ones not: a name with a dot in front is none of ours.
+std::vector<std::string> names_in(int folder) {
+    std::vector<std::string> names;
+    UniqueFd again{::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+    const std::unique_ptr<DIR, CloseFolder> list{again ? ::fdopendir(again.get()) : nullptr};
+    if (list) again.release();
+    while (list) {
+        const dirent* const entry = ::readdir(list.get());
+        if (!entry) break;
+        if (entry->d_name[0] != '.' && entry->d_type != DT_DIR) names.emplace_back(entry->d_name);
+    }
+    return names;
+}
+
+FoundRecording found(const std::string& name, const OpenRecording& file) {
+    FoundRecording recording;
+    recording.name = name;
+    recording.format = file.format;
+    recording.bytes = static_cast<std::uint64_t>(file.is.st_size);
+    recording.frames = file.glance.frames;
+    recording.begun_ns = file.glance.head.time_ns;
+    recording.changed = std::chrono::seconds{file.is.st_mtim.tv_sec};
+    using State = FoundRecording::State;
+    recording.state = is_locked(file.fd.get()) ? State::recording : file.glance.is_ended ? State::ended : State::unfinished;
+    return recording;
+}
+
+Refusal refusal_of_open(const std::string& name, int error) {
+    if (error == ENOENT) return {404, "there is no recording " + name};
+    if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
+    return {error == EACCES || error == EPERM ? 403u : 503u, error_text(name, error)};
+}
+
+Refusal refusal_of_folder(const std::string& folder, int error) {
+    if (error == ENOENT) return {404, "there is no recording: nothing was recorded yet"};
+    return {503, error_text(folder, error)};
+}
+
+/// The file that was looked at is what goes, and nothing that took its name meanwhile.
+std::optional<Refusal> unlink_same(int folder, const std::string& name, const struct stat& was) {
+    struct stat is {};
+    if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0) return Refusal{404, "there is no recording " + name};
+    if (is.st_dev != was.st_dev || is.st_ino != was.st_ino) return Refusal{409, name + " is another file now"};
+    if (::unlinkat(folder, name.c_str(), 0) == 0) return std::nullopt;
+    return Refusal{errno == EACCES || errno == EPERM || errno == EROFS ? 403u : 503u, error_text(name, errno)};
+}
+
+bool append_all(int fd, std::uint64_t at, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t n = ::pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(at));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        at += static_cast<std::uint64_t>(n);
+        bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+}
+
+/// Its time stays that of its last frame. The end first, behind what is kept: of what is cut off nothing is missed when that fails.
+std::string make_whole(const OpenRecording& file, const RecordingRepair::Result& result) {
+    const int fd = file.fd.get();
+    const std::uint64_t end = result.keep + result.append.size();
+    const bool done = append_all(fd, result.keep, result.append) && ::ftruncate(fd, static_cast<off_t>(end)) == 0;
+    const int error = errno;
+    const std::array<timespec, 2> times{file.is.st_atim, file.is.st_mtim};
+    ::futimens(fd, times.data());
+    ::fsync(fd);
+    return done ? std::string{} : error_text(error);
+}
+
+std::optional<RepairedFile> repair(int folder, const std::string& name) {
+    const auto file = open_ours(folder, name, true);
+    if (!file || file->glance.is_ended || ::flock(file->fd.get(), LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+    RecordingRepair repair{file->format};
+    std::uint64_t at = 0;
+    for (std::string piece = read_at(file->fd.get(), 0, piece_size); !piece.empty();
+         piece = read_at(file->fd.get(), at, piece_size)) {
+        repair.give(piece);
+        at += piece.size();
+    }
+    const RecordingRepair::Result result = repair.finish();
+    if (result.is_whole) return std::nullopt;
+    RepairedFile repaired{name, result.frames, at > result.keep ? at - result.keep : 0, {}};
+    repaired.fault = result.is_recording ? make_whole(*file, result) : "it is damaged before its first frame";
+    return repaired;
+}
+
+}    // namespace
+
+bool is_recording_name(std::string_view name) noexcept { return is_name(name, most_name); }
+
+std::string recording_name_rule(std::string_view given) {
+    return "a name has 1 to 100 of A-Z, a-z, 0-9, '.', '_' and '-', and no dot in front" +
+           std::string{given.size() > most_name ? ": this one has " + std::to_string(given.size()) : ""};
+}
+
+std::string_view text(FoundRecording::State state) noexcept {
+    switch (state) {
+    case FoundRecording::State::recording: return "recording";
+    case FoundRecording::State::ended: return "ended";
+    case FoundRecording::State::unfinished: break;
+    }
+    return "unfinished";
+}
+
+std::optional<std::uint64_t> room_for(const std::string& folder) {
+    std::filesystem::path there = folder;
+    std::optional<std::uint64_t> room = free_bytes(folder);
+    while (!room && there.has_relative_path()) {
+        there = there.parent_path();
+        room = free_bytes(there.empty() ? "." : there.string());
+    }
+    return room;
+}
+
+FolderView view_of(const std::string& folder) {
+    FolderView view;
+    const UniqueFd at = open_folder(folder);
+    if (!at && errno != ENOENT) view.error = error_text(folder, errno);
+    view.free = room_for(folder);
+    if (!at) return view;
+    for (const std::string& name : names_in(at.get())) {
+        if (const auto file = open_ours(at.get(), name)) view.files.push_back(found(name, *file));
+        else ++view.others;
+    }
+    std::sort(view.files.begin(), view.files.end(), [](const FoundRecording& a, const FoundRecording& b) {
+        return std::tie(b.changed, b.begun_ns, b.name) < std::tie(a.changed, a.begun_ns, a.name);
+    });
+    return view;
+}
+
+std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const std::string& name) {
+    if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
+    const UniqueFd at = open_folder(folder);
+    if (!at) return refusal_of_folder(folder, errno);
+    auto file = open_ours(at.get(), name);
+    if (!file) return refusal_of_open(name, errno);
+    return std::move(file->fd);
+}
+
+std::optional<Refusal> remove_recording(const std::string& folder, const std::string& name) {
+    if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
+    const UniqueFd at = open_folder(folder);
+    if (!at) return refusal_of_folder(folder, errno);
+    const auto file = open_ours(at.get(), name);
+    if (!file) return refusal_of_open(name, errno);
+    if (is_locked(file->fd.get())) return Refusal{409, name + " is being written: end it before it is deleted"};
+    return unlink_same(at.get(), name, file->is);
+}
+
+std::optional<Refusal> check_new_name(const std::string& folder, const std::string& name) {
+    const UniqueFd at = open_folder(folder);
+    if (!at && errno != ENOENT) return Refusal{507, error_text(folder, errno)};
+    for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
+        const std::string file = name + "." + std::string{text(format)};
+        struct stat is {};
+        if (at && ::fstatat(at.get(), file.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0)
+            return Refusal{409, file + " is there already: choose another name"};
+    }
+    return std::nullopt;
+}
+
+std::vector<RepairedFile> repair_recordings(const std::string& folder) {
+    std::vector<RepairedFile> all;
+    const UniqueFd at = open_folder(folder);
+    if (!at) return all;
+    for (const std::string& name : names_in(at.get()))
+        if (auto repaired = repair(at.get(), name)) all.push_back(std::move(*repaired));
+    return all;
+}
+
+std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, std::chrono::seconds now) {
+    std::vector<std::string> gone;
+    const FolderView view = view_of(folder);
+    std::vector<KeptRecording> kept;
+    for (const FoundRecording& file : view.files)
+        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording});
+    for (const std::size_t i : recordings_to_delete(kept, limits, now, view.free.value_or(UINT64_MAX)))
+        if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);
+    return gone;
+}
+
+std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
+                                               std::uint64_t free, KeptFrames frames) {
+    unsigned number = 1;
+    auto made = RecordingFile::create(folder, name, format, number);
+    if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->text};
+    RecordingFile& file = std::get<RecordingFile>(made);
+    KeptFramesWriting writing{std::move(frames), format};
+    std::string fault;
+    for (bool more = true; more && fault.empty();) {
+        std::string bytes;
+        while (more && bytes.size() < piece_size) more = writing.next(bytes);
+        const auto is_free = free_bytes(folder);
+        if (is_free && *is_free < free + bytes.size()) fault = "the disk has only " + std::to_string(*is_free) + " bytes free";
+        else if (const int error = file.append(bytes); error != 0) fault = error_text(error);
+    }
+    if (const int error = fault.empty() ? file.sync() : 0; error != 0) fault = error_text(error);
+    const std::string saved = std::filesystem::path{file.path()}.filename().string();
+    if (fault.empty()) return SavedFrames{saved, file.size()};
+    file.remove();
+    return Refusal{507, saved + " is not saved: " + fault};
+}
+
+}    // namespace anogate

@@ -1,0 +1,26 @@
+// A recording that runs, as Recordings knows it.
+#pragma once
+#include <daemon/recordings.hpp>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace anogate {
+
+struct Recordings::Running {
+    AskedRecording asked;
+    bool is_configured = false;
+    std::uint64_t began_ns = 0;    // since 1970
+    TimePoint began_at{};
+    std::unique_ptr<Recorder> recorder{};
+    std::uint64_t told_files = 0;
+    std::string told_error{};
+    bool is_ending = false;
+    std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits to hear of it
+};
+
+/// Of the file that is written; empty: there is none yet.
+std::string file_name_of(const Recordings::Running& running);
+
+http::Response json_answer(nlohmann::ordered_json json);
+
+}    // namespace anogate

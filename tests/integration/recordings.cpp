@@ -1,0 +1,421 @@
+// What the gateway records itself: by its configuration, when asked, of the last while; and what it leaves alone.
+#include <support/asked.hpp>
+#include <support/bytes.hpp>
+#include <support/files.hpp>
+#include <support/numbered_frames.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/recorded.hpp>
+#include <support/sanitized.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace support;
+using anogate::http::Answer;
+using nlohmann::json;
+
+const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+
+class Recordings : public testing::Test {
+protected:
+    /// `record`: the section, with its comma in front; empty: none.
+    void start(const std::string& record = {}, const std::string& more = {}) {
+        write_config(record, more);
+        gateway = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", dir / "anogate.json"});
+        ASSERT_TRUE(gateway->until_answers()) << gateway->output();
+    }
+    void write_config(const std::string& record, const std::string& more = {}) {
+        dir.write("anogate.json", R"({"links": [")" + a.link("a") + "\"" + more + "]" + record + "}");
+    }
+    Answer ask(const std::string& method, const std::string& target, const std::string& body = {}) const {
+        return asked(socket, method, target, body);
+    }
+    json get() const { return json::parse(ask("GET", "/recordings").body, nullptr, false); }
+    json begin(const json& body) const {
+        const Answer answer = ask("POST", "/recordings", body.dump());
+        EXPECT_EQ(answer.status, 200u) << answer.body;
+        return json::parse(answer.body, nullptr, false);
+    }
+    json end(const std::string& name) const {
+        const Answer answer = ask("POST", "/recordings/" + name + "/end");
+        EXPECT_EQ(answer.status, 200u) << answer.body;
+        return json::parse(answer.body, nullptr, false);
+    }
+    void refuses(unsigned status, const std::string& method, const std::string& target, const std::string& body,
+                 const std::string& words) const {
+        const Answer answer = ask(method, target, body);
+        EXPECT_EQ(answer.status, status) << answer.body;
+        EXPECT_NE(answer.body.find(words), std::string::npos) << answer.body;
+    }
+    void send(const Bytes& bytes = euler) { a.send(gateway->port("a"), bytes); }
+    /// Sends numbered frames, one by one, until the gateway has taken them.
+    void send_numbered(int count) {
+        const std::uint64_t before = gateway->count("a", "frames_in");
+        for (int i = 0; i < count; ++i) send(numbered(0xDC, 0xFF, sent_++));
+        ASSERT_TRUE(gateway->until(
+            [&](const json&) { return gateway->count("a", "frames_in") >= before + static_cast<std::uint64_t>(count); }));
+    }
+    bool until(const std::function<bool(const json&)>& holds) const {
+        return wait_until([&] { return holds(get()); });
+    }
+    /// The file in the folder of recordings.
+    std::string content(const std::string& name) const { return text_of(folder + "/" + name); }
+    std::vector<std::string> names() const {
+        std::vector<std::string> all;
+        for (const auto& entry : fs::directory_iterator{folder}) all.push_back(entry.path().filename());
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+    void stop() {
+        gateway->signal(SIGTERM);
+        EXPECT_EQ(gateway->wait(), 0) << gateway->output();
+    }
+    json file_called(const std::string& name) const {
+        const json all = get();
+        for (const json& file : all.at("recordings"))
+            if (file.at("name") == name) return file;
+        return {};
+    }
+
+    TempDir dir;
+    std::string socket = dir / "control.sock", folder = socket + ".state/recordings";
+    UdpPeer a;
+    std::unique_ptr<Daemon> gateway;
+    int sent_ = 0;
+};
+
+TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
+    start();
+    const json begun = begin({{"name", "flight"}});
+    EXPECT_EQ(begun.at("name"), "flight");
+    EXPECT_EQ(begun.at("file"), "flight.pcapng");
+    EXPECT_EQ(begun.at("by"), "request");
+    send_numbered(50);
+    EXPECT_TRUE(until([](const json& all) { return all.at("running").at(0).at("frames") == 50; }));
+    EXPECT_EQ(file_called("flight.pcapng").at("state"), "recording");
+    EXPECT_EQ(gateway->status().at("recording").at("running").at(0).at("name"), "flight");
+    refuses(409, "DELETE", "/recordings/flight.pcapng", {}, "is being written");
+    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "is being recorded already");
+
+    const json ended = end("flight");
+    EXPECT_EQ(ended.at("frames"), 50);
+    EXPECT_EQ(ended.at("not_written"), 0);
+    const json file = file_called("flight.pcapng");
+    EXPECT_EQ(file.at("state"), "ended");
+    EXPECT_EQ(file.at("frames"), 50);
+    EXPECT_EQ(file.at("bytes"), ended.at("bytes"));
+    struct stat is {};
+    ASSERT_EQ(::stat((folder + "/flight.pcapng").c_str(), &is), 0);
+    EXPECT_EQ(is.st_mode & 07777, 0640u);
+
+    const auto read = read_pcapng(content("flight.pcapng"));
+    EXPECT_TRUE(read.has_end);
+    ASSERT_EQ(read.items.size(), 50u);
+    for (int i = 0; i < 50; ++i) EXPECT_EQ(read.items[static_cast<std::size_t>(i)].frame, numbered(0xDC, 0xFF, i));
+    EXPECT_EQ(ask("GET", "/recordings/flight.pcapng").body, content("flight.pcapng"));
+
+    refuses(409, "POST", "/recordings", R"({"name": "flight"})", "flight.pcapng is there already");
+    refuses(409, "POST", "/recordings", R"({"name": "flight.mcap"})", "flight.pcapng is there already");
+    EXPECT_EQ(ask("DELETE", "/recordings/flight.pcapng").status, 200u);
+    EXPECT_TRUE(names().empty());
+    refuses(404, "GET", "/recordings/flight.pcapng", {}, "there is no recording flight.pcapng");
+}
+
+TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {
+    start();
+    begin({{"name", "in"}, {"id", {"wind"}}, {"seconds", 1}});
+    begin({{"name", "all"}, {"direction", {"in", "out", "dropped"}}, {"from", "0xDD"}, {"link", "a"}});
+    for (int i = 0; i < 5; ++i) {
+        send(euler);
+        send(wind);
+    }
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").size() == 1; })) << "one second is over";
+    EXPECT_EQ(file_called("in.pcapng").at("frames"), 5);
+    EXPECT_EQ(end("all").at("frames"), 5);
+    for (const auto& item : read_pcapng(content("in.pcapng")).items) EXPECT_EQ(item.frame, wind);
+    for (const auto& item : read_pcapng(content("all.pcapng")).items) EXPECT_EQ(item.frame, wind);
+}
+
+TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise) {
+    start();
+    for (const char* name : {"../x", "a/b", ".x", "..", "a b", "ä", "x\n"})
+        refuses(422, "POST", "/recordings", json{{"name", name}}.dump(), "no dot in front");
+    refuses(422, "POST", "/recordings", json{{"name", std::string(101, 'x')}}.dump(), "this one has 101");
+    refuses(422, "POST", "/recordings", R"({"name": "a.pcapng", "format": "mcap"})", "the end of the name says pcapng");
+    refuses(422, "POST", "/recordings", R"({"format": "mp4"})", "neither pcapng nor mcap");
+    refuses(422, "POST", "/recordings", R"({"seconds": -1})", "seconds");
+    refuses(422, "POST", "/recordings", R"({"link": "b"})", "there is no link 'b'");
+    refuses(422, "POST", "/recordings", "[]", "a JSON object");
+    EXPECT_FALSE(fs::exists(folder));
+    const json begun = begin(json::object());
+    EXPECT_TRUE(begun.at("name").get<std::string>().ends_with("Z")) << begun;
+    EXPECT_EQ(end(begun.at("name")).at("file"), begun.at("file"));
+    EXPECT_EQ(begin({{"name", std::string(100, 'x')}}).at("file"), std::string(100, 'x') + ".pcapng");
+    end(std::string(100, 'x'));
+    EXPECT_EQ(file_called(std::string(100, 'x') + ".pcapng").at("state"), "ended");
+}
+
+TEST_F(Recordings, are_four_at_once_at_most_beside_that_of_the_configuration) {
+    start(R"(, "record": {})");
+    for (const char* name : {"1", "2", "3", "4"}) begin({{"name", name}});
+    refuses(409, "POST", "/recordings", R"({"name": "5"})", "4 recordings");
+    end("2");
+    begin({{"name", "5"}});
+    EXPECT_EQ(get().at("running").size(), 5u);
+}
+
+TEST_F(Recordings, leave_everything_alone_that_the_gateway_did_not_write) {
+    fs::create_directories(folder);
+    const std::string secret = dir.write("secret.pcapng", "secret");
+    std::ofstream{folder + "/notes.pcapng"} << "not ours";
+    fs::create_symlink(secret, folder + "/link.pcapng");
+    ASSERT_EQ(::mkfifo((folder + "/pipe.pcapng").c_str(), 0600), 0);
+    start();
+    EXPECT_EQ(get().at("others"), 3);
+    EXPECT_EQ(get().at("recordings"), json::array());
+    for (const char* name : {"notes.pcapng", "link.pcapng", "pipe.pcapng"}) {
+        const std::string target = std::string{"/recordings/"} + name;
+        refuses(403, "GET", target, {}, "left alone");
+        refuses(403, "DELETE", target, {}, "left alone");
+    }
+    refuses(422, "GET", "/recordings/..%2Fsecret.pcapng", {}, "no dot in front");
+    refuses(422, "DELETE", "/recordings/..%2F..%2Fsecret.pcapng", {}, "no dot in front");
+    refuses(409, "POST", "/recordings", R"({"name": "link"})", "is there already");
+    EXPECT_EQ(text_of(secret), "secret");
+    EXPECT_EQ(names().size(), 3u);
+}
+
+TEST_F(Recordings, are_fetched_in_ranges) {
+    start();
+    begin({{"name", "flight"}});
+    send_numbered(200);
+    end("flight");
+    const std::string whole = content("flight.pcapng");
+    const auto part = [&](const std::string& range, const std::string& more = {}) {
+        return http(socket, "GET /recordings/flight.pcapng HTTP/1.1\r\nHost: a\r\nConnection: close\r\nRange: bytes=" + range +
+                                "\r\n" + more + "\r\n");
+    };
+    const std::string middle = part("100-199");
+    EXPECT_TRUE(middle.starts_with("HTTP/1.1 206 ")) << middle;
+    EXPECT_NE(middle.find("\r\nContent-Range: bytes 100-199/" + std::to_string(whole.size()) + "\r\n"), std::string::npos);
+    EXPECT_NE(middle.find("\r\nContent-Length: 100\r\n"), std::string::npos);
+    EXPECT_EQ(body_of(middle), whole.substr(100, 100));
+    EXPECT_EQ(body_of(part("-50")), whole.substr(whole.size() - 50));
+    EXPECT_TRUE(part(std::to_string(whole.size()) + "-").starts_with("HTTP/1.1 416 "));
+    const auto tag_at = middle.find("\r\nETag: ") + 8;
+    const std::string tag = middle.substr(tag_at, middle.find('\r', tag_at) - tag_at);
+    EXPECT_TRUE(part("0-9", "If-Range: " + tag + "\r\n").starts_with("HTTP/1.1 206 "));
+    EXPECT_TRUE(part("0-9", "If-Range: \"another\"\r\n").starts_with("HTTP/1.1 200 ")) << "another file is sent whole";
+    const std::string head = http(socket, "HEAD /recordings/flight.pcapng HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+    EXPECT_NE(head.find("\r\nContent-Length: " + std::to_string(whole.size()) + "\r\n"), std::string::npos) << head;
+    EXPECT_EQ(body_of(head), "");
+}
+
+TEST_F(Recordings, begin_with_the_gateway_and_end_with_it_where_the_configuration_says_so) {
+    start(R"(, "record": {"direction": ["in", "out"]})");
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").size() == 1 && all.at("running")[0].at("files") == 1; }));
+    EXPECT_EQ(get().at("running").at(0).at("by"), "configuration");
+    send_numbered(20);
+    stop();
+    ASSERT_EQ(names().size(), 1u);
+    const auto read = read_pcapng(content(names()[0]));
+    EXPECT_TRUE(read.has_end) << "what waited was written";
+    EXPECT_EQ(read.items.size(), 20u);
+}
+
+TEST_F(Recordings, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made_whole_at_the_next_start) {
+    start(R"(, "record": {})");
+    send_numbered(30);
+    std::this_thread::sleep_for(std::chrono::seconds{1});    // of what came before that nothing may be missing
+    send_numbered(10);
+    gateway->signal(SIGKILL);
+    gateway->wait();
+    ASSERT_EQ(names().size(), 1u);
+    const std::string first = names()[0];
+    EXPECT_FALSE(read_pcapng(content(first)).has_end);
+    start(R"(, "record": {"start": false})");
+    ASSERT_TRUE(wait_until([&] { return file_called(first).at("state") == "ended"; })) << gateway->output();
+    EXPECT_TRUE(gateway->until_says(first + " was cut and is whole again"));
+    const auto read = read_pcapng(content(first));
+    EXPECT_TRUE(read.has_end);
+    ASSERT_GE(read.items.size(), 30u);
+    for (std::size_t i = 0; i < read.items.size(); ++i) EXPECT_EQ(read.items[i].frame, numbered(0xDC, 0xFF, static_cast<int>(i)));
+}
+
+TEST_F(Recordings, go_on_without_a_gap_when_a_reload_does_not_concern_them) {
+    start(R"(, "record": {})");
+    send_numbered(20);
+    const json before = get().at("running").at(0);
+    write_config(R"(, "record": {"keep_last": "10s", "keep": {"size": "1GB"}})", R"(, "sim:fc")");
+    gateway->signal(SIGHUP);
+    ASSERT_TRUE(gateway->until_up("fc"));
+    EXPECT_TRUE(gateway->until_says("reload: record.keep.size: 0 -> 1GB")) << gateway->output();
+    send_numbered(20);
+    EXPECT_EQ(get().at("running").at(0).at("name"), before.at("name"));
+    EXPECT_EQ(get().at("keep_last").at("seconds"), 10.0);
+
+    write_config(R"(, "record": {"direction": ["in", "dropped"]})", R"(, "sim:fc")");
+    gateway->signal(SIGHUP);
+    ASSERT_TRUE(gateway->until_says("reload: record.direction: in -> in, dropped")) << gateway->output();
+    send_numbered(20);
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").size() == 1 && all.at("recordings").size() == 2; }));
+    write_config("", R"(, "sim:fc")");
+    gateway->signal(SIGHUP);
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").empty(); }));
+    std::vector<Bytes> all;
+    std::vector<std::pair<fs::file_time_type, std::string>> files;
+    for (const std::string& name : names()) files.emplace_back(fs::last_write_time(folder + "/" + name), name);
+    std::sort(files.begin(), files.end());
+    for (const auto& [time, name] : files)
+        for (const auto& item : read_pcapng(content(name)).items)
+            if (item.link == "a") all.push_back(item.frame);
+    ASSERT_EQ(all.size(), 60u);
+    for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], numbered(0xDC, 0xFF, static_cast<int>(i)));
+}
+
+TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames_go_on) {
+    start(R"(, "record": {"free": "1000000GB"})");
+    const auto begun = std::chrono::steady_clock::now();
+    const auto is_failing = [](const json& status) {
+        const json& running = status.at("recording").at("running");
+        return !running.empty() && !running[0].at("error").get<std::string>().empty();
+    };
+    ASSERT_TRUE(gateway->until(is_failing)) << gateway->output();
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{2} * (support::sanitized ? 5 : 1));
+    EXPECT_TRUE(gateway->until_says("frames go on, but are not recorded")) << gateway->output();
+    EXPECT_NE(ask("GET", "/metrics").body.find("\nanogate_recording_failing 1\n"), std::string::npos);
+    send_numbered(20);
+    EXPECT_TRUE(
+        gateway->until([](const json& status) { return status.at("recording").at("running").at(0).at("not_written") == 20; }));
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    EXPECT_TRUE(until([](const json& all) { return all.at("running").size() == 1; })) << "what could not begin has ended";
+}
+
+TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
+    start(R"(, "record": {"start": false, "keep_last": "60s"})");
+    send_numbered(40);
+    EXPECT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 40; }));
+    const auto fetched = read_pcapng(ask("GET", "/recordings/last").body);
+    EXPECT_TRUE(fetched.has_end);
+    EXPECT_EQ(fetched.items.size(), 40u);
+    const Answer saved = ask("POST", "/recordings", R"({"last": true, "name": "incident"})");
+    EXPECT_EQ(saved.status, 200u) << saved.body;
+    EXPECT_EQ(json::parse(saved.body).at("name"), "incident.pcapng");
+    const auto read = read_pcapng(content("incident.pcapng"));
+    ASSERT_EQ(read.items.size(), 40u);
+    for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(read.items[i].frame, numbered(0xDC, 0xFF, static_cast<int>(i)));
+    EXPECT_EQ(read.items[0].link, "a");
+    refuses(409, "POST", "/recordings", R"({"last": true, "name": "incident"})", "is there already");
+    refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
+}
+
+TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_once_a_minute_at_most) {
+    start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]})");
+    send(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
+    send(euler);
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1; }));
+    EXPECT_EQ(get().at("keep_last").at("saved"), 0) << "a line in no colour is no fault";
+    send(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("saved") == 1; })) << gateway->output();
+    const std::string name = get().at("keep_last").at("last");
+    EXPECT_TRUE(name.ends_with("Z-fault.pcapng")) << name;
+    EXPECT_EQ(read_pcapng(content(name)).items.size(), 1u);
+    send(frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("skipped") == 1; }));
+    EXPECT_EQ(get().at("keep_last").at("saved"), 1);
+}
+
+TEST_F(Recordings, of_the_last_while_are_saved_when_a_link_is_lost) {
+    PtyDevice device{dir / "tty"};
+    start(R"(, "record": {"start": false, "keep_last": "60s"})", R"(, "serial:)" + (dir / "tty") + R"(,name=fc")");
+    ASSERT_TRUE(gateway->until_up("fc"));
+    send_numbered(10);
+    device.unplug();
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("saved") == 1; })) << gateway->output();
+    const std::string name = get().at("keep_last").at("last");
+    EXPECT_TRUE(name.ends_with("Z-link-lost.pcapng")) << name;
+    EXPECT_EQ(read_pcapng(content(name)).items.size(), 10u);
+}
+
+TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the_gateway_wrote) {
+    fs::create_directories(folder);
+    std::ofstream{folder + "/notes.pcapng"} << std::string(100'000, 'x');
+    start();
+    for (const char* name : {"first", "second"}) {
+        begin({{"name", name}});
+        send_numbered(100);
+        end(name);
+    }
+    fs::last_write_time(folder + "/first.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{2});
+    write_config(R"(, "record": {"start": false, "keep": {"age": "1h"}})");
+    gateway->signal(SIGHUP);
+    EXPECT_TRUE(gateway->until_says("first.pcapng is deleted, as \"keep\" says")) << gateway->output();
+    EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng"}));
+}
+
+TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_commands) {
+    write_config("");
+    dir.write("anogate.json", R"({"gateway": {"id": 199}, "links": [")" + a.link("a") + R"("]})");
+    gateway = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", dir / "anogate.json"});
+    ASSERT_TRUE(gateway->until_answers()) << gateway->output();
+    const auto call = [&](const char* command) {
+        return ask("POST", std::string{"/devices/199/commands/"} + command, R"({"values": []})").status;
+    };
+    EXPECT_EQ(call("START_RECORDING"), 200u);
+    EXPECT_TRUE(until([](const json& all) { return all.at("running").size() == 1; }));
+    EXPECT_NE(call("START_RECORDING"), 200u) << "it records already";
+    EXPECT_EQ(call("STOP_RECORDING"), 200u);
+    EXPECT_TRUE(until([](const json& all) { return all.at("running").empty() && all.at("recordings").size() == 1; }));
+    EXPECT_NE(call("STOP_RECORDING"), 200u);
+}
+
+TEST_F(Recordings, are_seen_but_not_made_or_deleted_with_a_token_to_look) {
+    const std::string looks = "view-token-0123456789";
+    fs::permissions(dir.write("token", "view " + looks + "\n"), fs::perms{0600});
+    start("", {});
+    stop();
+    dir.write("anogate.json", R"({"links": [")" + a.link("a") + R"("], "control": {"http": "127.0.0.1:0", "token_file": ")" +
+                                  (dir / "token") + "\"}}");
+    gateway = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", dir / "anogate.json"});
+    ASSERT_TRUE(gateway->until_answers()) << gateway->output();
+    begin({{"name", "flight"}});
+    end("flight");
+    const auto port = gateway->status().at("http").at("port").get<std::uint16_t>();
+    const auto code = [&](const std::string& line, const std::string& body = {}) {
+        const std::string answer = http(
+            port,
+            line + " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\nConnection: close\r\nContent-Type: application/json\r\n" +
+                "Content-Length: " + std::to_string(body.size()) + "\r\nAuthorization: Bearer " + looks + "\r\n\r\n" + body);
+        return answer.size() > 12 ? answer.substr(9, 3) : answer;
+    };
+    EXPECT_EQ(code("GET /recordings"), "200");
+    EXPECT_EQ(code("GET /recordings/flight.pcapng"), "200");
+    EXPECT_EQ(code("POST /recordings", R"({"name": "another"})"), "403");
+    EXPECT_EQ(code("POST /recordings", R"({"last": true})"), "403");
+    EXPECT_EQ(code("POST /recordings/flight/end"), "403");
+    EXPECT_EQ(code("DELETE /recordings/flight.pcapng"), "403");
+    EXPECT_EQ(names(), std::vector<std::string>{"flight.pcapng"});
+}
+
+}    // namespace

@@ -1,0 +1,103 @@
+// What is asked of a disk that may hang.
+#include <daemon/disk_works.hpp>
+#include <support/loop.hpp>
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using anogate::DiskWorks;
+using support::Loop;
+
+/// Who reads hangs until it is let go.
+class HangingDisk {
+public:
+    HangingDisk() { EXPECT_EQ(::pipe(pipe_.data()), 0); }
+    ~HangingDisk() {
+        ::close(pipe_[1]);
+        ::close(pipe_[0]);
+    }
+    std::function<void()> read() const {
+        return [fd = pipe_[0]] {
+            char byte = 0;
+            (void)!::read(fd, &byte, 1);
+        };
+    }
+    void let_go(std::size_t count) {
+        EXPECT_EQ(::write(pipe_[1], std::string(count, 'x').data(), count), static_cast<ssize_t>(count));
+    }
+
+private:
+    std::array<int, 2> pipe_{};
+};
+
+TEST(DiskWorks, are_all_done_though_more_wait_than_there_are_threads) {
+    Loop loop;
+    DiskWorks disk{loop.io};
+    int done = 0;
+    std::vector<DiskWorks::Ticket> tickets;
+    for (int i = 0; i < 50; ++i)
+        tickets.push_back(disk.run([] {}, [&](const std::string& fault) { done += fault.empty() ? 1 : 0; }));
+    EXPECT_EQ(done, 0) << "never at once";
+    EXPECT_TRUE(loop.until([&] { return done == 50; }));
+    disk.run_for_nobody([] {}, [&](const std::string&) { ++done; });
+    EXPECT_TRUE(loop.until([&] { return done == 51; }));
+}
+
+TEST(DiskWorks, that_hang_hold_up_only_what_finds_no_thread) {
+    Loop loop;
+    HangingDisk hanging;
+    DiskWorks disk{loop.io};
+    int hung = 0, done = 0;
+    std::vector<DiskWorks::Ticket> tickets;
+    for (int i = 0; i < 3; ++i) tickets.push_back(disk.run(hanging.read(), [&](const std::string&) { ++hung; }));
+    const auto fourth = disk.run([] {}, [&](const std::string&) { ++done; });
+    EXPECT_TRUE(loop.until([&] { return done == 1; }));
+    EXPECT_EQ(hung, 0);
+    hanging.let_go(3);
+    EXPECT_TRUE(loop.until([&] { return hung == 3; }));
+}
+
+TEST(DiskWorks, that_nobody_waits_for_any_more_are_not_told_or_not_even_begun) {
+    Loop loop;
+    HangingDisk hanging;
+    DiskWorks disk{loop.io};
+    const auto begun = std::make_shared<std::atomic<bool>>(false);
+    bool told = false;
+    std::vector<DiskWorks::Ticket> tickets;
+    for (int i = 0; i < 4; ++i) tickets.push_back(disk.run(hanging.read(), [&](const std::string&) { told = true; }));
+    auto waiting = disk.run([begun] { *begun = true; }, [&](const std::string&) { told = true; });
+    waiting.reset();
+    tickets.clear();
+    hanging.let_go(4);
+    bool last = false;
+    const auto after = disk.run([] {}, [&](const std::string&) { last = true; });
+    EXPECT_TRUE(loop.until([&] { return last; }));
+    EXPECT_FALSE(*begun);
+    EXPECT_FALSE(told);
+}
+
+TEST(DiskWorks, are_left_behind_at_the_end) {
+    Loop loop;
+    auto hanging = std::make_unique<HangingDisk>();
+    bool told = false;
+    {
+        DiskWorks disk{loop.io};
+        disk.run_for_nobody(hanging->read(), [&](const std::string&) { told = true; });
+        disk.stop();
+        disk.run_for_nobody([] {}, [&](const std::string&) { told = true; });
+    }
+    hanging->let_go(1);
+    EXPECT_FALSE(loop.until([&] { return told; }, std::chrono::milliseconds{50}));
+}
+
+}    // namespace
