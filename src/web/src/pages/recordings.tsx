@@ -117,6 +117,7 @@ function Last({ last, action, onSaved }: { last: KeptLast; action: Action; onSav
       <span>{t("last_held", { time: lasts(last.held_s), of: lasts(last.seconds), n: shortNumber(last.frames), size: bytesText(last.bytes) })}</span>
       {mayAct() && <button disabled={action.busy || last.frames === 0} onClick={save}>{t("save_last")}</button>}
       <a href={path("/recordings/last")} download>{t("take_last")}</a>
+      {last.saved > 0 && <span class="muted">{t("last_was_saved", { n: last.saved, name: last.last })}</span>}
       {last.skipped > 0 && <span class="warn">{t("last_skipped", { n: last.skipped })}</span>}
       {last.error && <span class="bad" role="alert">{reasonText(last.error)}</span>}
     </p>
