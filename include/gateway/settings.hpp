@@ -201,6 +201,15 @@ struct TlsFiles {
     bool operator==(const TlsFiles&) const = default;
 };
 
+/// In which coordinates a map is drawn: as satellites say, or as maps of China must (GB 20263).
+enum class Datum : std::uint8_t { wgs84, gcj02 };
+
+struct MapSettings {
+    std::string file;    // .pmtiles; empty: there is no map
+    Datum datum = Datum::wgs84;
+    bool operator==(const MapSettings&) const = default;
+};
+
 struct ControlSettings {
     std::string socket;                  // empty: the default for this user; "none": no control socket
     std::optional<EndpointSpec> http;    // the same interface over TCP; nothing: not
@@ -208,6 +217,7 @@ struct ControlSettings {
     std::vector<std::string> hosts;      // names of ours beside the host's own
     std::vector<std::string> origins;    // pages of others that may ask
     TlsFiles tls;
+    MapSettings map;                           // under the tracks of the page
     std::uint8_t host = ano::address::host;    // as whom devices are asked
     bool manage = true;                        // of the link `control`, as of any other link
     RuleSettings rules;                        // of the link `control`

@@ -96,6 +96,11 @@ constexpr Key<C> own_control_rows[] = {
     text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |
         as("PATH"),
     text<&C::tls, &TlsFiles::key>("tls.key", 0, max_path, "and its key, a PEM file without a password") | as("PATH"),
+    text<&C::map, &MapSettings::file>("map.file", 0, max_path,
+                                      "raster tiles that the page shows under a track, a .pmtiles file") |
+        as("PATH"),
+    choice<&C::map, &MapSettings::datum>("map.datum", "wgs84|gcj02",
+                                         "the coordinates that its tiles are drawn in: gcj02 for maps made in China"),
 };
 
 constexpr auto control_rows = own_control_rows + rules_of<ControlSettings, &ControlSettings::rules>();

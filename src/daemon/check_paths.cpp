@@ -32,6 +32,13 @@ std::string fault_of_port(const std::string& device) {
     return there == fs::file_type::regular ? "is an ordinary file, no serial port" : "";
 }
 
+// It may come while the program runs.
+std::string fault_of_map(const std::string& file) {
+    const fs::file_type there = type_of(file);
+    if (there == fs::file_type::not_found) return "is not there: the page shows a grid";
+    return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is no ordinary file: the page shows a grid";
+}
+
 void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {
     if (!fault.empty())
         draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
@@ -46,6 +53,8 @@ void warn_of_paths(Draft& draft) {
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));
+    if (const std::string& file = draft.settings.control.map.file; !file.empty())
+        warn(draft, draft.control, "map/file", file, fault_of_map(file));
 }
 
 }    // namespace anogate

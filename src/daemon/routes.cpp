@@ -10,15 +10,22 @@
 #include <daemon/metrics.hpp>
 #include <daemon/routes.hpp>
 #include <daemon/send_frame.hpp>
+#include <daemon/served_file.hpp>
 #include <daemon/status.hpp>
 #include <daemon/watch_session.hpp>
 #include <devices/device_routes.hpp>
 #include <http/routes.hpp>
+#include <link/errors.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <cerrno>
 #include <memory>
 #include <utility>
+#include <variant>
 
 namespace anogate {
 namespace {
@@ -55,6 +62,21 @@ void add_page(http::Routes& routes, Page page) {
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
 }
 
+// It is opened for each request: another one may be put in its place at any time. It may be a symbolic link.
+std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
+    const std::string where = "control.map: " + path;
+    UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
+    struct stat is {};
+    if (!file || ::fstat(file.get(), &is) != 0) return http::error(404, error_text(where, errno));
+    if (!S_ISREG(is.st_mode)) return http::error(404, where + ": is no ordinary file");
+    return file;
+}
+
+http::Response map_answer(DiskWorks& disk, const MapSettings& map, const Request& request) {
+    if (map.file.empty()) return http::error(404, "there is no map: control.map names the file of one");
+    return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
+}
+
 http::Response metrics_answer(const Request& request, Gateway& gateway) {
     const MetricsForm form = metrics_form(request.header("Accept"));
     http::Response response;
@@ -89,12 +111,18 @@ struct Streams {
     FrameStreams frames;
 };
 
-// The rows keep it; the gateway, that may live longer, does not.
-void add_devices(http::Routes& routes, Gateway& gateway) {
-    const auto devices = std::make_shared<GatewayDevices>(gateway);
-    gateway.before_stopping([weak = std::weak_ptr{devices}] {
-        if (const auto still = weak.lock()) still->stop();
+// The rows keep them; the gateway, that may live longer, does not.
+template <class... Parts>
+void stop_with(Gateway& gateway, const std::shared_ptr<Parts>&... parts) {
+    gateway.before_stopping([... weak = std::weak_ptr{parts}] {
+        const auto stop = [](const auto& part) {
+            if (part) part->stop();
+        };
+        (stop(weak.lock()), ...);
     });
+}
+
+void add_devices(http::Routes& routes, const std::shared_ptr<GatewayDevices>& devices) {
     http::Routes rows;
     add_device_routes(rows, devices->service());
     for (http::Routes::Row row : rows.rows()) {
@@ -113,6 +141,8 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 }    // namespace
 
 void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door, Page page) {
+    const auto devices = std::make_shared<GatewayDevices>(gateway);
+    const auto disk = std::make_shared<DiskWorks>(gateway.io());
     add_page(routes, std::move(page));
     routes.add({"GET", "/status", Access::view,
                 "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
@@ -125,6 +155,8 @@ void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoo
                 [&gateway](const Request& request) { return forget_route(std::string{request.parameter("address")}, gateway); }});
     routes.add({"GET", "/messages", Access::view, "the messages of the protocol, with the flexible ones of the configuration",
                 [&gateway](const Request&) { return json(messages_json(gateway)); }});
+    routes.add({"GET", "/map.pmtiles", Access::view, "the map under the page's tracks (control.map), with ranges",
+                [&gateway, disk](const Request& request) { return map_answer(*disk, gateway.settings().control.map, request); }});
     routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
                 [&gateway](const Request& request) { return metrics_answer(request, gateway); }});
     routes.add({"POST", "/gpio", Access::control, "pulses a reset line, or switches power off and on again",
@@ -139,7 +171,8 @@ void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoo
          [streams = std::make_shared<Streams>(gateway)](const Request& request) { return streams->frames.answer(request); }});
     routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
                 [&gateway](const Request& request) { return join_link(gateway, request); }});
-    add_devices(routes, gateway);
+    add_devices(routes, devices);
+    stop_with(gateway, devices, disk);
 }
 
 }    // namespace anogate

@@ -130,6 +130,12 @@ Json http_json(const NetworkDoor& door) {
     return json;
 }
 
+/// Nothing where there is none.
+Json map_json(const MapSettings& map) {
+    if (map.file.empty()) return nullptr;
+    return {{"file", map.file}, {"datum", map.datum == Datum::gcj02 ? "gcj02" : "wgs84"}};
+}
+
 Json tunnel_json(const Gateway& gateway) {
     Json json = Json::object();
     if (const TunnelLink* tunnel = gateway.tunnel())
@@ -162,6 +168,7 @@ std::string status_json(Gateway& gateway, const NetworkDoor& door) {
     json["gpio"] = gpio_json(gateway.gpio(), now);
     json["recording"] = recording_json(gateway);
     json["http"] = http_json(door);
+    json["map"] = map_json(gateway.settings().control.map);
     return line_of(json);
 }
 

@@ -146,6 +146,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"DELETE /routes/{address}", [this] { forget(); }},
         {"GET /messages", [this] { messages(); }},
         {"GET /metrics", [this] { metrics(); }},
+        {"GET /map.pmtiles", [this] { refuses("GET", "/map.pmtiles", 404, "unknown", "control.map"); }},    // Map
         {"POST /gpio", [this] { gpio(); }},
         {"POST /send", [this] { refuses("POST", "/send", 400, "invalid", "hex", R"({"hex": "5"})"); }},      // ControlLink
         {"GET /frames", [this] { refuses("GET", "/frames?direktion=in", 400, "invalid", "direction"); }},    // Frames

@@ -21,6 +21,13 @@ export function shortNumber(value: number): string {
   return value.toFixed(size >= 10 ? 1 : 2);
 }
 
+export function bytesText(bytes: number): string {
+  if (bytes < 1000) return `${bytes} B`;
+  const power = Math.min(Math.floor(Math.log10(bytes) / 3), 4);
+  const size = bytes / 1000 ** power;
+  return `${size.toFixed(size < 10 ? 1 : 0)} ${["", "kB", "MB", "GB", "TB"][power]}`;
+}
+
 export function rateText(perSecond: number | undefined): string {
   if (perSecond === undefined) return "–";
   if (perSecond === 0) return "0";

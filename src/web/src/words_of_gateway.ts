@@ -9,7 +9,7 @@ export const hints: Record<string, string> = {
   port_id_hides_device: "发不到设备 {device}：它的地址也是一条链路的端口 ID，改掉其中一个",
   one_device_on_two_links: "同一个设备接在两条链路上？给它们设同一个 group",
   two_devices_one_id: "两个设备的 ID 相同：给其中一个换一个",
-  two_peers_one_device: "两个对端以同一个设备的身份说话：见下面的冲突",
+  two_peers_one_device: "两个对端以同一个设备的身份说话：“需要处理”里写明是哪个设备",
   no_host_takes: "在本页面显示，没有别的上位机接收：上位机先发点什么就会收到，或者写明它在哪里：--route 0xFE=链路",
   hosts_link_down: "上位机最后在 {link} 上说过话，而它断开了：修好它，或者写明上位机还在哪里：--route 0xFE=链路",
   v7_frames: "收到旧版 V7 帧（0xAA）：把设备改成 V8 协议",
@@ -32,6 +32,7 @@ export const hints: Record<string, string> = {
 
 /** Where the gateway's own English is for another reader than this page's. */
 export const hintsInEnglish: Record<string, string> = {
+  two_peers_one_device: "two peers speak as one device: what needs attention names it",
   no_host_takes: "shown on this page, and no other host takes it: one gets it when it sends something, or where it is named: --route 0xFE=LINK",
 };
 

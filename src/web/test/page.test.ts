@@ -1,10 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { digitsOf, duration, fixed, shortNumber, valueText } from "../src/format";
+import { bytesText, digitsOf, duration, fixed, shortNumber, valueText } from "../src/format";
 import { frameOf } from "../src/parts/frame_of";
-import { gridStep, addPoint, type Point } from "../src/parts/track";
-import { changesOf, fileOf, isSame, valuesIn, type Parameter } from "../src/parts/parameter_set";
+import { gridStep, type Point } from "../src/parts/ground";
+import { addPlace, addPoint, clearTracks, earthTrackOf } from "../src/parts/tracks";
+import { changesOf, fileOf, isSame, strangerIn, valuesIn, type Parameter } from "../src/parts/parameter_set";
 import { pinnedOf, type Command } from "../src/live/device";
+import { questionOf } from "../src/live/recordings";
 import type { MessageRow } from "../src/protocol/table";
 import { hashOf, placeOf } from "../src/route";
 import { words } from "../src/words";
@@ -34,6 +36,7 @@ test("writes numbers with the digits that their scale has", () => {
   assert.equal(shortNumber(544123), "544 k");
   assert.deepEqual([fixed(-0.04, 1), fixed(-0.06, 1), fixed(-0.4, 0)], ["0.0", "-0.1", "0"]);
   assert.equal(duration(3725), "1 h 2 min");
+  assert.deepEqual([0, 999, 1000, 12_345, 9_950_000, 2e9, 3e15].map(bytesText), ["0 B", "999 B", "1.0 kB", "12 kB", "9.9 MB", "2.0 GB", "3000 TB"]);
 });
 
 const row: MessageRow = {
@@ -63,6 +66,29 @@ test("keeps the way of a long flight in a bounded track", () => {
   assert.equal(track[track.length - 1]!.x, 19999, "too near to be another");
 });
 
+test("lays what satellites tell on flat ground, and begins anew on another continent", () => {
+  addPlace(220, { lng: 116.3, lat: 39.9 });
+  addPlace(220, { lng: 116.3, lat: 39.901 });
+  const track = earthTrackOf(220)!;
+  assert.equal(track.points.length, 2);
+  assert.ok(Math.abs(track.points[1]!.x - 111.3) < 0.1 && Math.abs(track.points[1]!.y) < 1e-9);
+  addPlace(220, { lng: 2.3, lat: 48.8 });
+  assert.deepEqual(earthTrackOf(220)!.points.map((point) => Math.hypot(point.x, point.y)), [0]);
+  clearTracks(220);
+  assert.equal(earthTrackOf(220)!.points.length, 0);
+});
+
+test("asks for a recording as it was typed, or says which field can not be meant", () => {
+  const wishes = { name: "", format: "pcapng", direction: ["in"], id: "", from: "", to: "", link: "", limit: "", seconds: "" };
+  assert.deepEqual(questionOf(wishes), { body: { format: "pcapng", direction: "in" } });
+  assert.deepEqual(questionOf({ ...wishes, name: " flight ", direction: ["in", "out"], id: "euler, 0x30", from: "220", limit: "euler=10 0x01=2.5", seconds: "60" }), {
+    body: { name: "flight", format: "pcapng", direction: "in,out", id: "euler,0x30", from: "220", limit: { euler: 10, "0x01": 2.5 }, seconds: 60 },
+  });
+  for (const name of [".hidden", "a/b", "..", "a b", "飞行", "x".repeat(101)]) assert.deepEqual(questionOf({ ...wishes, name }), { fault: "name" }, name);
+  for (const limit of ["euler", "euler=", "=5", "euler=-1"]) assert.deepEqual(questionOf({ ...wishes, limit }), { fault: "limit" }, limit);
+  for (const seconds of ["soon", "0", "-5"]) assert.deepEqual(questionOf({ ...wishes, seconds }), { fault: "seconds" }, seconds);
+});
+
 test("pins what ends a flight, where it wants no values", () => {
   const command = (name: string, values: string[] = []): Command => ({ id: 0, name, values });
   assert.deepEqual(pinnedOf([command("LAND"), command("Lock"), command("UNLOCK")]), { land: command("LAND"), lock: command("Lock") });
@@ -88,5 +114,11 @@ test("a file of parameters comes back with every digit", () => {
   const text = fileOf({ address: "0xDC", name: "SimFC", sw: 100 }, parameters);
   assert.deepEqual(changesOf(parameters, valuesIn(text)!), {});
   assert.deepEqual(valuesIn('{"parameters": {"BIG": 18446744073709551615}}'), { BIG: "18446744073709551615" });
+  const device = { address: "0xDC", name: "SimFC" };
+  assert.equal(strangerIn(text, device), undefined);
+  assert.equal(strangerIn('{"name": "SimIMU", "device": "0xDC"}', device), "SimIMU");
+  assert.equal(strangerIn('{"name": "SimFC", "device": "0x1E"}', device), undefined, "the same kind, moved to another address");
+  assert.equal(strangerIn('{"device": "0x1E"}', device), "0x1E");
+  for (const silent of ["", "null", "[]", '{"device": "0xdc"}', '{"parameters": {}}']) assert.equal(strangerIn(silent, device), undefined, silent);
   for (const bad of ["", "[]", "7", "null", '{"parameters": [1]}']) assert.equal(valuesIn(bad), undefined, bad);
 });

@@ -2,6 +2,7 @@
 import { ask, onHeard, onTokenNeeded } from "../api";
 import { MessageTable, type MessageRow } from "../protocol/table";
 import { remember, remembered } from "../kept";
+import type { Datum } from "../map/datum";
 import { CounterRates, type Counters } from "./counters";
 import { frameStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
@@ -39,6 +40,7 @@ export interface Status {
   conflicts: { address: string; links?: string[]; [key: string]: unknown }[];
   tunnel: Counters;
   http: { token_needed: boolean; tls: boolean };
+  map: { file: string; datum: Datum } | null;
 }
 export interface Device {
   address: string;

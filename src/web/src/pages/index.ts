@@ -11,6 +11,7 @@ import { Images } from "./images";
 import { Log } from "./log";
 import { Overview } from "./overview";
 import { Parameters } from "./parameters";
+import { Recordings } from "./recordings";
 import { Vehicle } from "./vehicle";
 import { Waypoints } from "./waypoints";
 
@@ -27,6 +28,7 @@ export const pages: Page[] = [
   { name: "charts", title: "charts", ofDevice: false, view: Charts },
   { name: "log", title: "log", ofDevice: false, view: Log },
   { name: "images", title: "images", ofDevice: false, view: Images },
+  { name: "recordings", title: "recordings", ofDevice: false, view: Recordings },
   { name: pageOfDevice, title: "vehicle", ofDevice: true, view: Vehicle },
   { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
   { name: "commands", title: "commands", ofDevice: true, view: Commands },

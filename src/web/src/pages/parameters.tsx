@@ -9,7 +9,7 @@ import { cancel, follow, type Job } from "../live/jobs";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { changesOf, fileOf, isCalibration, isSame, nameOf, valuesIn, type Parameter } from "../parts/parameter_set";
+import { changesOf, fileOf, isCalibration, isSame, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
 import { hexByte } from "../protocol/table";
 
 interface All {
@@ -60,13 +60,14 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
   );
 }
 
-type Which = "all" | "changed" | "file";
+type Which = "all" | "changed" | "file" | "defaults";
 
 export function Parameters({ device }: { device: number }) {
   useLanguage();
   const { all, setAll, job, setJob, fault, read } = useParameters(device);
   const [typed, setTyped] = useState<Record<string, string>>({});
   const [file, setFile] = useState<Record<string, string>>();
+  const [stranger, setStranger] = useState<string>();
   const [ends, setEnds] = useState<Record<string, Written>>({});
   const [search, setSearch] = useState("");
   const [which, setWhich] = useState<Which>("all");
@@ -108,15 +109,18 @@ export function Parameters({ device }: { device: number }) {
     );
   const load = async (from: File | undefined): Promise<void> => {
     if (!from) return;
-    const values = from.size < 1e6 ? valuesIn(await from.text()) : undefined;
+    const text = from.size < 1e6 ? await from.text() : "";
+    const values = valuesIn(text);
     if (!values) return action.say({ words: t("no_parameter_file", { name: from.name }), good: false });
     setFile(values);
+    setStranger(all && strangerIn(text, all.device));
     setWhich("file");
   };
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = parameters.filter((one) => {
     const name = nameOf(one);
     if (which === "changed" && !(name in changes)) return false;
+    if (which === "defaults") return false;
     if (which === "file" && !(name in differing) && !(name in changes)) return false;
     const text = `${name} ${one.text ?? ""}`.toLowerCase();
     return words.every((word) => text.includes(word));
@@ -129,6 +133,7 @@ export function Parameters({ device }: { device: number }) {
         <select aria-label={t("direction")} value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
           <option value="all">{t("show_all")}</option>
           <option value="changed">{t("show_changed", { n: count })}</option>
+          {!file && <option value="defaults">{t("show_defaults")}</option>}
           {file && <option value="file">{t("show_file", { n: Object.keys(differing).length })}</option>}
         </select>
         <button disabled={job !== undefined} onClick={() => void read()}>{t("read_again")}</button>
@@ -145,6 +150,8 @@ export function Parameters({ device }: { device: number }) {
           <OutcomeLine action={action} />
         </div>
       )}
+      {stranger && <p class="note warn stranger" role="alert">{t("file_of_another", { whose: stranger.slice(0, 40) })}</p>}
+      {which === "defaults" && <p class="note">{t("defaults_unknown")}</p>}
       {unknown.length > 0 && <p class="note warn">{t("file_unknown", { names: unknown.slice(0, 8).join(", ") + (unknown.length > 8 ? " …" : "") })}</p>}
       <JobLine job={job} {...(job && mayAct() ? { onCancel: () => void cancel(job) } : {})} />
       {fault && <p class="bad" role="alert">{fault}</p>}
@@ -157,7 +164,7 @@ export function Parameters({ device }: { device: number }) {
           );
         })}
       </ul>
-      {all && shown.length === 0 && <p class="muted">{t("nothing_fits")}</p>}
+      {all && shown.length === 0 && which !== "defaults" && <p class="muted">{t("nothing_fits")}</p>}
     </div>
   );
 }

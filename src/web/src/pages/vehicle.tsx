@@ -9,7 +9,11 @@ import { Latest, type Seen } from "../live/latest";
 import { useStore, useTick } from "../live/store";
 import { hexByte, type MessageTable } from "../protocol/table";
 import { Horizon, Rose } from "../parts/horizon";
-import { addPoint, Track, trackOf, type Point } from "../parts/track";
+import type { Place } from "../map/datum";
+import type { Point, Scene } from "../parts/ground";
+import { Track } from "../parts/track";
+import { addPlace, addPoint, earthTrackOf, trackOf } from "../parts/tracks";
+import { isPlace, onGround } from "../parts/waypoint_set";
 
 /** Frames a second of each message that the page shows; the eye needs no more. */
 const wanted: Record<string, number> = {
@@ -23,13 +27,15 @@ function useLatest(of: MessageTable | undefined, device: number): Latest | undef
     if (!of || !latest) return undefined;
     const known = of.rows.filter((row) => row.layout === undefined && row.name in wanted);
     const sticks = known.find((row) => row.name === "remote_control")?.id;
-    const position = known.find((row) => row.name === "position")?.id;
+    const position = known.find((row) => row.name === "position")?.id, gps = known.find((row) => row.name === "gps")?.id;
     return frameStream.use({
       wish: { from: [...new Set([device, ...hosts])], id: known.map((row) => row.id), limit: Object.fromEntries(known.map((row) => [row.id, wanted[row.name]!])) },
       take: (record) => {
         if (record.from !== device && !(record.id === sticks && record.to === device)) return;
         latest.take(record, seconds());
         if (record.id === position) addPointOf(latest, device);
+        const place = record.id === gps ? placeOf(latest) : undefined;
+        if (place) addPlace(device, place);
       },
     });
   }, [of, latest, device]);
@@ -44,6 +50,19 @@ function pointOf(latest: Latest): Point | undefined {
 function addPointOf(latest: Latest, device: number): void {
   const point = pointOf(latest);
   if (point) addPoint(trackOf(device), point);
+}
+
+const fixes = [2, 3, 4]; // of fix_sta: where it is, is known
+
+function placeOf(latest: Latest): Place | undefined {
+  const fix = latest.number("gps", "fix_sta", 0), lng = latest.number("gps", "lng", 0), lat = latest.number("gps", "lat", 0);
+  const place = lng && lat && { lng: lng.value, lat: lat.value };
+  return fix && fixes.includes(fix.value) && isPlace(place) ? place : undefined;
+}
+
+function onMap(latest: Latest, device: number): Scene | undefined {
+  const track = earthTrackOf(device), place = placeOf(latest);
+  return track && place && { track: track.points, marks: [], now: onGround(track.origin, place), origin: track.origin };
 }
 
 function Figure({ label, seen, digits = 1 }: { label: string; seen: Seen | undefined; digits?: number }) {
@@ -148,7 +167,7 @@ export function Vehicle({ device }: { device: number }) {
           </dl>
           <Modules latest={latest} now={now} />
         </div>
-        <div class="card wide"><Track device={device} now={pointOf(latest)} yaw={angle("yaw")} /></div>
+        <div class="card wide"><Track device={device} scene={{ track: trackOf(device), marks: [], now: pointOf(latest) }} onMap={onMap(latest, device)} yaw={angle("yaw")} /></div>
         {sticks.length > 0 && <div class="card"><Bars title={t("sticks")} values={sticks} low={1000} high={2000} unit="" /></div>}
         {motors.length > 0 && <div class="card"><Bars title={t("motors")} values={motors} low={0} high={100} unit=" %" /></div>}
       </div>

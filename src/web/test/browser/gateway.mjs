@@ -1,8 +1,9 @@
 // A gateway with simulated devices, and a browser that looks at it.
 import { spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import puppeteer from "puppeteer-core";
 
@@ -11,7 +12,7 @@ const program = process.env.ANOGATED ?? join(root, "build/run/src/anogated");
 export const shots = process.env.ANOGATE_SHOTS ?? join(root, "build/web-shots");
 
 /** Whatever comes true in the end; else the test fails. */
-export async function until(what, ask, patience = 20000) {
+export async function until(what, ask, patience = 30000) {
   const end = Date.now() + patience;
   for (;;) {
     const value = await ask();
@@ -21,11 +22,19 @@ export async function until(what, ask, patience = 20000) {
   }
 }
 
+const usualLinks = ["sim:fc", "sim:imu", "serial:/dev/absent", "udp-listen:127.0.0.1:0,name=ground"];
+
 export class Gateway {
-  static async start(links = ["sim:fc", "sim:imu", "serial:/dev/absent", "udp-listen:127.0.0.1:0,name=ground"]) {
+  /** `sections`: of the configuration, beside the links; a function is given the folder in which the gateway may write. */
+  static async start(links = usualLinks, sections = undefined) {
     const gateway = new Gateway();
     gateway.folder = mkdtempSync(join(tmpdir(), "anogate-web-"));
-    gateway.links = links;
+    gateway.arguments = [...links];
+    if (sections) {
+      const file = join(gateway.folder, "anogate.json");
+      writeFileSync(file, JSON.stringify(sections(gateway.folder)));
+      gateway.arguments.push("--config", file);
+    }
     await gateway.run(0);
     return gateway;
   }
@@ -33,10 +42,11 @@ export class Gateway {
   async run(port) {
     this.said = "";
     const environment = { ...process.env, XDG_STATE_HOME: this.folder, HOME: this.folder };
-    this.process = spawn(program, ["--http", `127.0.0.1:${port}`, "--control", join(this.folder, "control.sock"), ...this.links], { env: environment });
+    this.process = spawn(program, ["--http", `127.0.0.1:${port}`, "--control", join(this.folder, "control.sock"), ...this.arguments], { env: environment });
     for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => (this.said += text));
     this.ended = new Promise((resolve) => this.process.on("exit", resolve));
-    this.address = await until("the gateway listens\n" + this.said, () => /(http:\/\/127\.0\.0\.1:\d+): up/.exec(this.said)?.[1]);
+    const up = () => /(http:\/\/127\.0\.0\.1:\d+): up/.exec(this.said)?.[1];
+    this.address = await until("the gateway listens", () => up() ?? (this.process.exitCode !== null && Promise.reject(new Error(this.said))));
     this.port = Number(new URL(this.address).port);
   }
 
@@ -61,20 +71,43 @@ export class Gateway {
   }
 }
 
-export const openBrowser = () =>
-  puppeteer.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--disable-gpu", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])] });
+const launch = { executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--disable-gpu", "--mute-audio", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])], protocolTimeout: 60000 };
+export const launchBrowser = () => puppeteer.launch(launch);
+
+/** That of the whole run, else one of its own. */
+export async function openBrowser() {
+  const address = process.env.ANOGATE_BROWSER;
+  if (!address) return launchBrowser();
+  const browser = await puppeteer.connect({ browserWSEndpoint: address, protocolTimeout: 60000 });
+  browser.close = () => browser.disconnect();
+  return browser;
+}
+
+/** The gateway of a file of tests, and `open`, which opens a page of it. */
+export function world(links, sections) {
+  const it = {};
+  before(async () => ([it.gateway, it.browser] = await Promise.all([Gateway.start(links, sections), openBrowser()])));
+  after(async () => {
+    await it.browser?.close();
+    await it.gateway?.end();
+  });
+  it.open = (options) => openPage(it.browser, it.gateway, options);
+  return it;
+}
 
 /** A page in a context of its own, let in with a token where one is needed. `faults`: what the browser complained of; `elsewhere`: what was asked of others. */
 export async function openPage(browser, gateway, { access = "control", language = "en", width = 1440, height = 900, dark = false, hash = "#/" } = {}) {
   const context = await browser.createBrowserContext();
   const page = await context.newPage();
+  page.setDefaultTimeout(40000);
   page.faults = [];
   page.elsewhere = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
-  page.on("console", (message) => message.type() === "error" && !/401|404|409|422|403|504/.test(message.text()) && page.faults.push(message.text()));
+  page.on("console", (message) => message.type() === "error" && !/40[1349]|422|504/.test(message.text()) && page.faults.push(message.text()));
   page.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(gateway.address) && page.elsewhere.push(request.url()));
   await page.evaluateOnNewDocument((tag) => Object.defineProperty(navigator, "languages", { get: () => [tag] }), language);
-  if (dark) await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
+  // What moves all the time takes a processor for itself where there is no graphics card.
+  await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: "reduce" }, { name: "prefers-color-scheme", value: dark ? "dark" : "light" }]);
   await page.setViewport({ width, height });
   await page.goto(gateway.address + "/" + hash);
   const token = access && gateway.token(access);
@@ -91,6 +124,17 @@ export async function logIn(page, token) {
 }
 
 export const textOf = (page, selector) => page.$eval(selector, (element) => element.textContent);
+export const go = (page, hash) => page.evaluate((to) => { location.hash = to; }, hash);
+export const asked = (page, route, options) => page.evaluate((path, options) => fetch(path, options).then((answer) => answer.json()), route, options);
+export const wider = (page) => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+
+/** Until what is drawn has changed so often: the page lives, and what was to come has come. */
+export const drawnAgain = (page, selector, times) =>
+  page.evaluate((selector, times) => new Promise((done) => {
+    let left = times;
+    const observer = new MutationObserver(() => --left <= 0 && (observer.disconnect(), done()));
+    observer.observe(document.querySelector(selector), { subtree: true, childList: true, characterData: true, attributes: true });
+  }), selector, times);
 
 export async function shot(page, name) {
   mkdirSync(shots, { recursive: true });
@@ -114,4 +158,24 @@ export async function confirm(page, within = "main") {
       document.querySelector(`${within} .confirm .main`)?.click();
       return new Promise((done) => setTimeout(() => done(!document.querySelector(`${within} .confirm`)), 50));
     }, within));
+}
+
+/** Its words, when they are such. */
+export const outcome = (page, selector, words) => until(`${selector} says ${words}`, async () => {
+  const text = await page.$eval(selector, (element) => element.textContent).catch(() => "");
+  return words.test(text) && text;
+});
+
+export async function type(page, selector, text) {
+  await page.waitForSelector(selector);
+  await page.click(selector, { count: 3 });
+  await page.keyboard.press("Backspace");
+  await page.type(selector, text);
+}
+
+/** A file that a user chooses in a form. */
+export async function choose(page, gateway, name, content) {
+  const file = join(gateway.folder, name);
+  writeFileSync(file, content);
+  await (await page.waitForSelector("input[type=file]")).uploadFile(file);
 }

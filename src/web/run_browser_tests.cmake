@@ -1,0 +1,27 @@
+# The tests in a browser: cmake -DNODE=… -DNPM=… -DWORK=… -DANOGATED=… -DSHOTS=… -P …
+# They run on a copy, beside what they need of npm: the source tree stays as it is.
+find_program(CHROMIUM NAMES chromium chromium-browser google-chrome)
+if(NOT CHROMIUM)
+  message(STATUS "the tests in a browser are skipped: chromium is not here (apt install chromium)")
+  return()
+endif()
+file(SHA256 package-lock.json wanted)
+set(there "")
+if(EXISTS ${WORK}/fetched)
+  file(READ ${WORK}/fetched there)
+endif()
+if(NOT there STREQUAL wanted)
+  file(REMOVE_RECURSE ${WORK})
+  file(COPY package.json package-lock.json .npmrc DESTINATION ${WORK})
+  execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error WORKING_DIRECTORY ${WORK}
+    RESULT_VARIABLE result OUTPUT_VARIABLE log ERROR_VARIABLE log TIMEOUT 200)
+  if(NOT result EQUAL 0)
+    message(STATUS "the tests in a browser are skipped: npm can't fetch what the tests in a browser need:\n${log}")
+    return()
+  endif()
+  file(WRITE ${WORK}/fetched ${wanted})
+endif()
+file(REMOVE_RECURSE ${WORK}/test)
+file(COPY test/browser DESTINATION ${WORK}/test)
+execute_process(COMMAND ${CMAKE_COMMAND} -E env ANOGATED=${ANOGATED} ANOGATE_SHOTS=${SHOTS} CHROMIUM=${CHROMIUM} ${NODE} test/browser/run.mjs
+  WORKING_DIRECTORY ${WORK} COMMAND_ERROR_IS_FATAL ANY)

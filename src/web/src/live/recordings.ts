@@ -1,0 +1,91 @@
+// What the gateway records: what it has, what it writes, and how it is asked to.
+import { ask, type Answer } from "../api";
+
+export interface RunningRecording {
+  name: string;
+  by: string; // "configuration" or "request"
+  file: string;
+  files: number;
+  format: string;
+  frames: number;
+  bytes: number;
+  not_written: number;
+  error: string;
+  since: number; // Unix seconds
+  seconds: number;
+  ends_in_s: number | null;
+}
+export interface Recording {
+  name: string;
+  format: string;
+  bytes: number;
+  frames: number | null;
+  begun: number | null; // Unix seconds
+  time: number;
+  state: string; // "recording", "ended" or "unfinished"
+}
+export interface KeptLast {
+  seconds: number;
+  held_s: number;
+  frames: number;
+  bytes: number;
+  saved: number;
+  skipped: number;
+  last: string;
+  error: string;
+}
+export interface Recordings {
+  folder: string;
+  free_bytes: number | null;
+  free_needed: number;
+  error: string;
+  others: number;
+  keep_last: KeptLast | null;
+  running: RunningRecording[];
+  recordings: Recording[];
+}
+
+/** What is typed before a recording is begun; empty: not given. */
+export interface Wishes {
+  name: string;
+  format: string;
+  direction: string[];
+  id: string;
+  from: string;
+  to: string;
+  link: string;
+  limit: string; // "euler=10 0x01=50": so many of a message a second
+  seconds: string;
+}
+
+const route = (name: string): string => "/recordings/" + encodeURIComponent(name);
+export const fileOf = route;
+
+const listed = (text: string): string => text.split(/[\s,]+/).filter(Boolean).join(",");
+
+/** The rates by message; undefined: it is not written so. */
+export function limitsIn(text: string): Record<string, number> | undefined {
+  const pairs = text.split(/[\s,]+/).filter(Boolean).map((one) => /^([^=]+)=(\d+(?:\.\d+)?)$/.exec(one));
+  if (pairs.some((pair) => !pair)) return undefined;
+  return Object.fromEntries(pairs.map((pair) => [pair![1]!, Number(pair![2])]));
+}
+
+/** The body of a question to begin one, or which field can't be meant. */
+export function questionOf(wishes: Wishes): { body: Record<string, unknown> } | { fault: "name" | "limit" | "seconds" } {
+  const name = wishes.name.trim(), seconds = wishes.seconds.trim(), limit = limitsIn(wishes.limit);
+  if (name !== "" && !/^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$/.test(name)) return { fault: "name" };
+  if (!limit) return { fault: "limit" };
+  if (seconds !== "" && !(Number(seconds) > 0)) return { fault: "seconds" };
+  const all = { name, format: wishes.format, direction: wishes.direction.join(","), id: listed(wishes.id), from: listed(wishes.from), to: listed(wishes.to), link: listed(wishes.link) };
+  const body: Record<string, unknown> = Object.fromEntries(Object.entries(all).filter(([, value]) => value !== ""));
+  if (Object.keys(limit).length > 0) body.limit = limit;
+  if (seconds !== "") body.seconds = Number(seconds);
+  return { body };
+}
+
+export const readRecordings = (): Promise<Answer<Recordings>> => ask("/recordings", { timeout: 5000 });
+export const beginRecording = (body: unknown): Promise<Answer<RunningRecording>> => ask("/recordings", { method: "POST", body, timeout: 30000 });
+export const saveLast = (format: string): Promise<Answer<{ name: string; bytes: number; frames: number }>> =>
+  ask("/recordings", { method: "POST", body: { last: true, format }, timeout: 60000 });
+export const endRecording = (name: string): Promise<Answer<RunningRecording>> => ask(route(name) + "/end", { method: "POST", body: {}, timeout: 30000 });
+export const deleteRecording = (name: string): Promise<Answer<unknown>> => ask(route(name), { method: "DELETE", timeout: 30000 });

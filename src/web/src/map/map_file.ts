@@ -1,0 +1,97 @@
+// The map of the gateway, read by ranges: what is looked at, and no more.
+import { headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
+
+/** Reads so many bytes; fewer where the file ends. */
+export type ReadPart = (part: Part) => Promise<ArrayBuffer>;
+
+const firstBytes = 16384; // the header and the root directory are in these
+const mostOfDirectory = 4 << 20; // bytes, unpacked
+const mostOfTile = 4 << 20;
+const mostOfAbout = 1 << 20;
+const mostLevels = 4; // of directories
+const keptDirectories = 32;
+
+async function unpacked(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
+  const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip")).getReader();
+  const parts: Uint8Array[] = [];
+  let size = 0;
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    parts.push(part.value);
+    if ((size += part.value.length) > most) throw new MapFault("a directory is too large");
+  }
+  const all = new Uint8Array(size);
+  let at = 0;
+  for (const part of parts) (all.set(part, at), (at += part.length));
+  return all;
+}
+
+/** Words without their marks: what a file says of itself is shown as text. */
+const plain = (html: string): string => html.replace(/<[^>]*>/g, "").replace(/&copy;/g, "©").replace(/&amp;/g, "&").trim().slice(0, 200);
+
+export class MapFile {
+  private readonly directories = new Map<number, Promise<Entry[]>>();
+
+  private constructor(
+    private readonly read: ReadPart,
+    readonly header: MapHeader,
+    root: Promise<Entry[]>,
+  ) {
+    this.directories.set(header.root.at, root);
+  }
+
+  static async open(read: ReadPart): Promise<MapFile> {
+    const first = await read({ at: 0, size: firstBytes });
+    const header = headerOf(first);
+    const { at, size } = header.root;
+    if (at < headerSize || at + size > firstBytes) throw new MapFault("its first directory is not where it must be");
+    const file = new MapFile(read, header, Promise.resolve([]));
+    file.directories.set(at, Promise.resolve(await file.entriesIn(first.slice(at, at + size))));
+    return file;
+  }
+
+  /** Who made it, as its maker wants to be named. */
+  async attribution(): Promise<string> {
+    const { about } = this.header;
+    if (about.size === 0 || about.size > mostOfAbout) return "";
+    const bytes = await this.bytesOf(await this.read(about), mostOfAbout);
+    const json = JSON.parse(new TextDecoder().decode(bytes)) as { attribution?: unknown };
+    return typeof json.attribution === "string" ? plain(json.attribution) : "";
+  }
+
+  /** The picture; undefined where the map has none. */
+  async tile(zoom: number, x: number, y: number): Promise<Blob | undefined> {
+    const number = tileNumber(zoom, x, y);
+    let directory: Part = this.header.root;
+    for (let level = 0; level < mostLevels; ++level) {
+      const entry = entryFor(await this.entries(directory), number);
+      if (!entry) return undefined;
+      if (entry.run > 0) return this.picture({ at: this.header.tiles.at + entry.at, size: entry.size });
+      directory = { at: this.header.leaves.at + entry.at, size: entry.size };
+    }
+    throw new MapFault("its directories go round in a circle");
+  }
+
+  private async picture(part: Part): Promise<Blob> {
+    if (part.size > mostOfTile) throw new MapFault("a tile is too large");
+    return new Blob([await this.read(part)], { type: this.header.type });
+  }
+
+  private bytesOf(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
+    return this.header.packed ? unpacked(bytes, most) : Promise.resolve(new Uint8Array(bytes));
+  }
+
+  private async entriesIn(bytes: ArrayBuffer): Promise<Entry[]> {
+    return directoryOf(await this.bytesOf(bytes, mostOfDirectory));
+  }
+
+  private entries(part: Part): Promise<Entry[]> {
+    let known = this.directories.get(part.at);
+    if (known) return known;
+    if (part.size > mostOfDirectory) throw new MapFault("a directory is too large");
+    if (this.directories.size > keptDirectories) this.directories.delete([...this.directories.keys()].find((at) => at !== this.header.root.at)!);
+    known = this.read(part).then((bytes) => this.entriesIn(bytes));
+    this.directories.set(part.at, known);
+    known.catch(() => this.directories.delete(part.at)); // asked for again
+    return known;
+  }
+}

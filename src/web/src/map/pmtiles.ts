@@ -1,0 +1,113 @@
+// What is where in a .pmtiles file of version 3. Pure. A file may be anything: each number is checked before it is used.
+
+export interface Part {
+  at: number; // bytes from the begin of the file
+  size: number;
+}
+
+export interface MapHeader {
+  root: Part;
+  about: Part; // metadata, JSON
+  leaves: Part;
+  tiles: Part;
+  packed: boolean; // directories and metadata, by gzip
+  type: string; // of the pictures
+  least: number; // zoom
+  most: number;
+}
+
+export interface Entry {
+  tile: number;
+  run: number; // so many tiles in a row are the same picture; 0: of them a directory tells more
+  size: number;
+  at: number;
+}
+
+export const headerSize = 127;
+const greatestZoom = 26; // beyond that, numbers of tiles are not whole in a double
+const mostEntries = 1 << 20;
+const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
+
+/** In a clause for people why a file can't be shown. */
+export class MapFault extends Error {}
+
+function whole(view: DataView, at: number): number {
+  const number = Number(view.getBigUint64(at, true));
+  if (!Number.isSafeInteger(number)) throw new MapFault("a place beyond 2^53");
+  return number;
+}
+
+export function headerOf(bytes: ArrayBuffer): MapHeader {
+  const view = new DataView(bytes);
+  const magic = [0x50, 0x4d, 0x54, 0x69, 0x6c, 0x65, 0x73, 3]; // "PMTiles", version 3
+  if (bytes.byteLength < headerSize || magic.some((byte, i) => view.getUint8(i) !== byte)) throw new MapFault("no PMTiles of version 3");
+  const part = (at: number): Part => ({ at: whole(view, at), size: whole(view, at + 8) });
+  const packing = view.getUint8(97), type = pictures[view.getUint8(99)];
+  if (packing !== 1 && packing !== 2) throw new MapFault("its directories are packed otherwise than by gzip");
+  if (!type) throw new MapFault("its tiles are no pictures: only raster tiles can be shown");
+  const least = view.getUint8(100), most = view.getUint8(101);
+  if (least > most || most > greatestZoom) throw new MapFault(`it has zooms ${least} to ${most}`);
+  return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, least, most };
+}
+
+/** Numbers of seven bits a byte, the lowest first. */
+class Numbers {
+  private at = 0;
+
+  constructor(private readonly bytes: Uint8Array) {}
+
+  next(): number {
+    let number = 0;
+    for (let factor = 1; factor <= 2 ** 49; factor *= 128) {
+      const byte = this.bytes[this.at++];
+      if (byte === undefined) throw new MapFault("a directory ends too early");
+      number += (byte & 127) * factor;
+      if (byte < 128) return number;
+    }
+    throw new MapFault("a number in a directory is too large");
+  }
+}
+
+export function directoryOf(bytes: Uint8Array): Entry[] {
+  const numbers = new Numbers(bytes);
+  const count = numbers.next();
+  if (count > mostEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
+  const entries: Entry[] = [];
+  let tile = 0;
+  for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });
+  for (const entry of entries) entry.run = numbers.next();
+  for (const entry of entries) entry.size = numbers.next();
+  let end = 0; // of the one before: most lie one behind the other
+  for (const [i, entry] of entries.entries()) {
+    const said = numbers.next();
+    if (said === 0 && i === 0) throw new MapFault("a directory begins nowhere");
+    entry.at = said === 0 ? end : said - 1;
+    end = entry.at + entry.size;
+  }
+  return entries;
+}
+
+/** The entry that `tile` falls under; undefined: there is no such tile. */
+export function entryFor(entries: readonly Entry[], tile: number): Entry | undefined {
+  let low = 0, high = entries.length; // all before `low` begin at or before it
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (entries[middle]!.tile <= tile) low = middle + 1;
+    else high = middle;
+  }
+  const entry = entries[low - 1];
+  return entry && (entry.run === 0 || tile < entry.tile + entry.run) ? entry : undefined;
+}
+
+/** Tiles are counted zoom after zoom, and in each along Hilbert's curve, so that neighbours lie together. */
+export function tileNumber(zoom: number, x: number, y: number): number {
+  let number = (4 ** zoom - 1) / 3;
+  for (let side = 2 ** (zoom - 1); side >= 1; side /= 2) {
+    const right = (x & side) !== 0, down = (y & side) !== 0;
+    number += side * side * (right ? (down ? 2 : 3) : down ? 1 : 0);
+    if (down) continue;
+    if (right) (x = side - 1 - (x & (side - 1))), (y = side - 1 - (y & (side - 1)));
+    [x, y] = [y, x];
+  }
+  return number;
+}

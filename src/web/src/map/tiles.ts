@@ -1,0 +1,115 @@
+// The pictures of the gateway's map, fetched when they are looked at.
+import { onHeard, onTokenNeeded, path, refusalOf } from "../api";
+import { Store } from "../live/store";
+import { MapFile } from "./map_file";
+import { MapFault, type Part } from "./pmtiles";
+
+const mostKept = 160; // pictures: of 256 × 256 pixels, 40 MB
+const mostAtOnce = 6; // requests; others are made when these have ended, if they are still looked at
+const againAfter = 5000; // milliseconds after one failed
+
+type Kept = { picture?: ImageBitmap; asked?: boolean; failedAt?: number; none?: boolean };
+
+/** Counts what has come: who has drawn without it draws again. */
+export const mapNews = new Store(0);
+/** In a clause, why there is no map to be seen; empty: there is one, or it is not known yet. */
+export const mapFault = new Store("");
+
+export class MapTiles {
+  private opening: Promise<MapFile> | undefined;
+  private file: MapFile | undefined;
+  private readonly kept = new Map<string, Kept>();
+  private asking = 0;
+  private failedAt = Number.NEGATIVE_INFINITY;
+  private version = "";
+  attribution = "";
+
+  /** What the map has; nothing while that is not known. */
+  get zooms(): { least: number; most: number } | undefined {
+    if (!this.file) void this.open().catch(() => undefined);
+    return this.file?.header;
+  }
+
+  /** The picture, if it is here; with `ask` it comes. */
+  picture(zoom: number, x: number, y: number, ask: boolean): ImageBitmap | undefined {
+    const key = `${zoom}/${x}/${y}`;
+    const known = this.kept.get(key);
+    if (known?.picture) {
+      this.kept.delete(key); // it is the last again
+      this.kept.set(key, known);
+      return known.picture;
+    }
+    const mayAsk = !known || (!known.asked && !known.none && performance.now() - (known.failedAt ?? 0) > againAfter);
+    if (ask && mayAsk && this.asking < mostAtOnce) void this.ask(key, zoom, x, y);
+    return undefined;
+  }
+
+  private async ask(key: string, zoom: number, x: number, y: number): Promise<void> {
+    const one: Kept = { asked: true };
+    this.kept.set(key, one);
+    ++this.asking;
+    try {
+      const blob = await (await this.open()).tile(zoom, x, y);
+      if (blob) one.picture = await createImageBitmap(blob);
+      else one.none = true;
+    } catch {
+      one.failedAt = performance.now();
+    }
+    one.asked = false;
+    --this.asking;
+    this.forgetOldest();
+    mapNews.update((n) => n + 1);
+  }
+
+  private forgetOldest(): void {
+    for (const [key, one] of this.kept) {
+      if (this.kept.size <= mostKept) return;
+      if (one.asked) continue;
+      one.picture?.close();
+      this.kept.delete(key);
+    }
+  }
+
+  private open(): Promise<MapFile> {
+    if (this.opening) return this.opening;
+    if (performance.now() - this.failedAt < againAfter) return Promise.reject(new MapFault(mapFault.get()));
+    this.opening = MapFile.open((part) => this.read(part));
+    this.opening.then(
+      async (file) => {
+        this.file = file;
+        mapFault.set("");
+        this.attribution = await file.attribution().catch(() => "");
+        mapNews.update((n) => n + 1);
+      },
+      (fault: unknown) => {
+        this.failedAt = performance.now();
+        this.opening = undefined;
+        mapFault.set(fault instanceof MapFault ? fault.message : "");
+      },
+    );
+    return this.opening;
+  }
+
+  private async read({ at, size }: Part): Promise<ArrayBuffer> {
+    if (size === 0) return new ArrayBuffer(0);
+    const response = await fetch(path("/map.pmtiles"), { cache: "no-store", credentials: "same-origin", headers: { Range: `bytes=${at}-${at + size - 1}` } });
+    onHeard.call();
+    if (response.status === 401) onTokenNeeded.call();
+    if (response.status !== 206) throw new MapFault(refusalOf(response.status, await response.json().catch(() => undefined)).error);
+    const version = response.headers.get("ETag") ?? "";
+    if (this.version !== "" && version !== this.version) return this.beginAnew();
+    this.version = version;
+    return response.arrayBuffer();
+  }
+
+  /** Another file was put in its place: what is known of the old one is wrong. */
+  private beginAnew(): never {
+    this.version = "";
+    this.file = this.opening = undefined;
+    for (const one of this.kept.values()) one.picture?.close();
+    this.kept.clear();
+    throw new MapFault("another map was put in its place");
+  }
+}
+
+export const mapTiles = new MapTiles();

@@ -1,0 +1,48 @@
+// Where devices were, as long as the page is open. Pure.
+import type { Place } from "../map/datum";
+import type { Point } from "./ground";
+import { onGround } from "./waypoint_set";
+
+const mostPoints = 6000;
+const nearest = 0.05; // m: nearer ones are the same point
+const farthest = 100_000; // m from where a track began: flat ground ends
+
+/** By what the device says of itself, from where it took off. */
+const tracks = new Map<number, Point[]>();
+export function trackOf(device: number): Point[] {
+  let track = tracks.get(device);
+  if (!track) tracks.set(device, (track = []));
+  return track;
+}
+
+/** By satellites. */
+export interface EarthTrack {
+  origin: Place;
+  points: Point[];
+}
+const earthTracks = new Map<number, EarthTrack>();
+export const earthTrackOf = (device: number): EarthTrack | undefined => earthTracks.get(device);
+
+export function addPlace(device: number, place: Place): void {
+  let track = earthTracks.get(device);
+  const from = track && onGround(track.origin, place);
+  if (!track || Math.hypot(from!.x, from!.y) > farthest) earthTracks.set(device, (track = { origin: place, points: [] }));
+  addPoint(track.points, onGround(track.origin, place));
+}
+
+export function addPoint(track: Point[], point: Point): void {
+  const last = track[track.length - 1];
+  if (last && Math.hypot(last.x - point.x, last.y - point.y) < nearest) return;
+  track.push(point);
+  // Every second point of the older half goes: the way stays.
+  if (track.length > mostPoints) {
+    const half = track.splice(0, mostPoints / 2).filter((_, i) => i % 2 === 0);
+    track.unshift(...half);
+  }
+}
+
+export function clearTracks(device: number): void {
+  trackOf(device).length = 0;
+  const track = earthTracks.get(device);
+  if (track) track.points.length = 0;
+}

@@ -1,0 +1,97 @@
+// Recordings: begun, ended, taken home, deleted; and what is said where the disk takes nothing.
+import assert from "node:assert/strict";
+import { readdirSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { asked, confirm, Gateway, openPage, outcome, press, shot, textOf, type, until, world } from "./gateway.mjs";
+
+const folderIn = (folder) => join(folder, "recordings");
+const here = world(["sim:fc"], (folder) => ({ record: { start: false, folder: folderIn(folder), keep_last: "60s" } }));
+const all = (page) => asked(page, "recordings");
+
+test("one is begun by a name, ended, taken home and deleted", async () => {
+  const page = await here.open({ hash: "#/recordings" });
+  await type(page, ".begin input", "flight");
+  await press(page, "Record");
+  await outcome(page, ".outcome", /✓ flight is being recorded/);
+  await until("frames are counted", async () => (await all(page)).running[0]?.frames > 10);
+  await page.waitForFunction(() => /flight/.test(document.querySelector(".running h3")?.textContent) && /[1-9]\d* frames/.test(document.querySelector(".running .number")?.textContent));
+  await shot(page, "recording");
+  await press(page, "End…");
+  await confirm(page);
+  await outcome(page, ".outcome", /✓ flight has ended: .* frames/);
+  const link = await page.waitForSelector(".recordings a");
+  const name = await link.evaluate((one) => one.textContent);
+  const size = await link.evaluate((one) => fetch(one.href).then((answer) => answer.arrayBuffer()).then((bytes) => bytes.byteLength));
+  assert.equal(size, (await all(page)).recordings[0].bytes);
+  assert.deepEqual(readdirSync(folderIn(here.gateway.folder)).filter((one) => !one.startsWith(".")), [name]);
+  await press(page, "Delete…");
+  await page.keyboard.press("Escape"); // asked first
+  assert.equal((await all(page)).recordings.length, 1);
+  await press(page, "Delete…");
+  await confirm(page);
+  await outcome(page, ".outcome", /✓ .* is deleted/);
+  await page.waitForFunction(() => !document.querySelector(".recordings a"));
+  assert.deepEqual(page.faults, []);
+  await page.browserContext().close();
+});
+
+test("a name that another one has is refused, in words", async () => {
+  const page = await here.open({ hash: "#/recordings" });
+  for (const words of [/✓ twice is being recorded/, /✕ (Busy|Refused): .*twice/]) {
+    await type(page, ".begin input", "twice");
+    await press(page, "Record");
+    await outcome(page, ".outcome", words);
+  }
+  await press(page, "End…");
+  await confirm(page);
+  await outcome(page, ".outcome", /✓ twice has ended/);
+  await page.browserContext().close();
+});
+
+test("only what is asked for is recorded, and a filter that can't be meant is said to be none", async () => {
+  const page = await here.open({ hash: "#/recordings", width: 390, height: 844 });
+  await page.click(".begin summary");
+  await type(page, ".begin details label:nth-of-type(5) input", "euler");
+  await page.waitForSelector(".begin [role=alert]");
+  assert.equal(await page.$eval(".begin button.main", (button) => button.disabled), true);
+  await type(page, ".begin details label:nth-of-type(5) input", "euler=10");
+  await type(page, ".begin details .field input", "euler");
+  await type(page, ".begin input", "attitude");
+  await press(page, "Record");
+  await outcome(page, ".outcome", /✓ attitude is being recorded/);
+  await until("some are written", async () => (await all(page)).running[0]?.frames >= 5);
+  await press(page, "End…");
+  await confirm(page);
+  await outcome(page, ".outcome", /✓ attitude has ended/);
+  await page.browserContext().close();
+});
+
+test("what was just now is saved when it is asked for", async () => {
+  const page = await here.open({ hash: "#/recordings" });
+  await press(page, "Save them here");
+  await outcome(page, ".outcome", /✓ .*\.pcapng: \d+ frames/);
+  await page.browserContext().close();
+});
+
+test("a disk that is too full is said to be", async () => {
+  const gateway = await Gateway.start(["sim:fc"], (folder) => ({ record: { folder: folderIn(folder), free: 900e12 } }));
+  try {
+    const page = await openPage(here.browser, gateway, { hash: "#/recordings" });
+    await outcome(page, "main .note[role=alert]", /Nothing is written: less than 900 TB/);
+    await shot(page, "recordings-full");
+    await page.browserContext().close();
+  } finally {
+    await gateway.end();
+  }
+});
+
+test("who only looks sees them, and can begin, end or delete none", { skip: process.getuid() !== 0 && "a user's own gateway asks for no token" }, async () => {
+  const page = await here.open({ access: "view", hash: "#/recordings" });
+  await page.waitForFunction(() => /free/.test(document.querySelector("main .facts")?.textContent));
+  assert.deepEqual(await page.$$eval("main button", (found) => found.map((one) => one.textContent)), []);
+  const tried = (method, path) => page.evaluate((method, path) => fetch(path, { method, headers: { "Content-Type": "application/json" }, body: method === "POST" ? "{}" : undefined }).then((answer) => answer.status), method, path);
+  assert.deepEqual([await tried("POST", "recordings"), await tried("DELETE", "recordings/x.pcapng"), await tried("POST", "recordings/x/end")], [403, 403, 403]);
+  assert.match(await textOf(page, "main h1"), /Recordings/);
+  await page.browserContext().close();
+});

@@ -1,0 +1,22 @@
+// All tests in a browser: node test/browser/run.mjs [FILE...]
+// One browser for all. Two files at a time, each with a gateway of its own: what is drawn is drawn by the processor here, and more at once
+// would only wait for each other.
+import { spawn } from "node:child_process";
+import { existsSync, readdirSync, rmSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { launchBrowser, shots } from "./gateway.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const given = process.argv.slice(2);
+const files = given.length > 0 ? given : readdirSync(here).filter((name) => name.endsWith(".test.mjs")).map((name) => join(here, name));
+if (given.length === 0 && existsSync(shots)) for (const name of readdirSync(shots)) if (name.endsWith(".png")) rmSync(join(shots, name));
+
+const browser = await launchBrowser();
+const tests = spawn(process.execPath, ["--test", "--test-reporter=spec", "--test-concurrency=2", ...files], {
+  stdio: ["ignore", "inherit", "inherit"],
+  env: { ...process.env, ANOGATE_BROWSER: browser.wsEndpoint() },
+});
+process.exitCode = await new Promise((done) => tests.on("exit", (status) => done(status ?? 1)));
+await browser.close();
+console.log(`pictures: ${shots}`);
