@@ -206,6 +206,7 @@ private:
 
     // forwarder.cpp: the steps
     void begin(Channel& from, ano::FrameView frame, TimePoint now);
+    void replay(Channel& from, ano::FrameView frame);
     Said said_at(const Channel& from, ano::FrameView frame, std::uint64_t key) const;
     bool goes_round(Channel& from, ano::FrameView frame, ano::FrameView brought, const Said& said, std::uint32_t& copies);
     void end_loop(Channel& from, ano::FrameView frame);

@@ -45,6 +45,7 @@ struct LinkHints {
 struct LinkFigures {
     LinkHints words;
     bool up = false;
+    bool is_over = false;          // a recording, and at its end
     bool listens = false;          // has a channel a peer, and waits for them
     bool waits_to_hear = false;    // never speaks first, and could be told to
     bool for_hosts = false;        // a route leads hosts' frames here: who is there may only listen

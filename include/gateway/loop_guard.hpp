@@ -19,6 +19,8 @@
 // - What that can't tell: of the thousandth repeat on, the frame is withheld, and sent together with the next: a sender loses
 //   nothing by that, while in a ring there is no next. After twice as many, twice as many are withheld, for as many may go
 //   round; but never for longer than `max_withheld`.
+// - What a replay says, its device may say as well, with the same bytes: it passes, and a probe leaves by the channel that brought
+//   it, as for hosts. Nothing but a ring that is known ends it.
 // - More than RingWatch::storm in a second come from a ring whatever the probe said.
 #pragma once
 #include <gateway/expiring_cache.hpp>
@@ -123,6 +125,7 @@ private:
         bool blindly : 1 = false;            // and nobody could ask
         bool claimed : 1 = false;            // `from` is not the home of its source,
         std::uint8_t anticipated : 5 = 0;    // and brought it so often before that did
+        bool replayed = false;               // `from` is a replay
         Test test{};
         TimePoint withheld_until = TimePoint::min();
     };
@@ -137,6 +140,7 @@ private:
     Judgement judge(Sent& known, const Said& said, ChannelId from, TimePoint now) noexcept;
     Judgement repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept;
     Judgement said_again(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept;
+    Judgement said_beside_replay(ChannelId from, TimePoint sent_at, TimePoint now) noexcept;
     Judgement blindly(const Said& said, TimePoint now) const noexcept;
     Judgement paced(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept;
     Judgement tested(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept;

@@ -49,6 +49,7 @@ public:
         bool flood = true;
         bool broadcast = true;
         std::uint8_t group = 0;    // 1 to 64: links of one number lead to the same place; 0: none
+        bool teaches = true;       // who speaks by it is there. False: it says what was said once
     };
 
     /// Of several channels that have a device, those that heard it this lately get its frames.

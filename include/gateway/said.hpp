@@ -13,13 +13,14 @@ namespace anogate {
 
 /// What the guard has to know of a frame.
 struct Said {
-    std::uint64_t key;       // frame_key()
-    bool by_host;            // others may say the very same
-    bool state = false;      // a newer one of its kind replaces it: sticks, telemetry
-    bool to_all = false;     // everybody is meant
-    bool command = false;    // of a host, or what hosts say
-    bool waited = false;     // it was told to wait, and did,
-    bool hurried = false;    // until the channel brought the next of the same
+    std::uint64_t key;        // frame_key()
+    bool by_host;             // others may say the very same
+    bool state = false;       // a newer one of its kind replaces it: sticks, telemetry
+    bool to_all = false;      // everybody is meant
+    bool command = false;     // of a host, or what hosts say
+    bool waited = false;      // it was told to wait, and did,
+    bool hurried = false;     // until the channel brought the next of the same
+    bool replayed = false;    // it was said once: who said it may say the very same now
     Speaks speaks = Speaks::somewhere;
     ano::TimePoint arrived = ano::TimePoint::max();    // where it waited to be read; else it arrived when it is judged
 };

@@ -23,6 +23,9 @@ std::optional<Words> boolean_words(const json& value) {
 std::optional<Words> integer_words(const json& value) {
     return value.is_number_integer() ? std::optional{Words{value.dump()}} : std::nullopt;
 }
+std::optional<Words> number_words(const json& value) {
+    return value.is_number() ? std::optional{Words{value.dump()}} : std::nullopt;
+}
 std::optional<Words> text_words(const json& value) {
     return value.is_string() ? std::optional{Words{value.get<std::string>()}} : std::nullopt;
 }
@@ -63,6 +66,9 @@ std::optional<Words> networks_words(const json& value) {
 std::optional<Words> names_words(const json& value) {
     return words_of_list(value, [](const json& entry) { return entry.is_string() && entry != "" && !has(entry, '\n'); });
 }
+std::optional<Words> joined_names_words(const json& value) {
+    return words_of_list(value, [](const json& entry) { return entry.is_string() && !has(entry, '+'); });
+}
 // Each of its entries is read by itself.
 std::optional<Words> no_words(const json&) { return std::nullopt; }
 
@@ -70,6 +76,10 @@ std::optional<Words> no_words(const json&) { return std::nullopt; }
 
 Json print_boolean(const KeyFacts&, const Value& value) { return std::get<bool>(value); }
 Json print_number(const KeyFacts&, const Value& value) { return std::get<std::uint64_t>(value); }
+Json print_decimal(const KeyFacts&, const Value& value) {
+    const auto thousandths = std::get<std::uint64_t>(value);
+    return thousandths % 1000 == 0 ? Json(thousandths / 1000) : Json(static_cast<double>(thousandths) / 1000);
+}
 Json print_can_id(const KeyFacts&, const Value& value) { return can_id_text(std::get<std::uint64_t>(value)); }
 Json print_size(const KeyFacts&, const Value& value) { return size_text(std::get<std::uint64_t>(value)); }
 Json print_addresses(const KeyFacts&, const Value& value) { return addresses_text(std::get<ByteRange>(value)); }
@@ -168,6 +178,19 @@ constexpr FormRow rows[] = {
      .print = print_number,
      .schema = number_schema,
      .expected = [](Facts key) { return "a whole number" + numbers_of(key); },
+     .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
+    {.form = Form::decimal,
+     .words = number_words,
+     .read = read_value::decimal,
+     .print = print_decimal,
+     .schema = [](Facts key) -> Json {
+         return {{"type", "number"}, {"minimum", key.least / 1000}, {"maximum", key.most / 1000}};
+     },
+     .expected =
+         [](Facts key) {
+             return "a number" + between(std::to_string(key.least / 1000), std::to_string(key.most / 1000)) +
+                    " such as 2 or 0.5, in thousandths at the finest";
+         },
      .placeholder = [](Facts) { return std::string{"NUMBER"}; }},
     {.form = Form::address,
      .words = integer_or_text_words,
@@ -293,6 +316,16 @@ constexpr FormRow rows[] = {
      },
      .expected = [](Facts) { return std::string{"a list of texts such as [\"vehicle.lan\"]"}; },
      .placeholder = [](Facts) { return std::string{"[TEXT...]"}; }},
+    {.form = Form::words,
+     .is_joined = true,
+     .words = joined_names_words,
+     .read = read_value::names,
+     .print = print_names,
+     .schema = [](Facts) -> Json {
+         return {{"type", "array"}, {"items", {{"type", "string"}}}};
+     },
+     .expected = [](Facts) { return std::string{"a list of names such as [\"fc\"]"}; },
+     .placeholder = [](Facts) { return std::string{"NAME[+NAME...]"}; }},
     {.form = Form::line,
      .words = count_or_text_words,
      .read = read_value::text,

@@ -17,6 +17,7 @@ struct KeyFacts;
 enum class Form : std::uint8_t {
     boolean,
     integer,
+    decimal,    // a number in thousandths
     address,    // a hardware id
     can_id,
     addresses,    // one, or a range of them
@@ -32,6 +33,7 @@ enum class Form : std::uint8_t {
     ip,         // an IPv4 address, or one of the choices
     names,      // of links
     texts,      // a list of them
+    words,      // the same, which stand for something else than links of ours: in a LINK text joined by +
     line,       // of a GPIO chip: its number or its name
     silence,    // "silent" and a duration
     frames,     // ids, messages, classes

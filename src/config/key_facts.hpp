@@ -16,7 +16,7 @@ struct KeyFacts {
     std::string_view name;
     Form form{};
     std::string_view help;
-    std::uint64_t least = 0, most = 0;    // of the number, milliseconds, bytes; of a text: its length in bytes
+    std::uint64_t least = 0, most = 0;    // of the number, thousandths, milliseconds, bytes; of a text: its length in bytes
     std::string_view choices{};           // "none|even|odd", in the order of the enumeration
     std::string_view kinds{};             // the uses of GPIO lines, or the sort of links, that have it; empty: all
     std::string_view option{};            // the command-line option that sets it: "--id"

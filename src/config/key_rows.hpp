@@ -95,6 +95,15 @@ template <auto... Path>
 constexpr auto integer(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::integer, .help = help, .least = least, .most = most});
 }
+/// The field is in thousandths, and so are `least` and `most`.
+template <auto... Path>
+constexpr auto decimal(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::decimal, .help = help, .least = least, .most = most});
+}
+template <auto... Path>
+constexpr auto words(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
+    return row<Path...>({.name = name, .form = Form::words, .help = help, .least = least, .most = most});
+}
 template <auto... Path>
 constexpr auto address(std::string_view name, std::uint64_t least, std::uint64_t most, std::string_view help) {
     return row<Path...>({.name = name, .form = Form::address, .help = help, .least = least, .most = most});

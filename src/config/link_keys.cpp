@@ -71,7 +71,15 @@ constexpr Key<L> own_rows[] = {
 
 constexpr auto rows = own_rows + rules_of<L, &L::rules>();
 
+// What concerns frames that leave.
+bool is_for_takers(std::string_view key) {
+    constexpr std::string_view keys[] = {"id",    "max_data_out", "hello",       "queue",         "flood",   "broadcast",
+                                         "group", "present_as",   "age.control", "age.telemetry", "age.rest"};
+    return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+}
+
 bool may_have(const LinkKind& kind, const KeyFacts& common) {
+    if (kind.replays && is_for_takers(common.name)) return false;
     if (common.kinds == paced) return kind.may_be_paced;
     return common.kinds != datagrams || kind.carries == Carries::datagrams;
 }

@@ -19,6 +19,7 @@ LinkSettings new_link(const LinkKind& kind) {
 }
 
 Duration hello_interval(const LinkSettings& link) noexcept {
+    if (link.kind->replays) return {};
     const bool on = link.profile == Profile::vendor && !link.kind->listens && link.broadcast;
     return link.hello.value_or(on ? LinkSettings::usual_hello : Duration{});
 }

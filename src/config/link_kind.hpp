@@ -79,6 +79,7 @@ struct LinkKind {
     bool listens = false;               // has a channel a peer, and waits for them; it can't speak first
     bool may_be_paced = false;          // `rate` and `latency` are keys of it
     bool devices_only = false;          // nothing but devices is there, and they are asked no questions of gateways
+    bool replays = false;               // says what was said once: it takes no frames, and is no sign that anybody is there
     std::string_view number_means{};    // the key that a number alone in a LINK text is meant for
     LinkHints hints{};
 

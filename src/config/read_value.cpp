@@ -103,6 +103,10 @@ std::string integer(const KeyFacts& key, const Words& words, Value& value) {
     return fits ? fault + " (did you mean '" + std::to_string(*meant) + "'?)" : fault;
 }
 
+std::string decimal(const KeyFacts& key, const Words& words, Value& value) {
+    return in_range(key, words[0], parse_thousandths(words[0]), value);
+}
+
 std::string address(const KeyFacts& key, const Words& words, Value& value) {
     std::string fault = in_range(key, words[0], parse_address(words[0]), value);
     return fault.empty() ? fault : fault + ano::did_you_mean_hex(words[0]);

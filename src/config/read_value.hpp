@@ -19,6 +19,7 @@ std::string silence(const KeyFacts& key, const Words& words, Value& value);
 std::string choice(const KeyFacts& key, const Words& words, Value& value);
 std::string choice_or_link(const KeyFacts& key, const Words& words, Value& value);
 std::string text(const KeyFacts& key, const Words& words, Value& value);
+std::string decimal(const KeyFacts& key, const Words& words, Value& value);
 std::string names(const KeyFacts& key, const Words& words, Value& value);
 std::string endpoint(const KeyFacts& key, const Words& words, Value& value);
 std::string networks(const KeyFacts& key, const Words& words, Value& value);

@@ -51,6 +51,19 @@ std::optional<bool> parse_boolean(std::string_view text) {
 
 std::optional<std::uint64_t> parse_number(std::string_view text) { return parse_digits(text, 10); }
 
+std::optional<std::uint64_t> parse_thousandths(std::string_view text) {
+    constexpr std::uint64_t most = 1'000'000'000;
+    const std::size_t point = text.find('.');
+    const auto whole = parse_number(text.substr(0, point));
+    if (!whole || *whole > most) return std::nullopt;
+    std::string places{point == text.npos ? "0" : text.substr(point + 1)};
+    while (places.size() > 3 && places.ends_with('0')) places.pop_back();
+    const auto behind = places.size() <= 3 ? parse_number(places) : std::nullopt;
+    if (!behind) return std::nullopt;
+    constexpr std::uint64_t worth[] = {1000, 100, 10, 1};
+    return *whole * 1000 + *behind * worth[places.size()];
+}
+
 std::optional<std::uint8_t> parse_address(std::string_view text) {
     const bool hex = text.starts_with("0x") || text.starts_with("0X");
     const auto value = hex ? parse_digits(text.substr(2), 16) : parse_digits(text, 10);

@@ -14,6 +14,8 @@ namespace anogate {
 std::optional<bool> parse_boolean(std::string_view text);
 /// Decimal digits and nothing else.
 std::optional<std::uint64_t> parse_number(std::string_view text);
+/// 2, 0.5 or 0.125, in thousandths.
+std::optional<std::uint64_t> parse_thousandths(std::string_view text);
 /// A hardware id: 220 or 0xDC.
 std::optional<std::uint8_t> parse_address(std::string_view text);
 /// Decimal, or hex behind 0x.

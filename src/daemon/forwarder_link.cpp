@@ -5,7 +5,8 @@ namespace anogate {
 
 ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const std::vector<AliasSettings>& aliases) {
     ForwarderLink link;
-    link.route = {s.id, s.flood, s.broadcast, group};
+    const bool takes = !s.kind->replays;
+    link.route = {s.id, takes && s.flood, takes && s.broadcast, group, takes};
     // The rate tells when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind)};
     link.outbox = {s.queue, s.effective_max_data_out(), s.age};
@@ -13,7 +14,7 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
     link.takes_few_questions = s.profile == Profile::vendor;
     link.sends_empty = !link.takes_few_questions;
     // Never to devices, nor to those who do not take broadcasts.
-    link.takes_probes = s.broadcast && !s.kind->devices_only;
+    link.takes_probes = link.route.broadcast && !s.kind->devices_only;
     for (const AliasSettings& alias : aliases)
         if (alias.link == s.name) link.aliases.push_back({alias.device, alias.as});
     link.present_as = s.present_as;

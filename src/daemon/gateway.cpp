@@ -268,8 +268,9 @@ bool Gateway::streams_speak() const {
 }
 
 Channel* Gateway::open_channel(Link& link, std::string peer) {
-    const bool waits_for_peers = link.settings().kind->listens;
-    if (!waits_for_peers && forwarder_.channels().size() == max_channels) make_channel_free();
+    const LinkKind& kind = *link.settings().kind;
+    const bool has_many = kind.listens || kind.replays;    // nobody gives way for one of them
+    if (!has_many && forwarder_.channels().size() == max_channels) make_channel_free();
     Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
     if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
     return channel;
@@ -335,6 +336,13 @@ void Gateway::link_down(Link& link, LinkError why) {
     if (is_news && voice_) voice_->link_changed(s);
     if (was_up && recording_) recording_->link_lost(s);
     gpio_->link_state(link.id(), false);
+}
+
+ChannelSet Gateway::busy_channels() const {
+    ChannelSet busy;
+    for (const ChannelId id : forwarder_.channels())
+        if (channel(id).outbox.is_open() && channel(id).waiting() > 0) busy.insert(id);
+    return busy;
 }
 
 bool Gateway::is_own_port(std::uint16_t port) const {

@@ -102,6 +102,7 @@ public:
     void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
     std::optional<StoredLink> take_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;
+    ChannelSet busy_channels() const override;
     TimePoint now() override { return now_ = Clock::now(); }
     const LoopWatch& turn() override;
 

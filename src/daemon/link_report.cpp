@@ -64,6 +64,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     LinkFigures& f = report.figures;
     f.words = state.link->settings().kind->hints;
     f.up = state.up;
+    f.is_over = state.link->is_over();
     f.listens = state.link->settings().kind->listens;
     f.channels = traffic.channels.size();
     f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};

@@ -21,6 +21,8 @@ Forwarder::~Forwarder() = default;
 void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     begin(from, brought, now);
     LinkEntry& link = entry(from.link);
+    if (!link.settings.route.teaches) [[unlikely]]
+        return replay(from, brought);
     const QueuePolicy policy = policy_of(brought.id());
     const std::uint64_t key = frame_key(brought);
     ano::FrameView frame = link.aliases ? link.aliases->inbound(brought, now_) : brought;

@@ -137,6 +137,7 @@ std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, fals
 
 Hint find_hint(const LinkFigures& link) {
     Hint found = trouble(link, true);
+    if (found.id.empty() && link.is_over) return {"recording_ended", "the recording is at its end"};
     if (!found.id.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return found;
     const bool spoke_by_itself = link.received.frames_in >= enough_frames;
     found.id = "silent";

@@ -54,10 +54,12 @@ void LoopGuard::remember(const Said& said, ChannelId from, ChannelSet channels, 
             sent.claimed = false;
         }
         sent.channels |= channels;
+    } else if (said.replayed) {
+        sent.replayed = true;
     } else if (said.by_host) {
         rings_.spread(channels, now);
     }
-    if (!said.by_host && said.to_all) rings_.told(channels, now);
+    if (!said.by_host && !said.replayed && said.to_all) rings_.told(channels, now);
     if (const ChannelSet back = (channels - from) & rings_.rings(); !back.empty())
         sent.owed = static_cast<std::uint8_t>(std::min<std::size_t>(sent.owed + back.size(), max_channels));
     if (sent.claimed && claimed && sent.anticipated < max_anticipated) ++sent.anticipated;
@@ -72,6 +74,7 @@ LoopGuard::Judgement LoopGuard::judge(Sent& known, const Said& said, ChannelId f
     const bool went = known.channels.contains(from);
     if (!went && same_place(known.from, from)) return {};    // a sender with a new port
     if (said.by_host) return said_again(known, said, from, sent_at, now);
+    if (known.replayed) return said_beside_replay(from, sent_at, now);
     if (known.claimed && said.speaks == Speaks::at_home) {
         if (known.anticipated == 0) return {};
         --known.anticipated;
@@ -125,6 +128,13 @@ LoopGuard::Judgement LoopGuard::said_again(Sent& known, const Said& said, Channe
         if (known.blindly || known.times == 0) return with_probe(paced(known, said, from, sent_at, now), probe);
     }
     return rings_.is_probed(from) ? waiting(said, sent_at, probe, now) : blindly(said, now);
+}
+
+// By its device, which is there as well, or by a ring.
+LoopGuard::Judgement LoopGuard::said_beside_replay(ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
+    if (rings_.is_ring(from, now) || rings_.brought_back(from, false, sent_at, now))
+        return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
+    return {Fate::passes, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
 }
 
 // Nobody knows, and nobody can ask; unless somebody just did, by a way that it may have left by.

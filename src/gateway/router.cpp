@@ -242,6 +242,7 @@ bool Router::forget(std::uint8_t address) {
 void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
     ChannelSet& known = known_[source];
     if (!known.contains(from)) {
+        if (!links_[index(link_of_[index(from)])].teaches) return;
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
         const bool anywhere = address::is_host(source) || !pinned_[source].empty();
@@ -292,6 +293,7 @@ bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {
 
 bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
     if (address::is_host(source) || source == address::unassigned || source == address::broadcast) return false;
+    if (!links_[index(link_of_[index(channel)])].teaches) return false;
     if (const LinkSet pinned = pinned_[source]; !pinned.empty()) {
         const LinkId link = link_of_[index(channel)];
         return !pinned.contains(link) && (pinned & mates(link)).empty();

@@ -3,11 +3,11 @@
 namespace anogate {
 
 // Each stands in the file of its links.
-extern const LinkKind serial_kind, udp_listen_kind, udp_kind, can_kind, pty_kind, sim_kind;
+extern const LinkKind serial_kind, udp_listen_kind, udp_kind, can_kind, pty_kind, sim_kind, replay_kind;
 
 namespace {
 
-constexpr const LinkKind* kinds[] = {&serial_kind, &udp_listen_kind, &udp_kind, &can_kind, &pty_kind, &sim_kind};
+constexpr const LinkKind* kinds[] = {&serial_kind, &udp_listen_kind, &udp_kind, &can_kind, &pty_kind, &sim_kind, &replay_kind};
 
 }    // namespace
 

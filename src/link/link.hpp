@@ -44,6 +44,9 @@ public:
     /// A link of ours, a udp: one as well, takes datagrams at this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }
 
+    /// The channels whose wires are there and have not taken yet what waits for them.
+    virtual ChannelSet busy_channels() const { return {}; }
+
     /// Reads the clock; once a batch is enough. What is received next carries this time.
     virtual TimePoint now() = 0;
     /// The same where something has been read: what tells when that had arrived.
@@ -97,6 +100,8 @@ public:
     virtual LinkFacts facts() const { return {}; }
     /// What goes wrong while it is up ("the peer refuses"); empty: nothing.
     virtual LinkError trouble() const { return {}; }
+    /// Nothing more comes by it: a recording is at its end.
+    virtual bool is_over() const { return false; }
     /// What was refused before it belonged to a channel.
     virtual UnassignedTraffic unassigned_traffic() const { return {}; }
 

@@ -34,13 +34,15 @@ using anogate::RecordedFrame;
 
 constexpr auto look_again = std::chrono::milliseconds{
     10};    // at what tells no event: a link that comes up, a queue that gets empty
-constexpr auto time_to_leave = std::chrono::seconds{2};    // for the last frames
-constexpr int most_at_once = 64;                           // frames: then the link is looked after
+constexpr auto look_soon = std::chrono::milliseconds{1};    // at a queue, where the link is to be kept busy
+constexpr auto patience = std::chrono::seconds{5};          // with a link that takes nothing
+constexpr auto time_to_leave = std::chrono::seconds{2};     // for the last frames
+constexpr int most_at_once = 64;                            // frames: then the link is looked after
 
 class Replayer final : public FrameTaker {
 public:
     Replayer(RecordingInput& input, const anogate::LinkSettings& settings, bool commands, double rate, Streams& streams)
-        : input_{input}, commands_{commands}, clock_{rate}, link_{io_, settings, *this, streams, "replay"} {}
+        : input_{input}, commands_{commands}, at_once_{rate == 0}, clock_{rate}, link_{io_, settings, *this, streams, "replay"} {}
 
     void run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -82,12 +84,21 @@ private:
             if (!next_ && !(next_ = next_wanted())) return end_when_empty(Clock::now() + time_to_leave);
             if (!due_) due_ = began_ + clock_.due(*next_);
             if (*due_ > Clock::now()) return at(*due_, [this] { step(); });
+            if (at_once_ && must_wait()) return at(Clock::now() + look_soon, [this] { step(); });
             ++given;
             link_.send(next_->frame);
             next_.reset();
             due_.reset();
         }
         asio::post(io_, [this] { step(); });
+    }
+
+    // As fast as the link takes it: what waits is not to grow old, nor to give way to newer frames.
+    bool must_wait() {
+        const auto now = Clock::now();
+        if (link_.waiting() == 0) waits_since_.reset();
+        else if (!waits_since_) waits_since_ = now;
+        return waits_since_ && now - *waits_since_ < patience;
     }
 
     std::optional<RecordedFrame> next_wanted() {
@@ -113,6 +124,7 @@ private:
 
     RecordingInput& input_;
     const bool commands_;
+    const bool at_once_;
     anogate::ReplayClock clock_;
     asio::io_context io_{1};
     asio::steady_timer timer_{io_};
@@ -120,6 +132,7 @@ private:
     ano::TimePoint began_{};
     std::optional<RecordedFrame> next_;    // valid until the next one is read
     std::optional<ano::TimePoint> due_;
+    std::optional<ano::TimePoint> waits_since_;    // for the link
 };
 
 struct Replay {
@@ -161,8 +174,9 @@ Run add_replay(Options& options) {
     const auto self = std::make_shared<Replay>();
     const auto read_rate = [self](const std::string& word) -> std::string {
         const auto number = ano::parse_number(word);
-        self->rate = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : 0;
-        return self->rate >= 0.001 && self->rate <= 1000 ? "" : ano::in_quotes(word) + " is not a number from 0.001 to 1000";
+        self->rate = number ? std::visit([](auto n) { return static_cast<double>(n); }, *number) : -1;
+        const bool is_rate = self->rate == 0 || (self->rate >= 0.001 && self->rate <= 1000);
+        return is_rate ? "" : ano::in_quotes(word) + " is neither 0 nor a number from 0.001 to 1000";
     };
     options.push_back({"file", &self->file, "FILE", "A recording; of it, what came in is said again, and only that", true});
     options.push_back(
@@ -170,7 +184,8 @@ Run add_replay(Options& options) {
          "The link by which it is said, as for anogated: serial:/dev/ttyUSB0,baud=500000 udp:127.0.0.1:12333 pty:PATH", true});
     options.push_back({"--commands", &self->commands, "",
                        "Also what hosts said and what commands or changes a vehicle: the vehicle at this link does it"});
-    options.push_back({"--rate", Option::Read{read_rate}, "R", "So many times as fast (default: 1)"});
+    options.push_back(
+        {"--rate", Option::Read{read_rate}, "R", "So many times as fast; 0: as fast as the link takes it (default: 1)"});
     options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -25,6 +25,7 @@ export const hints: Record<string, string> = {
   many_damaged: "坏帧很多：检查线缆、共地和波特率",
   link_too_slow: "有帧被丢弃：链路比发给它的慢",
   silent: "已静默 {seconds} 秒",
+  recording_ended: "录制已放完",
   nothing_on_bus: "还什么都没收到：波特率、终端电阻对吗？各节点的 base 一样吗？",
   nothing_on_line: "还什么都没收到：设备上电了吗？RX 和 TX 交叉了吗？",
   nothing_from_peer: "对端还什么都没发来",
@@ -37,7 +38,7 @@ export const hintsInEnglish: Record<string, string> = {
 };
 
 /** A link that has such a hint is well: this page shows what comes, and who listens may wait. */
-export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet"]);
+export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet", "recording_ended"]);
 
 export const errors: Record<string, string> = {
   absent: "{device} 不在：等它出现",
@@ -64,6 +65,10 @@ export const errors: Record<string, string> = {
   bus_errors: "{interface} 的错误很多",
   bus_passive: "{interface} 处于被动错误状态",
   bus_blocked: "CAN 总线 {interface} 什么也不收",
+  no_recording: "{file} 读不了或不是录制：等它出现（{what}）",
+  recording_damaged: "{file} 已损坏或被截断，只放完整的部分（{what}）",
+  recording_slow: "磁盘读 {file} 太慢：来了再放",
+  no_channel: "网关的 64 个通道都用完了：它的帧没有去处",
 };
 
 export const causes: Record<string, [string, string]> = {

@@ -152,7 +152,7 @@ TEST(Config, what_is_needed_and_missing_is_told) {
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial"}]})"), "/links/0: 'device' is missing: path of the port\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
               "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, "
-              "pty, sim\n");
+              "pty, sim, replay\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": 5}, 6]})"),
               "/links/0/kind: 'kind' must be text such as \"serial\", not 5\n/links/1: must be a LINK text or an object {...}, "
               "not 6\n");

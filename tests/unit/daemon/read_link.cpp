@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <gateway/can_settings.hpp>
 #include <link/pty_settings.hpp>
+#include <link/replay_settings.hpp>
 #include <link/serial_settings.hpp>
 #include <link/sim_settings.hpp>
 #include <link/udp_settings.hpp>
@@ -418,7 +419,7 @@ TEST(LinkText, what_is_no_link_says_what_a_link_is) {
     EXPECT_EQ(fault_of("sim"), "no address, for example sim:fc");
     EXPECT_EQ(fault_of("udp-listen,name=x"), "no address, for example udp-listen:0.0.0.0:12333");
     EXPECT_EQ(fault_of("serail:/dev/x"),
-              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, pty, sim");
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, can, pty, sim, replay");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:/dev/\xFF"), "not text in UTF-8");
@@ -470,6 +471,30 @@ TEST(RouteText, with_one_fault_brings_no_other) {
     read_route("999=nobody", "--route", draft);
     validate(draft);
     EXPECT_EQ(draft.errors.size(), 1u) << lines(draft.errors);
+}
+
+TEST(LinkText, of_a_recording) {
+    const LinkSettings link = link_of("replay:/a/flight.pcapng,rate=0.5,loop,from=30s,to=2m,links=fc+radio,commands=yes");
+    EXPECT_EQ(link.name, "flight");
+    const auto& replay = link.as<ReplaySettings>();
+    EXPECT_EQ(replay.file, "/a/flight.pcapng");
+    EXPECT_EQ(replay.rate, 500u);
+    EXPECT_TRUE(replay.loop);
+    EXPECT_EQ(replay.from, std::chrono::seconds{30});
+    EXPECT_EQ(replay.to, std::chrono::minutes{2});
+    EXPECT_EQ(replay.links, (std::vector<std::string>{"fc", "radio"}));
+    EXPECT_TRUE(replay.commands);
+    EXPECT_EQ(link_of("replay:a").as<ReplaySettings>().rate, 1000u);
+    EXPECT_EQ(link_of("replay:a,rate=0").as<ReplaySettings>().rate, 0u);
+}
+
+TEST(LinkText, of_a_recording_has_faults_that_are_told) {
+    const std::string rate = "'rate' must be a number from 0 to 1000 such as 2 or 0.5, in thousandths at the finest, not ";
+    EXPECT_EQ(fault_of("replay:a,rate=0.0001"), rate + "'0.0001'");
+    EXPECT_EQ(fault_of("replay:a,rate=1000.5"), rate + "'1000.5'");
+    EXPECT_EQ(fault_of("replay:a,rate=-1"), rate + "'-1'");
+    EXPECT_EQ(fault_of("replay:a,from=2m,to=30s"), "'to' must be later than 'from': nothing is between them");
+    EXPECT_NE(fault_of("replay:a,broadcast=no").find("'broadcast' is not a key of replay, but of serial"), std::string::npos);
 }
 
 TEST(LinkText, hostile_bytes_make_one_line) {

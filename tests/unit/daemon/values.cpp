@@ -24,6 +24,17 @@ TEST(Values, numbers_are_decimal_digits_alone) {
         EXPECT_FALSE(parse_number(text)) << text;
 }
 
+TEST(Values, thousandths_are_numbers_with_a_point_or_without) {
+    EXPECT_EQ(parse_thousandths("0"), 0u);
+    EXPECT_EQ(parse_thousandths("2"), 2000u);
+    EXPECT_EQ(parse_thousandths("0.5"), 500u);
+    EXPECT_EQ(parse_thousandths("10.25"), 10250u);
+    EXPECT_EQ(parse_thousandths("0.125000"), 125u);
+    EXPECT_EQ(parse_thousandths("2.0"), 2000u);
+    for (const char* wrong : {"", ".", ".5", "1.", "1.2.3", "0.0001", "-1", "1e3", " 1", "99999999999999999999"})
+        EXPECT_EQ(parse_thousandths(wrong), std::nullopt) << wrong;
+}
+
 TEST(Values, addresses_in_both_notations) {
     EXPECT_EQ(parse_address("220"), 220);
     EXPECT_EQ(parse_address("0xDC"), 220);

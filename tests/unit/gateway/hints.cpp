@@ -117,6 +117,14 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     EXPECT_EQ(hint(link), "");
 }
 
+TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
+    LinkFigures link = line_that_sent(100);
+    link.silent_for = std::chrono::seconds{12};
+    link.is_over = true;
+    EXPECT_EQ(find_hint(link).id, "recording_ended");
+    EXPECT_EQ(hint_of_trouble(link), "");
+}
+
 TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     using namespace std::chrono_literals;
     const std::string advice = " (some speak only when spoken to: try hello=on)";

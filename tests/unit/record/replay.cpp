@@ -69,4 +69,70 @@ TEST(Replay, hostile_times_stay_times) {
     EXPECT_GT(last, 0s);
 }
 
+TEST(Replay, knows_the_risk_of_what_a_tunnel_frame_brings) {
+    const auto tunnelled = [](const Bytes& inner) {
+        Bytes content{192, 168, 0, 1, 0x0A, 0x1A, 192, 168, 0, 2};
+        content.insert(content.end(), inner.begin(), inner.end());
+        return support::frame(0x30, 0xDC, 0xB1, content);
+    };
+    const auto risk = [](const Bytes& bytes) { return risk_of(ano::FrameView{bytes}); };
+    EXPECT_EQ(risk(euler), Risk::none);
+    EXPECT_EQ(risk(tunnelled(euler)), Risk::none);
+    EXPECT_EQ(risk(support::frame(0xFE, 0xDC, 0xC0, {1})), Risk::of_host);
+    EXPECT_EQ(risk(support::frame(0x30, 0xDC, 0xC0, {1})), Risk::command);
+    EXPECT_EQ(risk(tunnelled(support::frame(0x30, 0xDC, 0xC0, {1}))), Risk::tunnel);
+    EXPECT_EQ(risk(tunnelled(support::frame(0xFE, 0xDC, 0x03, {0}))), Risk::tunnel);    // of a host
+    EXPECT_EQ(risk(tunnelled(tunnelled(euler))), Risk::tunnel);                         // who knows what else is deeper
+    EXPECT_EQ(risk(tunnelled({1, 2, 3})), Risk::tunnel);
+}
+
+RecordedFrame recorded(const Bytes& bytes, std::chrono::nanoseconds at, std::string_view link = "fc",
+                       Direction direction = Direction::in) {
+    return {.time_ns = 1'000'000'000 + static_cast<std::uint64_t>(at.count()),
+            .link = link,
+            .direction = direction,
+            .frame = ano::FrameView{bytes}};
+}
+
+TEST(Replay, at_rate_0_all_is_due_at_once) {
+    ReplayClock clock{0};
+    EXPECT_EQ(clock.due(recorded(euler, 0s)), 0ns);
+    EXPECT_EQ(clock.due(recorded(euler, 100s)), 0ns);
+}
+
+TEST(ReplayPlan, says_what_came_in_and_nothing_else) {
+    ReplayPlan plan{{}};
+    EXPECT_EQ(plan.due(recorded(euler, 0s)), 0s);
+    EXPECT_EQ(plan.due(recorded(euler, 1s, "fc", Direction::out)), std::nullopt);
+    EXPECT_EQ(plan.due(recorded(euler, 2s, "fc", Direction::dropped)), std::nullopt);
+    EXPECT_EQ(plan.due(recorded(euler, 3s)), 3s);
+    EXPECT_EQ(plan.kept_back().of_hosts + plan.kept_back().commands + plan.kept_back().tunnels, 0u);
+}
+
+TEST(ReplayPlan, counts_what_it_keeps_back_by_its_risk) {
+    const Bytes of_host = support::frame(0xFE, 0xDC, 0x03, {0}), command = support::frame(0x30, 0xDC, 0x61, {0}),
+                tunnel = support::frame(0x30, 0xDC, 0xB1, {1, 2, 3});
+    ReplayPlan plan{{}}, all{{.rate = 2, .commands = true}};
+    for (const Bytes& bytes : {of_host, command, command, tunnel}) {
+        EXPECT_EQ(plan.due(recorded(bytes, 1s)), std::nullopt);
+        EXPECT_EQ(all.due(recorded(bytes, 1s)), 0s);
+    }
+    EXPECT_EQ(plan.kept_back().of_hosts, 1u);
+    EXPECT_EQ(plan.kept_back().commands, 2u);
+    EXPECT_EQ(plan.kept_back().tunnels, 1u);
+    EXPECT_EQ(all.kept_back().commands, 0u);
+}
+
+TEST(ReplayPlan, begins_and_ends_where_it_is_told_by_the_time_of_the_whole_recording) {
+    ReplayPlan plan{{.rate = 2, .from = 10s, .to = 20s, .links = {"radio"}}};
+    EXPECT_EQ(plan.due(recorded(euler, 0s)), std::nullopt);
+    EXPECT_EQ(plan.due(recorded(euler, 9s, "radio")), std::nullopt);
+    EXPECT_EQ(plan.due(recorded(euler, 10s, "radio")), 0s);
+    EXPECT_EQ(plan.due(recorded(euler, 12s, "fc")), std::nullopt);
+    EXPECT_EQ(plan.due(recorded(euler, 14s, "radio")), 2s);
+    EXPECT_FALSE(plan.is_over());
+    EXPECT_EQ(plan.due(recorded(euler, 20s, "radio")), std::nullopt);
+    EXPECT_TRUE(plan.is_over());
+}
+
 }    // namespace

@@ -1,0 +1,294 @@
+#include <gateway/backoff.hpp>
+#include <link/errors.hpp>
+#include <link/replay_file.hpp>
+#include <record/pcapng_reader.hpp>
+
+#include <fcntl.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <deque>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+// By how the file begins.
+std::unique_ptr<PcapngReader> make_reader(std::string_view) { return std::make_unique<PcapngReader>(); }
+using Recording = decltype(make_reader({}))::element_type;
+
+constexpr std::size_t piece = 64 * 1024;
+constexpr auto between_empty_rounds = std::chrono::seconds{1};
+
+// The loop's thread handles them.
+void leave_signals_to_others() {
+    sigset_t all;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+}
+
+ReplayPlan::Options options_of(const ReplaySettings& settings) {
+    return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),
+            settings.links, settings.commands};
+}
+
+LinkError why_absent(const std::string& file, const std::string& what) {
+    return {"no_recording", file + ": " + what, {{"file", file}, {"what", what}}};
+}
+
+void add(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
+    a.of_hosts += b.of_hosts;
+    a.commands += b.commands;
+    a.tunnels += b.tunnels;
+}
+
+}    // namespace
+
+/// What one read of the disk gave.
+struct ReplayFile::Batch {
+    struct Entry {
+        ano::Duration due;
+        std::uint32_t link, size;
+    };
+    std::vector<std::uint8_t> bytes;    // the frames, one behind the other
+    std::vector<Entry> entries;
+    std::vector<std::string> new_links;
+
+    std::size_t weight() const { return bytes.size() + entries.size() * sizeof(Entry); }
+};
+
+struct ReplayFile::Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    UniqueFd news;    // an eventfd
+    bool is_stopping = false;
+    std::deque<std::shared_ptr<Batch>> batches;
+    std::size_t waiting = 0;    // their weight, and that of the one from which frames are taken
+    State state = State::opening;
+    LinkError error;
+    ReplayPlan::KeptBack kept_back;
+
+    void tell() const { ::eventfd_write(news.get(), 1); }
+};
+
+/// The thread.
+class ReplayFile::Reader {
+public:
+    Reader(std::shared_ptr<Shared> shared, ReplaySettings settings)
+        : shared_{std::move(shared)}, settings_{std::move(settings)} {}
+
+    void run() {
+        Backoff backoff;
+        while (!is_stopping()) {
+            const std::uint64_t frames_before = frames_;
+            if (LinkError fault = play(); !fault.text.empty()) {
+                set(State::absent, std::move(fault));
+                wait_until(backoff.retry_at(ano::Clock::now()));
+                continue;
+            }
+            if (!settings_.loop) return set(State::ended, note_);
+            round_begin_ = latest_;
+            if (frames_ > frames_before) continue;
+            set(State::ended, note_);
+            wait_until(ano::Clock::now() + between_empty_rounds);
+        }
+    }
+
+private:
+    /// Once, from the begin to the end. Why that can't be.
+    LinkError play() {
+        const UniqueFd file{::open(settings_.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)};
+        if (!file) return why_absent(settings_.file, error_text(errno));
+        std::unique_ptr<Recording> reader;
+        ReplayPlan plan{options_of(settings_)};
+        std::vector<char> room(piece);
+        while (!is_stopping() && !plan.is_over() && !(reader && reader->is_damaged())) {
+            const ssize_t n = ::read(file.get(), room.data(), room.size());
+            if (n < 0 && errno == EINTR) continue;
+            if (n < 0) return why_absent(settings_.file, error_text(errno));
+            if (n == 0) break;
+            const std::string_view bytes{room.data(), static_cast<std::size_t>(n)};
+            if (!reader) reader = make_reader(bytes);
+            reader->give(bytes);
+            read_piece(*reader, plan);
+        }
+        add(kept_back_before_, plan.kept_back());
+        if (!reader) return why_absent(settings_.file, "it is empty");
+        if (reader->position() == 0)
+            return why_absent(settings_.file,
+                              reader->is_damaged() ? reader->fault() : "it ends before the head of a recording does");
+        note_ = note_on(*reader, plan.is_over());
+        return {};
+    }
+
+    void read_piece(Recording& reader, ReplayPlan& plan) {
+        auto batch = std::make_shared<Batch>();
+        while (const auto item = reader.next()) {
+            const auto* const frame = std::get_if<RecordedFrame>(&*item);
+            if (frame == nullptr) continue;
+            const auto due = plan.due(*frame);
+            if (plan.is_over()) break;
+            if (!due) continue;
+            const auto bytes = frame->frame.bytes();
+            latest_ = round_begin_ + *due;
+            batch->bytes.insert(batch->bytes.end(), bytes.begin(), bytes.end());
+            batch->entries.push_back({latest_, link_number(frame->link, *batch), static_cast<std::uint32_t>(bytes.size())});
+            ++frames_;
+        }
+        if (reader.position() > 0) deliver(std::move(batch), plan);
+    }
+
+    std::uint32_t link_number(std::string_view name, Batch& batch) {
+        auto place = std::find(links_.begin(), links_.end(), name);
+        if (place == links_.end() && links_.size() == max_links) place = links_.end() - 1;
+        if (place == links_.end()) {
+            place = links_.emplace(place, name);
+            batch.new_links.emplace_back(name);
+        }
+        return static_cast<std::uint32_t>(place - links_.begin());
+    }
+
+    void deliver(std::shared_ptr<Batch> batch, const ReplayPlan& plan) {
+        std::unique_lock lock{shared_->mutex};
+        shared_->state = State::playing;
+        shared_->error = note_;
+        shared_->kept_back = kept_back_before_;
+        add(shared_->kept_back, plan.kept_back());
+        if (!batch->entries.empty()) {
+            shared_->changed.wait(lock, [&] { return shared_->is_stopping || shared_->waiting < read_ahead; });
+            shared_->waiting += batch->weight();
+            shared_->batches.push_back(std::move(batch));
+        }
+        shared_->tell();
+    }
+
+    // Of what is played until there is no more of it.
+    LinkError note_on(const Recording& reader, bool is_over) const {
+        if (is_over) return {};
+        const std::string where = std::to_string(reader.position());
+        std::string what;
+        if (reader.is_damaged()) what = "it is damaged behind byte " + where + ", and nothing is read there: " + reader.fault();
+        else if (reader.unfinished() > 0) what = "it is cut off: what is behind byte " + where + " is not whole";
+        if (what.empty()) return {};
+        return {"recording_damaged", settings_.file + ": " + what, {{"file", settings_.file}, {"what", what}}};
+    }
+
+    void set(State state, LinkError error) {
+        const std::lock_guard lock{shared_->mutex};
+        shared_->state = state;
+        shared_->error = std::move(error);
+        shared_->kept_back = kept_back_before_;
+        shared_->tell();
+    }
+
+    bool is_stopping() {
+        const std::lock_guard lock{shared_->mutex};
+        return shared_->is_stopping;
+    }
+
+    void wait_until(ano::TimePoint time) {
+        std::unique_lock lock{shared_->mutex};
+        shared_->changed.wait_until(lock, time, [&] { return shared_->is_stopping; });
+    }
+
+    std::shared_ptr<Shared> shared_;
+    const ReplaySettings settings_;
+    std::vector<std::string> links_;
+    ReplayPlan::KeptBack kept_back_before_;
+    ano::Duration round_begin_{}, latest_{};
+    std::uint64_t frames_ = 0;
+    LinkError note_;
+};
+
+ReplayFile::ReplayFile(asio::io_context& io, std::function<void()> on_news) : said_{io}, on_news_{std::move(on_news)} {}
+
+ReplayFile::~ReplayFile() { stop(); }
+
+void ReplayFile::start(const ReplaySettings& settings) {
+    shared_ = std::make_shared<Shared>();
+    shared_->news = UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
+    UniqueFd news{shared_->news ? ::fcntl(shared_->news.get(), F_DUPFD_CLOEXEC, 0) : -1};
+    const auto fail = [&](const std::string& why) {
+        shared_->state = State::absent;
+        shared_->error = why_absent(settings.file, why);
+        on_news_();
+    };
+    if (!news) return fail(error_text(errno));
+    said_.open(std::move(news));
+    said_.read_with([this] {
+        eventfd_t count = 0;
+        ::eventfd_read(said_.fd(), &count);
+        on_news_();
+    });
+    try {
+        std::thread{[reader = std::make_shared<Reader>(shared_, settings)] {
+            leave_signals_to_others();
+            reader->run();
+        }}.detach();
+    } catch (const std::system_error& e) {
+        fail(e.what());
+    }
+}
+
+void ReplayFile::stop() noexcept {
+    said_.close();
+    const auto shared = std::exchange(shared_, nullptr);
+    if (!shared) return;
+    {
+        const std::lock_guard lock{shared->mutex};
+        shared->is_stopping = true;
+    }
+    shared->changed.notify_all();
+}
+
+std::optional<ReplayFile::Frame> ReplayFile::next() {
+    if (!shared_) return std::nullopt;
+    if (batch_ && taken_ == batch_->entries.size()) {
+        {
+            const std::lock_guard lock{shared_->mutex};
+            shared_->waiting -= batch_->weight();
+        }
+        shared_->changed.notify_all();
+        batch_.reset();
+    }
+    if (!batch_) {
+        const std::lock_guard lock{shared_->mutex};
+        if (shared_->batches.empty()) return std::nullopt;
+        batch_ = std::move(shared_->batches.front());
+        shared_->batches.pop_front();
+        taken_ = at_ = 0;
+        for (std::string& link : batch_->new_links) links_.push_back(std::move(link));
+    }
+    const Batch::Entry& entry = batch_->entries[taken_];
+    return Frame{entry.due, entry.link, ano::FrameView{std::span{batch_->bytes}.subspan(at_, entry.size)}};
+}
+
+void ReplayFile::take() { at_ += batch_->entries[taken_++].size; }
+
+ReplayFile::State ReplayFile::state() const {
+    if (!shared_) return State::ended;
+    const std::lock_guard lock{shared_->mutex};
+    return shared_->state;
+}
+
+LinkError ReplayFile::error() const {
+    if (!shared_) return {};
+    const std::lock_guard lock{shared_->mutex};
+    return shared_->error;
+}
+
+ReplayPlan::KeptBack ReplayFile::kept_back() const {
+    if (!shared_) return {};
+    const std::lock_guard lock{shared_->mutex};
+    return shared_->kept_back;
+}
+
+}    // namespace anogate

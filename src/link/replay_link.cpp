@@ -1,0 +1,202 @@
+#include <config/key_rows.hpp>
+#include <config/link_kind.hpp>
+#include <link/make_link.hpp>
+#include <link/replay_link.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int most_in_a_turn = 64;      // frames, then others have their turn
+constexpr Duration look_again = 1ms;    // at links that have not taken all
+constexpr Duration patience = 5s;       // with a link that takes nothing
+constexpr Duration late = 200ms;        // what is so late is not made up for
+constexpr Duration dry_for = 500ms;
+
+std::int64_t number(std::uint64_t count) { return static_cast<std::int64_t>(count); }
+
+}    // namespace
+
+ReplayLink::ReplayLink(LinkId id, LinkSettings settings, const LinkContext& context)
+    : Link{id, std::move(settings)}, context_{context}, file_{context.io, [this] { look(); }}, due_{context.alarms, [this] {
+                                                                                                        step();
+                                                                                                    }} {}
+
+void ReplayLink::start() { file_.start(replay()); }
+
+void ReplayLink::stop_reading() {
+    file_.stop();
+    due_.cancel();
+}
+
+// It takes nothing: a route that is pinned to it leads nowhere.
+void ReplayLink::flush(Channel& channel) {
+    std::array<std::span<const std::uint8_t>, 1> next;
+    while (channel.outbox.gather(next, context_.host.now()) == 1) channel.outbox.drop_frame(&SendCounters::denied_out);
+}
+
+// The file came, went, or has more.
+void ReplayLink::look() {
+    context_.host.now();
+    const ReplayFile::State state = file_.state();
+    if (state == ReplayFile::State::absent) {
+        is_up_ = false;
+        due_.cancel();
+        return context_.host.link_down(*this, file_.error());
+    }
+    if (!std::exchange(is_up_, true)) {
+        context_.host.link_up(*this);
+    }
+    if (!due_.is_set()) step();
+}
+
+void ReplayLink::step() {
+    for (int i = 0; i < most_in_a_turn; ++i) {
+        if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + look_again);
+        if (!say_next()) return;
+        context_.host.flush();    // one that waits for its turn beside others may leave behind them
+    }
+    due_.set(context_.host.now());
+}
+
+// False: there is none, or it is not due.
+bool ReplayLink::say_next() {
+    const auto frame = file_.next();
+    if (!frame) return note_none(), false;
+    dry_since_.reset();
+    const TimePoint now = context_.host.now();
+    if (!std::exchange(has_begun_, true)) begun_at_ = now;
+    const TimePoint due = begun_at_ + frame->due;
+    if (due > now) return due_.set(due), false;
+    if (now - due > late) begun_at_ = now - frame->due;
+    position_ = frame->due;
+    say(*frame);
+    file_.take();
+    return true;
+}
+
+void ReplayLink::note_none() {
+    const ReplayFile::State state = file_.state();
+    is_over_ = state == ReplayFile::State::ended;
+    if (state == ReplayFile::State::playing && !dry_since_) dry_since_ = context_.host.now();
+}
+
+// At rate 0. What waits is not to grow old, nor to give way to newer frames.
+bool ReplayLink::must_wait(TimePoint now) {
+    const ChannelSet busy = context_.host.busy_channels();
+    stuck_ = stuck_ & busy;
+    if ((busy - stuck_).empty()) {
+        waits_since_.reset();
+        return false;
+    }
+    if (!waits_since_) waits_since_ = now;
+    if (now - *waits_since_ < patience) return true;
+    stuck_ |= busy;
+    waits_since_.reset();
+    return false;
+}
+
+void ReplayLink::say(const ReplayFile::Frame& said) {
+    Channel* const channel = channel_of(said.link);
+    if (!channel) {
+        ++no_channel_;
+        return;
+    }
+    const ano::FrameView frame = said.frame;
+    channel->arrived_at = context_.host.now();
+    channel->beside.bytes_in += frame.bytes().size();
+    if (frame.data().size() > settings().max_data) {
+        ++channel->beside.bad_length;
+        channel->beside.skipped_bytes += frame.bytes().size();
+        return;
+    }
+    ++channel->beside.frames_in;
+    context_.host.receive(*channel, frame);
+}
+
+Channel* ReplayLink::channel_of(std::size_t link) {
+    if (link < channels_.size()) return channels_[link];
+    while (channels_.size() <= link) {
+        Channel* const channel = context_.host.open_channel(*this, file_.links()[channels_.size()]);
+        channels_.push_back(channel || channels_.empty() ? channel : channels_.front());
+    }
+    context_.host.link_up(*this);
+    return channels_[link];
+}
+
+LinkFacts ReplayLink::facts() const {
+    const ReplayPlan::KeptBack kept = file_.kept_back();
+    return {{"file", replay().file},
+            {"replay", is_over_ ? "ended"
+                       : is_up_ ? "playing"
+                                : "waiting"},
+            {"position_s", std::chrono::duration_cast<std::chrono::seconds>(position_).count()},
+            {"kept_back_of_hosts", number(kept.of_hosts)},
+            {"kept_back_commands", number(kept.commands)},
+            {"kept_back_tunnels", number(kept.tunnels)}};
+}
+
+LinkError ReplayLink::trouble() const {
+    if (no_channel_ > 0) return {"no_channel", "all 64 channels of the gateway are in use: its frames go nowhere", {}};
+    if (dry_since_ && !is_over_ && context_.host.now() - *dry_since_ >= dry_for)
+        return {"recording_slow",
+                replay().file + ": the disk does not give it fast enough: what comes is said later",
+                {{"file", replay().file}}};
+    return file_.error();
+}
+
+namespace {
+
+using namespace key_rows;
+
+constexpr std::uint64_t fastest = 1'000'000, longest = 365 * day;
+
+constexpr Key<LinkSettings> replay_keys[] = {
+    text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path, "the recording; waited for while it is not there") |
+        as("FILE") | needed,
+    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, fastest,
+                                                        "so many times as fast as it was; 0: as fast as the links take it"),
+    boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "at its end, from its begin"),
+    duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, longest,
+                                                         "begins so long behind its first frame (default: with that)"),
+    duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, longest,
+                                                       "ends so long behind its first frame (default: with its last)"),
+    words<own<ReplaySettings>, &ReplaySettings::links>("links", 1, max_name,
+                                                       "of the links that were recorded, these (default: all)"),
+    boolean<own<ReplaySettings>, &ReplaySettings::commands>(
+        "commands", "also what hosts said and what commands or changes a vehicle: the vehicles of this gateway do it"),
+};
+
+void validate(const LinkSettings& link, LinkFaults& faults) {
+    const auto& replay = link.as<ReplaySettings>();
+    if (replay.from && replay.to && *replay.from >= *replay.to)
+        faults.error("to", "'to' must be later than 'from': nothing is between them");
+}
+
+}    // namespace
+
+extern const LinkKind replay_kind;    // listed in kinds.cpp
+constinit const LinkKind replay_kind{
+    .name = "replay",
+    .address = "file",
+    .example = "flight.pcapng",
+    .help = "a recording, whose devices say again what they said, when they said it. It takes no frames and teaches no address",
+    .carries = Carries::pieces,
+    .devices_only = true,
+    .replays = true,
+    .keys = replay_keys,
+    .settings = [] { return KindSettings{ReplaySettings{}}; },
+    .make = make_link_of<ReplayLink>,
+    .usual_name = [](const LinkSettings& link) { return std::filesystem::path{link.as<ReplaySettings>().file}.stem().string(); },
+    .validate = validate,
+};
+
+}    // namespace anogate

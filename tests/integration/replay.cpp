@@ -1,0 +1,309 @@
+// replay:FILE: what devices said is said again, beside those who speak now.
+#include <link/serial_settings.hpp>
+#include <support/anoctl.hpp>
+#include <support/bytes.hpp>
+#include <support/files.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/recorded.hpp>
+#include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using nlohmann::json;
+using Frames = std::vector<Bytes>;
+
+constexpr std::uint8_t fc = 0xDC, host = 0xFE, all = 0xFF;
+const Bytes question = frame(host, fc, 0xE0, {0, 0, 0});
+
+Bytes numbered(std::uint8_t n, std::uint8_t source = fc) { return frame(source, all, 0x03, {n, 0, 0, 0, 0, 0, 1}); }
+
+KeptItem said(const Bytes& frame, std::chrono::nanoseconds at, const std::string& link = "fc",
+              anogate::Direction direction = anogate::Direction::in) {
+    KeptItem item;
+    item.time_ns = 1'763'898'044'000'000'000 + static_cast<std::uint64_t>(at.count());
+    item.boottime_ns = 1'000'000'000 + static_cast<std::uint64_t>(at.count());
+    item.link = link;
+    item.direction = direction;
+    item.frame = frame;
+    return item;
+}
+
+class Replay : public testing::Test {
+protected:
+    std::string recording(const std::vector<KeptItem>& items) {
+        return dir.write("flight.pcapng", write_pcapng(items, {"anogate 0.1.0"}));
+    }
+    std::string link(const std::vector<KeptItem>& items, const std::string& keys = "") {
+        return "replay:" + recording(items) + keys;
+    }
+    /// Until the gateway says that all was said; then all that the ground heard.
+    static Frames all_heard(RunningGateway& daemon, UdpPeer& ground) {
+        Frames heard;
+        EXPECT_TRUE(daemon.until([&] {
+            for (Bytes& one : ground.frames()) heard.push_back(std::move(one));
+            return daemon.link("flight")["replay"] == "ended";
+        })) << daemon.status();
+        for (Bytes& one : ground.frames()) heard.push_back(std::move(one));
+        return heard;
+    }
+
+    TempDir dir;
+    UdpPeer ground;
+};
+
+TEST_F(Replay, says_what_came_in_in_its_order_and_then_that_it_is_at_its_end) {
+    std::vector<KeptItem> items;
+    Frames expected;
+    for (std::uint8_t i = 0; i < 100; ++i) {
+        expected.push_back(numbered(i));
+        items.push_back(said(expected.back(), i * 1ms, i % 2 == 0 ? "fc" : "radio"));
+        items.push_back(said(numbered(i, 0xDD), i * 1ms, "ground", anogate::Direction::out));
+    }
+    RunningGateway daemon{settings_of_texts({link(items), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground), expected);
+    const json told = daemon.link("flight");
+    EXPECT_EQ(told["kind"], "replay");
+    EXPECT_EQ(told["state"], "up");
+    EXPECT_EQ(told["hint_id"], "recording_ended");
+    EXPECT_EQ(told["error"], "");
+    EXPECT_EQ(told["frames_in"], 100);
+    ASSERT_EQ(told["channels"].size(), 2u);
+    EXPECT_EQ(told["channels"][0]["peer"], "fc");
+    EXPECT_EQ(told["channels"][1]["peer"], "radio");
+    EXPECT_EQ(told["channels"][1]["frames_in"], 50);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST_F(Replay, keeps_the_distances_of_the_frames_and_is_as_much_faster_as_is_asked) {
+    const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 200ms), said(numbered(2), 400ms)};
+    const auto took = [&](const std::string& keys) {
+        RunningGateway daemon{settings_of_texts({link(items, keys), ground.link("ground")})};
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 1; }));
+        const auto begin = anogate::Clock::now();
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") == 3; }));
+        return anogate::Clock::now() - begin;
+    };
+    EXPECT_GE(took(""), 390ms);
+    const auto fast = took(",rate=10");
+    EXPECT_GE(fast, 30ms);
+    EXPECT_LT(fast, 300ms);
+    EXPECT_LT(took(",rate=0"), 100ms);
+}
+
+TEST_F(Replay, plays_the_part_and_the_links_that_are_asked_for) {
+    const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 1h), said(numbered(2), 1h + 1ms, "radio"),
+                                      said(numbered(3), 1h + 2ms, "imu"), said(numbered(4), 2h)};
+    RunningGateway daemon{settings_of_texts({link(items, ",from=1h,to=2h,links=fc+imu"), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground), (Frames{numbered(1), numbered(3)}));
+}
+
+TEST_F(Replay, begins_again_at_its_end_where_that_is_asked_for) {
+    RunningGateway daemon{
+        settings_of_texts({link({said(numbered(0), 0s), said(numbered(1), 1ms)}, ",loop"), ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 20; }));
+    const Frames heard = ground.frames();
+    ASSERT_GE(heard.size(), 4u);
+    for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_EQ(heard[i], numbered(i % 2));
+}
+
+TEST_F(Replay, keeps_back_what_may_command_a_vehicle_and_counts_it) {
+    const Bytes command = frame(0x30, fc, 0xC0, {1, 0}), acts = frame(0x30, fc, 0xE0, {0x10, 1}),
+                of_host = frame(host, fc, 0x03, {0, 0, 0, 0, 0, 0, 1}), tunnel = frame(0x30, fc, 0xB1, {1, 2, 3});
+    const std::vector<KeptItem> items{said(command, 0s), said(acts, 0s), said(of_host, 0s), said(tunnel, 0s),
+                                      said(numbered(0), 1ms)};
+    {
+        RunningGateway daemon{settings_of_texts({link(items), ground.link("ground")})};
+        EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
+        EXPECT_EQ(daemon.link("flight")["kept_back_commands"], 2);
+        EXPECT_EQ(daemon.link("flight")["kept_back_of_hosts"], 1);
+        EXPECT_EQ(daemon.link("flight")["kept_back_tunnels"], 1);
+    }
+    RunningGateway daemon{settings_of_texts({link(items, ",commands"), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground).size(), 5u);
+    EXPECT_EQ(daemon.link("flight")["kept_back_commands"], 0);
+}
+
+TEST_F(Replay, a_device_that_is_alive_keeps_its_address_and_one_that_comes_later_has_it_at_once) {
+    UdpPeer vehicle;
+    RunningGateway daemon{settings_of_texts(
+        {link({said(numbered(7), 0s), said(numbered(7), 20ms)}, ",loop"), ground.link("ground"), vehicle.link("vehicle")})};
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 10; }));
+    EXPECT_TRUE(daemon.route("0xDC").is_null()) << daemon.status();
+    vehicle.send(daemon.port("vehicle"), numbered(7));    // the very same
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("vehicle", "frames_in") == 1; }));
+    EXPECT_EQ(daemon.route("0xDC")["links"], json{"vehicle"});
+    const auto before = daemon.count("flight", "frames_in");
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= before + 10; }));
+    EXPECT_EQ(daemon.route("0xDC")["links"], json{"vehicle"});
+    ground.send(daemon.port("ground"), question);
+    ASSERT_TRUE(daemon.until([&] {
+        const Frames heard = vehicle.frames();
+        return std::find(heard.begin(), heard.end(), question) != heard.end();
+    }));
+    EXPECT_EQ(daemon.count("flight", "frames_out"), 0u);
+    EXPECT_EQ(daemon.status()["conflicts"], json::array());
+}
+
+TEST_F(Replay, takes_no_frames) {
+    anogate::Settings settings = settings_of_texts({link({said(numbered(0), 0s)}), ground.link("ground")});
+    settings.routes = {{0x33, 0x33, "flight"}};
+    RunningGateway daemon{settings};
+    all_heard(daemon, ground);
+    ground.send(daemon.port("ground"), frame(host, all, 0x03, {1}));
+    ground.send(daemon.port("ground"), frame(host, 0x33, 0x03, {2}));
+    ASSERT_TRUE(daemon.until([&] {
+        return daemon.count("ground", "frames_in") == 2 && daemon.count("flight", "denied_out") == 1;
+    })) << daemon.status();
+    EXPECT_EQ(daemon.count("flight", "frames_out"), 0u);
+    EXPECT_TRUE(daemon.counters_add_up());
+}
+
+TEST_F(Replay, a_file_that_is_not_there_yet_is_waited_for) {
+    const std::string file = dir / "flight.pcapng";
+    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "no_recording"; })) << daemon.status();
+    EXPECT_EQ(daemon.link("flight")["state"], "waiting");
+    dir.write("flight.pcapng", "this is no recording");
+    ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error"].get<std::string>().ends_with("it is no pcapng file"); }))
+        << daemon.status();
+    recording({said(numbered(0), 0s)});
+    EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
+}
+
+TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_what_is_wrong_is_told) {
+    const std::string whole = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"}, false);
+    for (const bool is_cut : {true, false}) {
+        dir.write("flight.pcapng", is_cut ? whole.substr(0, whole.size() - 5) : whole + std::string(64, '\1'));
+        RunningGateway daemon{settings_of_texts({"replay:" + (dir / "flight.pcapng"), ground.link("ground")})};
+        EXPECT_EQ(all_heard(daemon, ground), is_cut ? Frames{numbered(0)} : (Frames{numbered(0), numbered(1)}));
+        EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
+        EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find(is_cut ? "cut off" : "damaged behind byte"),
+                  std::string::npos);
+    }
+}
+
+// A pipe is the slowest of all disks: it gives what somebody writes.
+TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
+    const std::string file = dir / "flight.pcapng";
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+    ground.send(daemon.port("ground"), question);    // while it can't even be opened
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
+    const anogate::UniqueFd disk{::open(file.c_str(), O_WRONLY | O_CLOEXEC)};
+    const std::string bytes = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"});
+    const std::size_t half = write_pcapng({said(numbered(0), 0s)}, {"anogate"}, false).size();
+    ASSERT_EQ(::write(disk.get(), bytes.data(), half), static_cast<ssize_t>(half));
+    ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "recording_slow"; })) << daemon.status();
+    EXPECT_EQ(daemon.link("flight")["frames_in"], 1);
+    ground.send(daemon.port("ground"), question);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
+    ASSERT_EQ(::write(disk.get(), bytes.data() + half, bytes.size() - half), static_cast<ssize_t>(bytes.size() - half));
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") == 2; }));
+    EXPECT_EQ(daemon.link("flight")["error"], "");
+}
+
+TEST_F(Replay, a_gateway_ends_while_its_disk_hangs) {
+    const std::string file = dir / "flight.pcapng";
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+    daemon.run_for(20ms);
+    EXPECT_LT(daemon.stop(), 5s);
+    const anogate::UniqueFd ends_the_thread{::open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)};
+}
+
+// More than is read ahead, by a line that takes 11,520 bytes a second.
+TEST_F(Replay, at_rate_0_a_slow_line_gets_every_frame) {
+    std::vector<KeptItem> items;
+    Frames expected;
+    for (unsigned i = 0; i < 1500; ++i) {
+        expected.push_back(numbered(static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(0xDC - i % 7)));
+        items.push_back(said(expected.back(), i * 1s));
+    }
+    PtyDevice slow{dir / "slow"};
+    auto line = serial("slow", slow.path());
+    line.as<anogate::SerialSettings>().baud = 115200;
+    line.as<anogate::SerialSettings>().pace = anogate::Pace::on;
+    anogate::Settings settings = settings_of_texts({link(items, ",rate=0")});
+    settings.links.insert(settings.links.begin(), line);
+    RunningGateway daemon{settings};
+    ASSERT_TRUE(daemon.until(
+        [&] {
+            slow.heard();
+            return daemon.count("slow", "frames_out") == expected.size();
+        },
+        60s))
+        << daemon.status();
+    daemon.run_for(5ms);
+    Frames heard = split(slow.heard()).frames;
+    std::sort(heard.begin(), heard.end());
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(heard, expected);
+}
+
+TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
+    std::vector<KeptItem> items;
+    for (std::uint8_t i = 0; i < 100; ++i) items.push_back(said(numbered(i), 0s, "link" + std::to_string(i)));
+    RunningGateway daemon{settings_of_texts({link(items), "udp-listen:127.0.0.1:0,name=air", ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground).size(), 100u);
+    EXPECT_EQ(daemon.link("flight")["channels"].size(), 16u);
+    EXPECT_EQ(daemon.link("flight")["channels"][15]["frames_in"], 85);
+    UdpPeer peer;
+    peer.send(daemon.port("air"), numbered(1));
+    EXPECT_TRUE(daemon.until([&] { return daemon.link("air")["channels"].size() == 1; }));
+}
+
+// By the real programs.
+TEST_F(Replay, what_was_recorded_replayed_and_recorded_again_is_the_same) {
+    std::vector<KeptItem> items;
+    Frames expected;
+    for (unsigned i = 0; i < 2000; ++i) {
+        Bytes data(1 + i % 60, static_cast<std::uint8_t>(0xAB + i % 3));
+        data[0] = static_cast<std::uint8_t>(i);
+        if (data.size() > 1) data[1] = static_cast<std::uint8_t>(i >> 8);
+        expected.push_back(frame(static_cast<std::uint8_t>(0xD0 + i % 2 * 12), i % 5 == 0 ? host : all, 0xF1, data));
+        items.push_back(said(expected.back(), 1s + i * 200us, i % 3 == 0 ? "radio" : "fc"));
+    }
+    const std::string first = dir.write("first.pcapng", write_pcapng(items, {"anogate"}));
+    const std::string socket = dir / "control.sock", second = dir / "second.pcapng", later = dir / "later.pcapng";
+    Daemon gateway{ANOGATED, socket, {"replay:" + later + ",name=again", ground.link("ground")}};
+    ASSERT_TRUE(gateway.until_answers()) << gateway.output();
+    Process recorder{ANOCTL, {"record", second, "--control", socket}};
+    ASSERT_TRUE(wait_until([&] {    // before it is attached it sees nothing
+        ground.send(gateway.port("ground"), question);
+        return !read_pcapng(text_of(second)).items.empty();
+    })) << recorder.output();
+    std::filesystem::rename(first, later);
+    const auto replayed = [&] {
+        std::vector<KeptItem> of_replay = read_pcapng(text_of(second)).items;
+        std::erase_if(of_replay, [](const KeptItem& item) { return item.link != "again"; });
+        return of_replay;
+    };
+    ASSERT_TRUE(wait_until([&] { return replayed().size() >= expected.size(); })) << gateway.status();
+    recorder.signal(SIGINT);
+    EXPECT_EQ(recorder.wait(), 0) << recorder.output();
+    const std::vector<KeptItem> again = replayed();
+    ASSERT_EQ(again.size(), expected.size());
+    for (std::size_t i = 0; i < again.size(); ++i) {
+        EXPECT_EQ(again[i].frame, expected[i]) << i;
+        EXPECT_EQ(again[i].peer, items[i].link) << i;
+    }
+}
+
+}    // namespace
