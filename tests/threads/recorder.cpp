@@ -264,14 +264,16 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
 
 TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written_when_there_is_room) {
     fs::create_directories(settings.folder);
-    const support::SmallDisk disk{settings.folder, "1m"};
+    const support::SmallDisk disk{settings.folder, "64m"};
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
     start();
     send(30);
     ASSERT_TRUE(until_written(30));
     {
         std::ofstream filler{settings.folder + "/filler"};
-        while (filler << std::string(4096, '.') << std::flush) {}
+        while (filler << std::string(65536, '.') << std::flush) {}
+        filler.clear();
+        while (filler << std::string(512, '.') << std::flush) {}    // the rest
     }
     const auto begin = ano::Clock::now();
     const int changes_before = changes;
