@@ -1,6 +1,7 @@
 #include <ano/messages.hpp>
 #include <record/decoded_channels.hpp>
 #include <ros/cdr_encoder.hpp>
+#include <ros/json_message.hpp>
 #include <ros/ros_names.hpp>
 #include <ros/table_message.hpp>
 
@@ -44,12 +45,14 @@ struct DecodedChannels::State {
     std::set<std::string> link_names;
     ValueList values;
     CdrEncoder encoder;
+    std::string json;
 
     void decode(const RecordedFrame& frame);
     bool is_full() const noexcept { return channels.size() == max_channels; }
     DecodedDevice* device_of(const RecordedFrame& frame);
     const KnownMessage& message_of(const ano::Reading& reading, std::uint8_t source);
-    std::size_t add_schema(const RosMessage& type);
+    std::size_t add_schema(const RosMessage& type, std::string json_schema);
+    std::string_view encode(const TableMessage& message, const ano::Reading& reading);
 };
 
 void DecodedChannels::State::decode(const RecordedFrame& frame) {
@@ -65,9 +68,14 @@ void DecodedChannels::State::decode(const RecordedFrame& frame) {
         channel = static_cast<std::uint16_t>(channels.size());
         channels.push_back({device->topic + std::string{reading.message()->name}, known_message.schema});
     }
+    messages.push_back({*channel, encode(known_message.message, reading)});
+}
+
+std::string_view DecodedChannels::State::encode(const TableMessage& message, const ano::Reading& reading) {
+    if (encoding == DecodedEncoding::json) return json = json_message(reading, {.flexible = flexible});
     values.clear();
-    known_message.message.append_values(reading, values);
-    messages.push_back({*channel, encoder.encode(known_message.message.type(), values.values())});
+    message.append_values(reading, values);
+    return encoder.encode(message.type(), values.values());
 }
 
 // Null: there is no place for what would be new.
@@ -94,19 +102,21 @@ const KnownMessage& DecodedChannels::State::message_of(const ano::Reading& readi
         const auto found = known_flexible.find(layout);
         if (found != known_flexible.end()) return found->second;
         TableMessage message{*layout};
-        const std::size_t schema = add_schema(message.type());
+        const std::size_t schema = add_schema(message.type(), json_schema_of(*layout));
         return known_flexible.emplace(layout, KnownMessage{std::move(message), schema}).first->second;
     }
     if (known[id] == nullptr) {
         TableMessage message{id};
-        const std::size_t schema = add_schema(message.type());
+        const std::size_t schema = add_schema(message.type(), json_schema_of(ano::layouts_of(id)));
         known[id] = std::make_unique<KnownMessage>(KnownMessage{std::move(message), schema});
     }
     return *known[id];
 }
 
-std::size_t DecodedChannels::State::add_schema(const RosMessage& type) {
-    schemas.push_back({full_name(type), "ros2msg", definition_of(type)});
+std::size_t DecodedChannels::State::add_schema(const RosMessage& type, std::string json_schema) {
+    const bool is_json = encoding == DecodedEncoding::json;
+    schemas.push_back(
+        {full_name(type), is_json ? "jsonschema" : "ros2msg", is_json ? std::move(json_schema) : definition_of(type)});
     return schemas.size() - 1;
 }
 

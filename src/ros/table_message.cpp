@@ -1,5 +1,6 @@
 #include <ano/messages.hpp>
 #include <ano_json/text.hpp>
+#include <ros/field_comment.hpp>
 #include <ros/ros_names.hpp>
 #include <ros/table_message.hpp>
 
@@ -35,21 +36,6 @@ Shape shape_of(const Field& f) noexcept {
     if (f.type == text || f.type == ip) return Shape::one;
     if (is_number(f.type) && f.count == 1) return Shape::one;
     return f.is_open() ? Shape::sequence : Shape::array;
-}
-
-std::string comment_of(const Field& f, bool meanings) {
-    std::string text;
-    const auto add = [&](std::string_view part) {
-        if (part.empty()) return;
-        if (!text.empty()) text += "; ";
-        text += part;
-    };
-    add(f.unit);
-    add(f.label);
-    add(f.note);
-    if (!meanings) return text;
-    for (const ano::Meaning& m : f.meanings) add(std::to_string(m.value) + ": " + std::string{m.text});
-    return text;
 }
 
 // Of a field that is a whole number. Programs show the name that stands before the field.

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <record/decoded_channels.hpp>
 
-#include <set>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -138,6 +138,51 @@ TEST(DecodedChannels, there_are_no_more_than_so_many) {
     EXPECT_FALSE(decoded.decode(passed(euler, "link 0")).empty());
     EXPECT_TRUE(decoded.decode(passed(euler, "link 4999")).empty());
     EXPECT_TRUE(decoded.decode(passed(support::frame(0x05, 0xFE, 0x06, {0, 0, 0, 0, 0}), "link 0")).empty());
+}
+
+TEST(DecodedChannels, json_has_what_decode_shows_of_the_fields) {
+    DecodedChannels decoded{DecodedEncoding::json};
+    EXPECT_EQ(decoded.decode(passed(euler))[0].data, R"({"rol":1.23,"pit":-45.67,"yaw":0.0,"fusion_sta":1})");
+    EXPECT_EQ(decoded.schemas()[0].encoding, "jsonschema");
+    EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Euler");
+    EXPECT_EQ(decoded.channels()[0].topic, "/fc/device_220/euler");
+    // pos_y is "no data"
+    const Bytes position = support::frame(1, 2, 0x32, {1, 0, 0, 0, 0, 0, 0, 0x80, 0xFD, 0xFF, 0xFF, 0xFF});
+    EXPECT_EQ(decoded.decode(passed(position))[0].data, R"({"pos_x":1,"pos_z":-3})");
+}
+
+bool is_of_type(const ano::Json& value, const ano::Json& schema) {
+    const auto type = schema["type"].get<std::string>();
+    if (type == "integer") return value.is_number_integer();
+    if (type == "number") return value.is_number();
+    if (type == "string") return value.is_string();
+    if (type == "array")
+        return value.is_array() &&
+               std::all_of(value.begin(), value.end(), [&](const auto& v) { return is_of_type(v, schema["items"]); });
+    return type == "object" && value.is_object() && schema["properties"].is_object();
+}
+
+TEST(DecodedChannels, every_json_is_as_its_schema_says) {
+    for (const support::Vector& vector : support::golden_vectors()) {
+        DecodedChannels decoded{DecodedEncoding::json};
+        const auto messages = decoded.decode(passed(vector.bytes));
+        ASSERT_EQ(messages.size(), vector.json.contains("fields") ? 1u : 0u) << vector.name;
+        if (messages.empty()) continue;
+        const ano::Json json = ano::Json::parse(messages[0].data);
+        const ano::Json schema = ano::Json::parse(decoded.schemas()[decoded.channels()[messages[0].channel].schema].text);
+        EXPECT_EQ(schema["type"], "object");
+        for (const auto& [key, value] : json.items()) {
+            ASSERT_TRUE(schema["properties"].contains(key)) << vector.name << " " << key;
+            EXPECT_TRUE(is_of_type(value, schema["properties"][key])) << vector.name << " " << key;
+        }
+        for (const auto& [key, value] : vector.json["fields"].items()) {
+            if (value.is_null()) {
+                EXPECT_FALSE(json.contains(key)) << vector.name << " " << key;
+            } else {
+                EXPECT_EQ(json[key], value) << vector.name << " " << key;
+            }
+        }
+    }
 }
 
 TEST(DecodedChannels, flexible_messages_have_their_layout) {
