@@ -47,15 +47,29 @@ void append(const Rotation& q, ValueList& out) {
 void append(std::string_view text, ValueList& out) { out.push(ano::Value{text}); }
 void append_whole(std::int64_t number, ValueList& out) { out.push(ano::Value{number}); }
 
-// Zeros: not known.
-void append_covariance(std::size_t size, ValueList& out) {
-    for (std::size_t i = 0; i < size; ++i) out.push(0.0);
-}
+// Zeros: how good it is, is not known; -1 on the diagonal: there is no value.
+template <std::size_t Size>
+struct Covariance {
+    std::array<std::uint8_t, Size * sizeof(double)> bytes{};
+    constexpr void set(std::size_t i, double value) noexcept { ano::store(bytes.data() + i * sizeof value, value); }
+};
 
-// What it belongs to is not known.
-void append_no_covariance(std::size_t size, ValueList& out) {
-    out.push(-1.0);
-    append_covariance(size - 1, out);
+constexpr Covariance<9> unknown_covariance{};
+constexpr Covariance<36> unknown_covariance_of_pose{};
+constexpr Covariance<9> no_orientation = [] {
+    Covariance<9> covariance;
+    covariance.set(0, -1);
+    return covariance;
+}();
+constexpr Covariance<36> no_rates = [] {
+    Covariance<36> covariance;
+    for (const std::size_t diagonal : {21u, 28u, 35u}) covariance.set(diagonal, -1);
+    return covariance;
+}();
+
+template <std::size_t Size>
+void append(const Covariance<Size>& covariance, ValueList& out) {
+    out.push(ano::Value{ano::Bytes{covariance.bytes}});
 }
 
 bool is_fix(double fix_sta) noexcept { return fix_sta >= 2 && fix_sta <= 4; }    // of UBX: 2D, 3D, 3D with dead reckoning
@@ -197,7 +211,7 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
     case StandardTopic::magnetic_field:
         append_header(frame_, out);
         append(vector("mag_", tesla), out);
-        return append_covariance(9, out);
+        return append(unknown_covariance, out);
     case StandardTopic::temperature:
         append_header(frame_, out);
         out.push(number("tmp"));
@@ -223,15 +237,15 @@ void StandardMessages::append_imu(ValueList& out) const {
     append_header(frame_, out);
     if (is_fresh(by_quaternion_) || is_fresh(by_euler_)) {
         append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
-        append_covariance(9, out);
+        append(unknown_covariance, out);
     } else {
         append(Rotation{}, out);
-        append_no_covariance(9, out);
+        append(no_orientation, out);
     }
     append(rates_.value, out);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
     append(vector("acc_", metre), out);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
 }
 
 void StandardMessages::append_odometry(ValueList& out) const {
@@ -240,11 +254,11 @@ void StandardMessages::append_odometry(ValueList& out) const {
     append(std::string_view{frame_}, out);
     append(vector("pos_", metre), out);
     append(attitude, out);
-    append_covariance(36, out);
+    append(unknown_covariance_of_pose, out);
     append(turned_back(attitude, velocity_.value), out);
     const bool turns = is_fresh(rates_);
     append(turns ? rates_.value : Vector{}, out);
-    for (std::size_t i = 0; i < 36; ++i) out.push(!turns && i >= 21 && i % 7 == 0 ? -1.0 : 0.0);    // of what turns
+    append(turns ? unknown_covariance_of_pose : no_rates, out);
 }
 
 void StandardMessages::append_battery(ValueList& out) const {
@@ -264,7 +278,7 @@ void StandardMessages::append_fix(ValueList& out) const {
     out.push(is_fix(fix_sta) ? number("lat") : nan);
     out.push(is_fix(fix_sta) ? number("lng") : nan);
     out.push(is_fix(fix_sta) && fix_sta > 2 ? metre * number("alt_gps") : nan);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
     append_whole(0, out);
 }
 
