@@ -90,6 +90,7 @@ const StandardRow& standard_row(StandardTopic topic) {
                                                                 {"fix_velocity", t.vector3_stamped},
                                                                 {"external_point", t.point_stamped},
                                                                 {"external_velocity", t.vector3_stamped},
+                                                                {"scan", t.point_cloud},
                                                                 {"range_down", t.range},
                                                                 {"range_forward", t.range},
                                                                 {"range_back", t.range},
@@ -168,8 +169,9 @@ void StandardMessages::hear_gps() {
     if (is_fix(number("fix_sta"))) tell(StandardTopic::fix_velocity);
 }
 
-// A layout with an angle says no direction that a frame could be named by.
+// The layout of one distance at an angle says no direction that a frame could be named by.
 void StandardMessages::hear_ranging() {
+    if (reading_->message()->ends_in_list()) tell(StandardTopic::scan);
     if (!reading_->message()->is_base()) return;
     const auto type = static_cast<std::size_t>(number("type"));
     tell(static_cast<StandardTopic>(static_cast<std::size_t>(StandardTopic::range_down) + type % range_frames_.size()));
@@ -229,6 +231,7 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
         return append(Vector{metre * number("e_spe"), metre * number("n_spe"), 0 - metre * number("d_spe")}, out);
     case StandardTopic::external_point: append_header(external_, out); return append(vector("pos_", 0.001), out);
     case StandardTopic::external_velocity: append_header(frame_, out); return append(vector("speed_", metre), out);
+    case StandardTopic::scan: return append_scan(out);
     default: return append_range(topic, out);
     }
 }
@@ -280,6 +283,43 @@ void StandardMessages::append_fix(ValueList& out) const {
     out.push(is_fix(fix_sta) && fix_sta > 2 ? metre * number("alt_gps") : nan);
     append(unknown_covariance, out);
     append_whole(0, out);
+}
+
+// Angles are clockwise from the nose. A distance of 0 is none.
+void StandardMessages::append_scan(ValueList& out) const {
+    constexpr std::size_t point_size = 3 * sizeof(float);
+    constexpr std::int64_t float32 = 7;
+    const std::span<const ano::Field> element = reading_->element_fields();
+    const std::uint8_t* const points = reading_->data().data() + reading_->fixed_size();
+    const auto at = [&](std::size_t point, std::size_t field) {
+        return number_at(element[field], points + point * reading_->message()->element_size + element[field].offset);
+    };
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < reading_->element_count(); ++i) count += at(i, 1) > 0;
+
+    append_header(frame_, out);
+    append_whole(1, out);
+    append_whole(static_cast<std::int64_t>(count), out);
+    out.push_count(3);
+    for (const std::string_view axis : {"x", "y", "z"}) {
+        append(axis, out);
+        append_whole((axis.front() - 'x') * std::int64_t{sizeof(float)}, out);
+        append_whole(float32, out);
+        append_whole(1, out);
+    }
+    append_whole(0, out);
+    append_whole(point_size, out);
+    append_whole(static_cast<std::int64_t>(count * point_size), out);
+    std::uint8_t* to = out.push_bytes(count * point_size).data();
+    for (std::size_t i = 0; i < reading_->element_count(); ++i) {
+        const double angle = at(i, 0) * radian, distance = at(i, 1) * metre;
+        if (!(distance > 0)) continue;
+        for (const double number : {distance * std::cos(angle), 0 - distance * std::sin(angle), 0.0}) {
+            ano::store(to, static_cast<float>(number));
+            to += sizeof(float);
+        }
+    }
+    append_whole(1, out);
 }
 
 void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {

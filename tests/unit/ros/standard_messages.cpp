@@ -264,10 +264,27 @@ TEST(StandardMessages, a_range_has_the_frame_of_its_direction) {
     }
     device.hear(0x34, Bytes{1} + longs({-7}));
     EXPECT_TRUE(device.at("range_forward")["range"].is_null());
-    device.hear(0x34, Bytes{100, 1, 2, 3, 4});
-    EXPECT_TRUE(device.topics.empty());
     device.hear(0x34, Bytes{1, 1, 2, 3, 4, 5, 6});
     EXPECT_TRUE(device.topics.empty());
+}
+
+TEST(StandardMessages, a_scan_goes_round_to_the_right) {
+    HeardDevice device;
+    device.hear(0x34, Bytes{100} + shorts({0, 250, 9000, 100, 18000, 0, 27000, 300}));    // ahead, right, none behind, left
+    EXPECT_EQ(device.topics, std::vector<std::string>{"scan"});
+    const ano::Json& scan = device.at("scan");
+    EXPECT_EQ(scan["header"]["frame_id"], "fc/device_5");
+    EXPECT_EQ(scan["width"], 3);
+    EXPECT_EQ(scan["height"], 1);
+    EXPECT_EQ(scan["point_step"], 12);
+    EXPECT_EQ(scan["row_step"], 36);
+    EXPECT_EQ(scan["fields"][1], (ano::Json{{"name", "y"}, {"offset", 4}, {"datatype", 7}, {"count", 1}}));
+    const Bytes data = scan["data"].get<Bytes>();
+    const std::vector<double> expected{2.5, 0, 0, 0, -1, 0, 0, 3, 0};
+    ASSERT_EQ(data.size(), 4 * expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(ano::load<float>(data.data() + 4 * i), expected[i], 1e-6) << i;
+    device.hear(0x34, Bytes{100});
+    EXPECT_EQ(device.at("scan")["width"], 0);
 }
 
 TEST(StandardMessages, no_topic_is_called_as_a_message_of_the_table_is) {
