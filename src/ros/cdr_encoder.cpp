@@ -62,13 +62,12 @@ void CdrEncoder::write_message(const RosMessage& message) {
 }
 
 void CdrEncoder::write_field(const RosField& field) {
-    using enum RosField::Shape;
-    if (field.shape == one) return write_one(field);
+    if (field.shape == RosField::Shape::one) return write_one(field);
     if (field.type == RosType::uint8) return write_bytes(field);
     std::size_t count = field.count;
-    if (field.shape == array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front())) {
+    if (field.shape == RosField::Shape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front()))
         return write_raw(std::get<ano::Bytes>(next()), size_of(field.type), count * size_of(field.type));
-    } else if (field.shape == sequence) {
+    if (field.shape == RosField::Shape::sequence) {
         // No more elements than there are values: the number came with them.
         count = std::min<std::size_t>(number_of<std::uint32_t>(next()), values_.size());
         write(static_cast<std::uint32_t>(count));

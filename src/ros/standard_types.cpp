@@ -7,7 +7,6 @@
 namespace anogate {
 namespace {
 
-using enum RosType;
 using Shape = RosField::Shape;
 
 RosField numbers(RosType type, const char* name, std::size_t count) {
@@ -26,6 +25,8 @@ RosMessage made_of(const char* package, const char* name, std::vector<RosField> 
 
 // Each names those before it.
 struct Definitions {
+    using enum RosType;
+
     RosMessage time = made_of("builtin_interfaces", "Time", {one(int32, "sec"), one(uint32, "nanosec")});
     RosMessage header = made_of("std_msgs", "Header", {one(time, "stamp"), one(text, "frame_id")});
 
