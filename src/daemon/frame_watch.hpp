@@ -42,6 +42,8 @@ public:
     /// `watcher` is told from now on, until remove(); the tables come first.
     void add(Watcher& watcher, const FrameFilterSettings& settings);
     void remove(Watcher& watcher);
+    /// `watcher`, who was added, has other settings from now on; he loses nothing of what is in both.
+    void change(Watcher& watcher, const FrameFilterSettings& settings);
 
 private:
     // Those of the same filter.
@@ -68,6 +70,7 @@ private:
     void left(const Channel& to, ano::FrameView frame) noexcept override;
     void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
 
+    void join(Watcher& watcher, const FrameFilterSettings& settings);
     void note(const Event& event, ano::FrameView frame, TimePoint at) noexcept;
     void record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at);
     void begin_batch(Stream& stream);
