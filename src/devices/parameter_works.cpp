@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -94,8 +95,7 @@ private:
         for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
             ano::host::ParameterInfo row = all[told_];
             row.id = static_cast<std::uint16_t>(told_);
-            const auto value = parameters().value(row.id);
-            if (value || !names_) text_->add(parameter_json(row, value, values_));
+            if (is_wanted(row.name)) text_->add(parameter_json(row, parameters().value(row.id), values_));
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (told_ < end_of_rows_) return;
@@ -103,6 +103,9 @@ private:
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
         if (!end.error.empty()) tail["incomplete"] = end.error;
         finish(text_->ended(std::move(end), tail));
+    }
+    bool is_wanted(const std::string& name) const {
+        return !names_ || std::find(names_->begin(), names_->end(), name) != names_->end();
     }
     // Behind the last that came there is nothing to say of each: a device may claim thousands.
     std::size_t rows_that_came() const {
