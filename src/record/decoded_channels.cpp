@@ -3,6 +3,7 @@
 #include <ros/cdr_encoder.hpp>
 #include <ros/json_message.hpp>
 #include <ros/ros_names.hpp>
+#include <ros/standard_messages.hpp>
 #include <ros/table_message.hpp>
 
 #include <array>
@@ -20,9 +21,15 @@ struct KnownMessage {
     std::size_t schema;
 };
 
+using ChannelNumber = std::optional<std::uint16_t>;    // nothing: it has none yet
+
 struct DecodedDevice {
-    std::string topic;                                           // "/fc/device_5/"
-    std::array<std::optional<std::uint16_t>, 256> channels{};    // by the id of the message
+    explicit DecodedDevice(const std::string& name) : topic{'/' + name + '/'}, standard{name} {}
+
+    std::string topic;    // "/fc/device_5/"
+    StandardMessages standard;
+    std::array<ChannelNumber, 256> channels{};    // by the id of the message
+    std::array<ChannelNumber, standard_topics> standard_channels{};
 };
 
 struct DecodedLink {
@@ -43,14 +50,19 @@ struct DecodedChannels::State {
     std::map<const ano::FlexibleLayout*, KnownMessage> known_flexible;
     std::map<std::string, DecodedLink, std::less<>> links;
     std::set<std::string> link_names;
+    std::map<const RosMessage*, std::size_t> standard_schemas;
     ValueList values;
     CdrEncoder encoder;
+    std::array<CdrEncoder, 2> standard_encoders;    // a frame makes no more
     std::string json;
 
     void decode(const RecordedFrame& frame);
+    void decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device);
+    void decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device);
     bool is_full() const noexcept { return channels.size() == max_channels; }
     DecodedDevice* device_of(const RecordedFrame& frame);
     const KnownMessage& message_of(const ano::Reading& reading, std::uint8_t source);
+    std::uint16_t add_channel(std::string topic, std::size_t schema);
     std::size_t add_schema(const RosMessage& type, std::string json_schema);
     std::string_view encode(const TableMessage& message, const ano::Reading& reading);
 };
@@ -61,14 +73,33 @@ void DecodedChannels::State::decode(const RecordedFrame& frame) {
     const ano::Reading reading = ano::read(frame.frame, flexible);
     DecodedDevice* const device = reading ? device_of(frame) : nullptr;
     if (device == nullptr) return;
-    auto& channel = device->channels[frame.frame.id()];
+    decode(reading, frame, *device);
+    if (encoding == DecodedEncoding::cdr) decode_standard(reading, frame.time_ns, *device);
+}
+
+void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device) {
+    ChannelNumber& channel = device.channels[frame.frame.id()];
     if (!channel && is_full()) return;
     const KnownMessage& known_message = message_of(reading, frame.frame.source());
-    if (!channel) {
-        channel = static_cast<std::uint16_t>(channels.size());
-        channels.push_back({device->topic + std::string{reading.message()->name}, known_message.schema});
-    }
+    if (!channel) channel = add_channel(device.topic + std::string{reading.message()->name}, known_message.schema);
     messages.push_back({*channel, encode(known_message.message, reading)});
+}
+
+void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device) {
+    auto encoder_at = standard_encoders.begin();
+    for (const StandardTopic topic : device.standard.hear(reading, time_ns)) {
+        ChannelNumber& channel = device.standard_channels[static_cast<std::size_t>(topic)];
+        const auto& [name, type] = standard_row(topic);
+        if (!channel) {
+            if (is_full()) return;
+            const auto [schema, is_new] = standard_schemas.try_emplace(type, schemas.size());
+            if (is_new) add_schema(*type, {});
+            channel = add_channel(device.topic + std::string{name}, schema->second);
+        }
+        values.clear();
+        device.standard.append_values(topic, values);
+        messages.push_back({*channel, (encoder_at++)->encode(*type, values.values())});
+    }
 }
 
 std::string_view DecodedChannels::State::encode(const TableMessage& message, const ano::Reading& reading) {
@@ -89,8 +120,7 @@ DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
     auto& device = link->second.devices[frame.frame.source()];
     if (device == nullptr) {
         if (is_full()) return nullptr;
-        device = std::make_unique<DecodedDevice>();
-        device->topic = '/' + link->second.name + "/device_" + std::to_string(frame.frame.source()) + '/';
+        device = std::make_unique<DecodedDevice>(link->second.name + "/device_" + std::to_string(frame.frame.source()));
     }
     return device.get();
 }
@@ -111,6 +141,11 @@ const KnownMessage& DecodedChannels::State::message_of(const ano::Reading& readi
         known[id] = std::make_unique<KnownMessage>(KnownMessage{std::move(message), schema});
     }
     return *known[id];
+}
+
+std::uint16_t DecodedChannels::State::add_channel(std::string topic, std::size_t schema) {
+    channels.push_back({std::move(topic), schema});
+    return static_cast<std::uint16_t>(channels.size() - 1);
 }
 
 std::size_t DecodedChannels::State::add_schema(const RosMessage& type, std::string json_schema) {

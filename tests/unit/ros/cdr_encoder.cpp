@@ -58,6 +58,13 @@ TEST(CdrEncoder, a_sequence_has_its_number_and_an_array_has_none) {
         bytes("00 01 00 00  00 00 00 00 09"));
 }
 
+TEST(CdrEncoder, an_array_may_come_as_its_bytes) {
+    const support::Bytes three{1, 0, 2};
+    EXPECT_EQ(cdr(message_of({field(RosType::uint8), field(RosType::uint16, Shape::array, 2), field(RosType::uint8)}),
+                  {std::int64_t{9}, Value{ano::Bytes{three}}, std::int64_t{8}}),
+              bytes("00 01 00 00  09 00 01 00 02 00 08"));
+}
+
 TEST(CdrEncoder, a_message_in_a_message_has_no_head_and_no_alignment_of_its_own) {
     const RosMessage inner = message_of({field(RosType::uint8), field(RosType::uint16)});
     RosField list = field(RosType::message, Shape::sequence), one = field(RosType::message);
