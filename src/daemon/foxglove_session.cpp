@@ -13,6 +13,8 @@ using foxglove::Level;
 // Channels of the protocol: the whole frames, and behind it what they say.
 constexpr std::uint32_t raw_channel = 1, first_decoded = 2;
 
+constexpr std::string_view own_messages = "ano_msgs/";    // before the names of their schemas
+
 std::string name_of(std::uint8_t id) {
     const ano::Message* const message = ano::find_message(id);
     return message ? std::string{message->name} : ano::hex_byte(id);
@@ -32,8 +34,6 @@ std::string words_of(const LostFrames& lost) {
 }
 
 }    // namespace
-
-FrameKind kind_of(const RecordedFrame& frame) { return {std::string{frame.link}, frame.frame.source(), frame.frame.id()}; }
 
 FoxgloveSession::FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding,
                                  const ano::FlexibleLayouts& flexible)
@@ -99,16 +99,24 @@ void FoxgloveSession::say(Level level, std::string_view words) {
 }
 
 bool FoxgloveSession::is_known(std::uint32_t channel) const noexcept {
-    return channel == raw_channel || (channel >= first_decoded && channel - first_decoded < decoded_.channels().size());
+    return channel == raw_channel || (channel >= first_decoded && channel - first_decoded < channels_.size());
 }
 
-// Frames of one kind may have messages on several channels, and a channel may have come of frames of several kinds.
 void FoxgloveSession::find_wanted() {
     wanted_.clear();
     for (const auto& [channel, id] : by_channel_)
-        if (channel != raw_channel)
-            wanted_.insert(kinds_[channel - first_decoded].begin(), kinds_[channel - first_decoded].end());
+        if (channel != raw_channel) want(channels_[channel - first_decoded]);
     wants_others_ = true;
+}
+
+// A standard message may have what other frames of its device said before: of those, all that have such messages themselves.
+void FoxgloveSession::want(const Known& channel) {
+    wanted_.insert(channel.kinds.begin(), channel.kinds.end());
+    if (!channel.is_standard) return;
+    for (const FrameKind& kind : channel.kinds)
+        for (auto other = standard_kinds_.lower_bound({kind.link, kind.source, 0});
+             other != standard_kinds_.end() && other->link == kind.link && other->source == kind.source; ++other)
+            wanted_.insert(*other);
 }
 
 std::optional<FrameFilterSettings> FoxgloveSession::filter() const {
@@ -129,25 +137,35 @@ std::optional<FrameFilterSettings> FoxgloveSession::filter() const {
     return filter;
 }
 
-std::span<const DecodedMessage> FoxgloveSession::decoded(const RecordedFrame& frame, const FrameKind& kind) {
-    const auto messages = decoded_.decode(frame);
-    kinds_.resize(decoded_.channels().size());
-    for (const DecodedMessage& message : messages) {
-        if (!kinds_[message.channel].insert(kind).second) continue;
-        if (by_channel_.contains(static_cast<std::uint32_t>(message.channel) + first_decoded)) find_wanted();
-    }
-    return messages;
+std::size_t FoxgloveSession::number_of(const DecodedChannel& channel, const DecodedSchema& schema) {
+    const auto [known, is_new] = by_topic_.try_emplace(channel.topic, channels_.size());
+    if (is_new) channels_.push_back({&channel, &schema, {}, !schema.name.starts_with(own_messages)});
+    return known->second;
 }
 
-void FoxgloveSession::learn(const RecordedFrame& frame) { decoded(frame, kind_of(frame)); }
+std::size_t FoxgloveSession::number_of(const DecodedMessage& message) {
+    const auto& all = decoded_.channels();
+    while (numbers_.size() < all.size())
+        numbers_.push_back(number_of(all[numbers_.size()], decoded_.schemas()[all[numbers_.size()].schema]));
+    return numbers_[message.channel];
+}
+
+void FoxgloveSession::learn(const FirstFrame& first) {
+    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so its link is called the same
+    for (const FoundChannel& found : first.found()) {
+        const std::size_t number = number_of(*found.channel, *found.schema);
+        Known& channel = channels_[number];
+        channel.kinds.insert(found.kind);
+        if (channel.is_standard) standard_kinds_.insert(found.kind);
+    }
+    if (!by_channel_.empty()) find_wanted();
+}
 
 void FoxgloveSession::show(const RecordedFrame& frame) {
     if (by_channel_.contains(raw_channel)) send_on(raw_channel, frame.time_ns, raw_frame(frame));
-    if (frame.direction != Direction::in || wanted_.empty()) return;
-    const FrameKind kind = kind_of(frame);
-    if (!wanted_.contains(kind)) return;
-    for (const DecodedMessage& message : decoded(frame, kind))
-        send_on(static_cast<std::uint32_t>(message.channel) + first_decoded, frame.time_ns, message.data);
+    if (frame.direction != Direction::in || !wanted_.contains(kind_of(frame))) return;
+    for (const DecodedMessage& message : decoded_.decode(frame))
+        send_on(static_cast<std::uint32_t>(number_of(message)) + first_decoded, frame.time_ns, message.data);
 }
 
 void FoxgloveSession::send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload) {
@@ -203,9 +221,9 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next_channels() {
     if (!std::exchange(raw_is_told_, true))
         channels.push_back({raw_channel, raw_frame_topic, text(DecodedEncoding::cdr), raw.name, raw.text, raw.encoding});
     std::size_t size = 0;
-    while (told_channels_ < decoded_.channels().size() && size < part_size) {
-        const DecodedChannel& channel = decoded_.channels()[told_channels_];
-        const DecodedSchema& schema = decoded_.schemas()[channel.schema];
+    while (told_channels_ < channels_.size() && size < part_size) {
+        const DecodedChannel& channel = *channels_[told_channels_].channel;
+        const DecodedSchema& schema = *channels_[told_channels_].schema;
         channels.push_back({static_cast<std::uint32_t>(told_channels_++) + first_decoded, channel.topic, text(encoding_),
                             schema.name, schema.text, schema.encoding});
         size += channel.topic.size() + schema.name.size() + schema.text.size();

@@ -1,13 +1,14 @@
 // One client of the Foxglove WebSocket protocol: what he is told, what he wants, and what of that he gets. No I/O.
 //
 // Flow:    FoxgloveSession session{server, encoding};
-//          session.learn(frame);                      // the first frame of each kind: its channels are told
+//          session.learn(first_frame);                // which channels there are
 //          session.hear(text);                        // what the client says
 //          if (session.wants_other_frames()) watch(session.take_filter());
 //          session.show(frame);                       // one of these
 //          while (auto message = session.next()) ...  // to be sent, in this order
 #pragma once
 #include <ano/flexible.hpp>
+#include <daemon/found_channels.hpp>
 #include <daemon/foxglove_messages.hpp>
 #include <daemon/frame_filter.hpp>
 #include <daemon/watch_queue.hpp>
@@ -20,19 +21,10 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace anogate {
-
-/// What frames that say the same have in common: the link by which they come, who sends them, and their id.
-struct FrameKind {
-    std::string link;
-    std::uint8_t source = 0, id = 0;
-    auto operator<=>(const FrameKind&) const = default;
-};
-FrameKind kind_of(const RecordedFrame& frame);
 
 class FoxgloveSession {
 public:
@@ -54,8 +46,8 @@ public:
     /// Bytes of his: nothing that he may send.
     void hear_bytes();
 
-    /// A frame whose channels he is to know of. Nothing of it is shown.
-    void learn(const RecordedFrame& frame);
+    /// He is to know of its channels; all in the order in which they were found. What found them outlives this.
+    void learn(const FirstFrame& first);
     /// A frame that passed filter(): its messages on the channels that he subscribed.
     void show(const RecordedFrame& frame);
     /// Frames that were not shown, for he takes too little.
@@ -81,6 +73,14 @@ public:
     std::optional<Message> next();
 
 private:
+    // A channel as he knows it.
+    struct Known {
+        const DecodedChannel* channel;
+        const DecodedSchema* schema;
+        std::set<FrameKind> kinds;    // of the frames that it comes of
+        bool is_standard;             // it has what frames of other kinds said as well
+    };
+
     void hear(const foxglove::Subscribe& said);
     void hear(const foxglove::Unsubscribe& said);
     void hear(foxglove::GetParameters&& said);
@@ -88,7 +88,9 @@ private:
     void hear(foxglove::Wrong&& said);
     void subscribe(const foxglove::Subscription& wanted);
     void say(foxglove::Level level, std::string_view words);
-    std::span<const DecodedMessage> decoded(const RecordedFrame& frame, const FrameKind& kind);
+    std::size_t number_of(const DecodedChannel& channel, const DecodedSchema& schema);
+    std::size_t number_of(const DecodedMessage& message);
+    void want(const Known& channel);
     void send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload);
     void find_wanted();
     bool is_known(std::uint32_t channel) const noexcept;
@@ -97,13 +99,16 @@ private:
     std::string greeting_;    // empty: it was sent
     DecodedEncoding encoding_;
     DecodedChannels decoded_;
-    std::vector<std::set<FrameKind>> kinds_;               // by number of the channel: of the frames that it has come of
-    std::set<FrameKind> wanted_;                           // those of what he subscribed
+    std::vector<std::size_t> numbers_;    // in channels_, by number in decoded_
+    std::vector<Known> channels_;
+    std::map<std::string_view, std::size_t> by_topic_;
+    std::set<FrameKind> standard_kinds_;                   // that standard messages come of
+    std::set<FrameKind> wanted_;                           // for what he subscribed
     std::map<std::uint32_t, std::uint32_t> by_channel_;    // the subscription of each channel
     std::map<std::uint32_t, std::uint32_t> by_id_;         // the other way
     bool wants_others_ = false;
     bool raw_is_told_ = false;
-    std::size_t told_channels_ = 0;
+    std::size_t told_channels_ = 0;    // of channels_
     std::deque<Message> messages_;
     std::deque<std::string> statuses_;
     std::uint64_t unsaid_ = 0;    // statuses

@@ -36,6 +36,7 @@ FoxgloveSocket::FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::s
     : streams_{streams},
       number_{number},
       subprotocol_{subprotocol},
+      encoding_{encoding},
       session_{streams.server_, encoding, streams.flexible_},
       work_{streams.gateway_.alarms(), [this] { work(); }} {}
 
@@ -57,8 +58,8 @@ void FoxgloveSocket::heard(std::string_view message, http::WebSocket::Kind kind)
     give_if_idle();
 }
 
-void FoxgloveSocket::learn(const RecordedFrame& frame) {
-    session_.learn(frame);
+void FoxgloveSocket::learn(const FirstFrame& first) {
+    session_.learn(first);
     give_if_idle();
 }
 

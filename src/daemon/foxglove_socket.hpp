@@ -31,7 +31,8 @@ public:
     void heard(std::string_view message, http::WebSocket::Kind kind) override;
     void sent_all() override { give(); }
 
-    void learn(const RecordedFrame& frame);
+    DecodedEncoding encoding() const noexcept { return encoding_; }
+    void learn(const FirstFrame& first);
     void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
     void changed(const std::vector<foxglove::Parameter>& values);
     void warn(std::string_view words);
@@ -48,6 +49,7 @@ private:
     FoxgloveStreams& streams_;
     unsigned number_;
     std::string_view subprotocol_;
+    DecodedEncoding encoding_;
     FoxgloveSession session_;
     Alarm work_;
     http::WebSocket* socket_ = nullptr;    // nullptr: not open yet

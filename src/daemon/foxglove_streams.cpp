@@ -40,14 +40,6 @@ bool is_foxglove(const http::Request& request) noexcept {
     return http::is_web_socket(request) && !http::offered_subprotocol(request, foxglove::subprotocols).empty();
 }
 
-RecordedFrame FoxgloveStreams::FirstFrame::frame() const {
-    const std::span<const std::uint8_t> all{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
-    RecordedFrame recorded{.link = link, .peer = peer, .frame = ano::FrameView{all}};
-    recorded.time_ns = time_ns;
-    recorded.boottime_ns = boottime_ns;
-    return recorded;
-}
-
 FoxgloveStreams::FoxgloveStreams(Gateway& gateway, FrameWatch& watch, DeviceService& devices)
     : gateway_{gateway},
       watch_{watch},
@@ -80,22 +72,23 @@ http::Response FoxgloveStreams::answer(const http::Request& request) {
 void FoxgloveStreams::join(FoxgloveSocket& socket) {
     sockets_.push_back(&socket);
     if (sockets_.size() == 1) {
-        found_ = std::make_unique<DecodedChannels>(DecodedEncoding::cdr, &flexible_);
+        as_cdr_.emplace(DecodedEncoding::cdr, flexible_);
+        as_json_.emplace(DecodedEncoding::json, flexible_);
         read_old_jobs();
         FrameFilterSettings samples;
         samples.directions = {true, false, false};
         samples.samples = true;
         watch_.add(*this, samples);
     }
-    for (const FirstFrame& first : firsts_) socket.learn(first.frame());
+    for (const FirstFrame& first : found(socket.encoding()).first_frames()) socket.learn(first);
 }
 
 void FoxgloveStreams::leave(FoxgloveSocket& socket) {
     std::erase(sockets_, &socket);
     if (!sockets_.empty()) return;
     watch_.remove(*this);
-    found_.reset();
-    firsts_.clear();
+    as_cdr_.reset();
+    as_json_.reset();
     book_.forget();
 }
 
@@ -111,19 +104,21 @@ void FoxgloveStreams::more() {
         const auto* batch = std::get_if<WatchQueue::Batch>(&*item);
         if (batch == nullptr) continue;
         std::string_view rest = **batch;
-        while (const auto record = take_record(rest)) look_at(*record);
+        while (const auto record = take_record(rest)) look_at(as_recorded(*record, *tables_));
     }
 }
 
-void FoxgloveStreams::look_at(const FrameRecord& record) {
-    const RecordedFrame frame = as_recorded(record, *tables_);
-    const std::size_t before = found_->channels().size();
-    found_->decode(frame);
-    if (found_->channels().size() == before) return;
-    const auto bytes = frame.frame.bytes();
-    firsts_.push_back({std::string{frame.link}, std::string{frame.peer}, std::string{bytes.begin(), bytes.end()}, frame.time_ns,
-                       frame.boottime_ns});
-    for (FoxgloveSocket* const socket : sockets_) socket->learn(frame);
+FoundChannels& FoxgloveStreams::found(DecodedEncoding encoding) {
+    return encoding == DecodedEncoding::cdr ? *as_cdr_ : *as_json_;
+}
+
+void FoxgloveStreams::look_at(const RecordedFrame& frame) {
+    for (const DecodedEncoding encoding : {DecodedEncoding::cdr, DecodedEncoding::json}) {
+        const FirstFrame* const first = found(encoding).look_at(frame);
+        if (first == nullptr) continue;
+        for (FoxgloveSocket* const socket : sockets_)
+            if (socket->encoding() == encoding) socket->learn(*first);
+    }
 }
 
 std::string FoxgloveStreams::prefix_of(std::uint8_t address) {

@@ -1,12 +1,12 @@
 // The Foxglove WebSocket protocol on the control interface's port: its clients see what passes, and the parameters of devices.
 #pragma once
 #include <ano/flexible.hpp>
+#include <daemon/found_channels.hpp>
 #include <daemon/foxglove_messages.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/parameter_book.hpp>
 #include <http/response.hpp>
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +22,7 @@ class Gateway;
 /// Whether the request wants a WebSocket of this protocol.
 bool is_foxglove(const http::Request& request) noexcept;
 
-/// While there are no clients it does nothing. While there are, about one frame a second of each kind is copied, so that they know which
+/// While there are no clients it does nothing. While there are, about two frames a second of each kind are copied, so that they know which
 /// channels there are; of the rest what they subscribed.
 class FoxgloveStreams final : private Watcher {
 public:
@@ -37,12 +37,6 @@ public:
 private:
     friend class FoxgloveSocket;
 
-    // A frame that had a channel of its own first; it and its texts are here.
-    struct FirstFrame {
-        std::string link, peer, bytes;
-        RecordedFrame frame() const;
-        std::uint64_t time_ns = 0, boottime_ns = 0;
-    };
     // Of a client who waits for devices.
     struct Question;
 
@@ -52,7 +46,8 @@ private:
     FoxgloveSocket* client(unsigned number) const;
     void warn(unsigned client, std::string_view words);
     void more() override;
-    void look_at(const FrameRecord& record);
+    void look_at(const RecordedFrame& frame);
+    FoundChannels& found(DecodedEncoding encoding);
 
     void ask(FoxgloveSocket& socket, foxglove::GetParameters question);
     void ask_device(std::uint8_t address, std::vector<std::string> names, const std::shared_ptr<Question>& question);
@@ -68,8 +63,7 @@ private:
     foxglove::ServerInfo server_;
     unsigned clients_ = 0;    // that came
     std::vector<FoxgloveSocket*> sockets_;
-    std::unique_ptr<DecodedChannels> found_;    // which channels there are
-    std::deque<FirstFrame> firsts_;
+    std::optional<FoundChannels> as_cdr_, as_json_;    // as long as there are clients
     WatchQueue::Tables tables_;
     ParameterBook book_;
     std::shared_ptr<char> life_ = std::make_shared<char>();    // jobs may end behind it

@@ -22,7 +22,7 @@ struct FrameFilterSettings {
     std::vector<std::string> links;                      // empty: all
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
-    bool samples = false;                                // of each link, sender and id about one frame a second
+    bool samples = false;                                // of each link, sender and id about two frames a second
     bool operator==(const FrameFilterSettings&) const = default;
 };
 
@@ -38,7 +38,7 @@ struct FrameQuery {
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
 
-/// One frame a second of each link, sender and id; more where there are so many of these that two share a place.
+/// Two frames a second of each link, sender and id; more where there are so many of these that two share a place.
 class FrameSamples {
 public:
     bool passes(std::uint8_t link, ano::FrameView frame, ano::TimePoint now) noexcept {
@@ -55,7 +55,7 @@ private:
         std::uint32_t kind = 0;
         bool is_taken = false;
     };
-    static constexpr ano::Duration every = std::chrono::seconds{1};
+    static constexpr ano::Duration every = std::chrono::milliseconds{500};
     static constexpr std::uint32_t spread = 0x9E3779B1;    // Fibonacci hashing: its upper bits are the number of the place
     static constexpr unsigned shift = 32 - 12;
     std::array<Place, std::size_t{1} << 12> places_{};

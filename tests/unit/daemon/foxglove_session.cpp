@@ -57,12 +57,17 @@ protected:
         session.hear(json{{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}.dump());
     }
 
+    void learn(const RecordedFrame& frame) {
+        if (const FirstFrame* const first = found.look_at(frame)) session.learn(*first);
+    }
+
     ano::FlexibleLayouts flexible;
+    FoundChannels found{DecodedEncoding::cdr, flexible};
     FoxgloveSession session{{"anogate", "1"}, DecodedEncoding::cdr, flexible};
 };
 
 TEST_F(FoxgloveSessionTest, who_comes_is_told_who_is_here_and_then_the_channels) {
-    session.learn(recorded(euler));
+    learn(recorded(euler));
     const auto texts = all().texts;
     ASSERT_EQ(texts.size(), 2u);
     EXPECT_EQ(texts[0].at("op"), "serverInfo");
@@ -80,17 +85,17 @@ TEST_F(FoxgloveSessionTest, who_comes_is_told_who_is_here_and_then_the_channels)
 
 TEST_F(FoxgloveSessionTest, a_channel_is_told_when_its_first_frame_is_seen) {
     EXPECT_EQ(channels().size(), 1u);
-    session.learn(recorded(euler));
-    session.learn(recorded(euler));
+    learn(recorded(euler));
+    learn(recorded(euler));
     EXPECT_TRUE(channels().contains("/fc/device_220/euler"));
-    session.learn(recorded(wind, "ground"));
+    learn(recorded(wind, "ground"));
     const auto told = channels();
     EXPECT_TRUE(told.contains("/ground/device_221/wind"));
     EXPECT_FALSE(told.contains("/fc/device_220/euler"));
 }
 
 TEST_F(FoxgloveSessionTest, nothing_is_wanted_before_it_is_subscribed) {
-    session.learn(recorded(euler));
+    learn(recorded(euler));
     EXPECT_FALSE(session.wants_other_frames());
     EXPECT_EQ(session.filter(), std::nullopt);
     all();
@@ -99,8 +104,8 @@ TEST_F(FoxgloveSessionTest, nothing_is_wanted_before_it_is_subscribed) {
 }
 
 TEST_F(FoxgloveSessionTest, what_is_subscribed_is_wanted_and_shown_and_nothing_else) {
-    session.learn(recorded(euler));
-    session.learn(recorded(wind));
+    learn(recorded(euler));
+    learn(recorded(wind));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
     subscribe(7, channel);
     ASSERT_TRUE(session.wants_other_frames());
@@ -123,6 +128,45 @@ TEST_F(FoxgloveSessionTest, what_is_subscribed_is_wanted_and_shown_and_nothing_e
     EXPECT_GT(data[0].size(), 13u + 4u);
 }
 
+TEST_F(FoxgloveSessionTest, what_a_standard_message_has_of_other_frames_is_wanted_with_it) {
+    const support::Bytes inertial = frame(0xDC, 0xFF, 0x01, support::Bytes(13, 0));
+    learn(recorded(euler));
+    learn(recorded(inertial));
+    learn(recorded(wind));
+    const auto told = channels();
+    ASSERT_TRUE(told.contains("/fc/device_220/imu"));
+    subscribe(1, told.at("/fc/device_220/imu").at("id"));
+    const auto filter = session.take_filter();
+    ASSERT_TRUE(filter);
+    EXPECT_TRUE(filter->ids[0x01] && filter->ids[0x03]) << "its orientation is of euler";
+    EXPECT_FALSE(filter->ids[0x09]);
+    session.show(recorded(euler));
+    EXPECT_TRUE(all().data.empty()) << "that is another channel";
+    session.show(recorded(inertial));
+    const auto data = all().data;
+    ASSERT_EQ(data.size(), 1u);
+    EXPECT_NE(data[0].find("fc/device_220"), std::string::npos);
+}
+
+TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
+    learn(recorded(euler, "a-b"));
+    learn(recorded(euler, "a_b"));
+    std::map<std::string, json> told;
+    for (const FirstFrame& first : found.first_frames())
+        for (const FoundChannel& one : first.found()) told[one.channel->topic] = one.kind.link;
+    const auto advertised = channels();
+    for (const auto& [topic, link] : told) {
+        ASSERT_TRUE(advertised.contains(topic)) << topic;
+        if (!topic.ends_with("/euler")) continue;
+        subscribe(1, advertised.at(topic).at("id"));
+        session.show(recorded(euler, link.get<std::string>()));
+        EXPECT_EQ(all().data.size(), 1u) << topic;
+        session.show(recorded(euler, link == "a-b" ? "a_b" : "a-b"));
+        EXPECT_TRUE(all().data.empty()) << topic;
+        session.hear(R"({"op":"unsubscribe","subscriptionIds":[1]})");
+    }
+}
+
 TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) {
     const unsigned channel = channels().at("/anogate/frames").at("id");
     subscribe(1, channel);
@@ -136,7 +180,7 @@ TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) 
 }
 
 TEST_F(FoxgloveSessionTest, after_unsubscribing_nothing_is_wanted) {
-    session.learn(recorded(euler));
+    learn(recorded(euler));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
     subscribe(7, channel);
     session.take_filter();
@@ -151,8 +195,8 @@ TEST_F(FoxgloveSessionTest, after_unsubscribing_nothing_is_wanted) {
 }
 
 TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_nothing) {
-    session.learn(recorded(euler));
-    session.learn(recorded(wind));
+    learn(recorded(euler));
+    learn(recorded(wind));
     const auto told = channels();
     const unsigned one = told.at("/fc/device_220/euler").at("id"), other = told.at("/fc/device_221/wind").at("id");
     subscribe(7, one);
@@ -256,7 +300,7 @@ TEST_F(FoxgloveSessionTest, many_channels_are_told_in_messages_of_a_bounded_size
     for (const std::string_view link : {"a", "b", "c", "d"})
         for (unsigned source = 1; source < 200; ++source) {
             const support::Bytes bytes = frame(static_cast<std::uint8_t>(source), 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 1});
-            session.learn(recorded(bytes, link));
+            learn(recorded(bytes, link));
         }
     std::size_t told = 0, messages = 0;
     while (const auto message = session.next()) {
