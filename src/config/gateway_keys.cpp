@@ -86,11 +86,13 @@ constexpr Key<C> own_control_rows[] = {
                     .help = "names under which it is asked over TCP, beside the host's own name and address",
                     .least = 1,
                     .most = max_host}),
-    row<&C::origins>({.name = "origins",
-                      .form = Form::texts,
-                      .help = "pages of other hosts that may ask it, such as https://ground.example",
-                      .least = 1,
-                      .most = max_path}),
+    row<&C::origins>(
+        {.name = "origins",
+         .form = Form::texts,
+         .help =
+             "pages of other hosts that may ask it, such as https://app.foxglove.dev; file:// for those of files and of programs",
+         .least = 1,
+         .most = max_path}),
     address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),
     boolean<&C::manage>("manage", "who asks by it may change the gateway itself as a device, where it has an id"),
     text<&C::tls, &TlsFiles::certificate>("tls.certificate", 0, max_path, "TCP is encrypted: the certificate, a PEM file") |

@@ -277,9 +277,10 @@ private:
         if (control.tls.certificate.empty() != control.tls.key.empty())
             error(origin, control.tls.key.empty() ? "tls/key" : "tls/certificate", "'tls' needs both, 'certificate' and 'key'");
         for (std::size_t i = 0; i < control.origins.size(); ++i)
-            if (const std::string& page = control.origins[i]; !page.starts_with("http://") && !page.starts_with("https://"))
+            if (const std::string& page = control.origins[i];
+                !page.starts_with("http://") && !page.starts_with("https://") && page != "file://")
                 error(origin, "origins/" + std::to_string(i),
-                      in_quotes(page) + " must begin with http:// or https://, as a browser says it");
+                      in_quotes(page) + " must begin with http:// or https://, as a browser says it, or be file://");
         if (control.http && !control.http->address.is_loopback() && control.tls.key.empty())
             draft_.warnings.push_back({origin.key("http"),
                                        "note: without 'tls' who is in a network of this computer can read "

@@ -1,5 +1,6 @@
 #include <daemon/body_file.hpp>
 #include <daemon/control_door.hpp>
+#include <daemon/foxglove_messages.hpp>
 #include <daemon/login_route.hpp>
 #include <daemon/rooms.hpp>
 #include <daemon/state_folder.hpp>
@@ -106,7 +107,8 @@ bool ControlDoor::prepare_network() {
     network_door_.port = network_.port;
     network_door_.needs_token = network_.needs_token;
     network_door_.hosts = settings_.hosts;
-    http::AdmissionRules rules{{}, host_name(), settings_.hosts, settings_.origins};
+    http::AdmissionRules rules{
+        {}, host_name(), settings_.hosts, settings_.origins, {foxglove::subprotocols.begin(), foxglove::subprotocols.end()}};
     if ((network_.needs_token || !settings_.token_file.empty()) && !prepare_tokens(rules)) return false;
     server_.admission().set(std::move(rules));
     if (settings_.tls.key.empty()) return true;

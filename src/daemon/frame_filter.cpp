@@ -130,6 +130,7 @@ FrameFilter::FrameFilter(const FrameFilterSettings& settings)
       to_{settings.to},
       takes_all_{settings == FrameFilterSettings{}},
       directions_{settings.directions} {
+    if (settings.samples) samples_ = std::make_unique<FrameSamples>();
     if (settings.limit.empty()) return;
     limits_ = std::make_unique<std::array<Limit, 3>>();
     for (Limit& limit : *limits_)

@@ -22,6 +22,7 @@ struct FrameFilterSettings {
     std::vector<std::string> links;                      // empty: all
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
+    bool samples = false;                                // of each link, sender and id about two frames a second
     bool operator==(const FrameFilterSettings&) const = default;
 };
 
@@ -37,6 +38,29 @@ struct FrameQuery {
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
 
+/// Two frames a second of each link, sender and id; more where there are so many of these that two share a place.
+class FrameSamples {
+public:
+    bool passes(std::uint8_t link, ano::FrameView frame, ano::TimePoint now) noexcept {
+        const std::uint32_t kind = std::uint32_t{link} << 16 | std::uint32_t{frame.source()} << 8 | frame.id();
+        Place& place = places_[kind * spread >> shift];
+        if (place.is_taken && place.kind == kind && now - place.passed_at < every) return false;
+        place = {now, kind, true};
+        return true;
+    }
+
+private:
+    struct Place {
+        ano::TimePoint passed_at{};
+        std::uint32_t kind = 0;
+        bool is_taken = false;
+    };
+    static constexpr ano::Duration every = std::chrono::milliseconds{500};
+    static constexpr std::uint32_t spread = 0x9E3779B1;    // Fibonacci hashing: its upper bits are the number of the place
+    static constexpr unsigned shift = 32 - 12;
+    std::array<Place, std::size_t{1} << 12> places_{};
+};
+
 /// Applies them. Neither throws nor allocates after construction.
 class FrameFilter {
 public:
@@ -49,7 +73,8 @@ public:
         if (takes_all_) return true;
         const auto way = static_cast<std::size_t>(direction);
         return directions_[way] && links_.contains(LinkId{link}) && ids_[frame.id()] && from_[frame.source()] &&
-               to_[frame.destination()] && (!limits_ || (*limits_)[way].passes(frame.id(), now));
+               to_[frame.destination()] && (!limits_ || (*limits_)[way].passes(frame.id(), now)) &&
+               (!samples_ || samples_->passes(link, frame, now));
     }
 
 private:
@@ -58,6 +83,7 @@ private:
     LinkSet links_ = ~LinkSet{};
     std::array<bool, 3> directions_;
     std::unique_ptr<std::array<Limit, 3>> limits_;    // nullptr: none
+    std::unique_ptr<FrameSamples> samples_;           // nullptr: every frame
 };
 
 }    // namespace anogate

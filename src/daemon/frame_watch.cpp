@@ -52,13 +52,28 @@ FrameWatch::~FrameWatch() {
 void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
     if (streams_.empty()) gateway_.add_observer(*this);
     look_at_links();
+    join(watcher, settings);
+    watcher.queue.push(tables_);
+    watcher.more();
+}
+
+void FrameWatch::join(Watcher& watcher, const FrameFilterSettings& settings) {
     auto stream = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->settings == settings; });
     if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(settings));
     end_batch(**stream);    // what was before is not for him
     (*stream)->filter.set_links(links_called(settings.links, *tables_));
     (*stream)->watchers.push_back(&watcher);
-    watcher.queue.push(tables_);
-    watcher.more();
+}
+
+void FrameWatch::change(Watcher& watcher, const FrameFilterSettings& settings) {
+    look_at_links();
+    for (const auto& stream : streams_)
+        if (std::find(stream->watchers.begin(), stream->watchers.end(), &watcher) != stream->watchers.end()) {
+            end_batch(*stream);
+            std::erase(stream->watchers, &watcher);
+        }
+    std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
+    join(watcher, settings);
 }
 
 void FrameWatch::remove(Watcher& watcher) {

@@ -43,6 +43,8 @@ public:
     void add(Watcher& watcher, const FrameFilterSettings& settings);
     /// He sees no more; what he saw until now is in his queue.
     void remove(Watcher& watcher);
+    /// `watcher`, who was added, has other settings from now on; he loses nothing of what is in both.
+    void change(Watcher& watcher, const FrameFilterSettings& settings);
 
 private:
     // Those of the same filter.
@@ -69,6 +71,7 @@ private:
     void left(const Channel& to, ano::FrameView frame) noexcept override;
     void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
 
+    void join(Watcher& watcher, const FrameFilterSettings& settings);
     void note(const Event& event, ano::FrameView frame, TimePoint at) noexcept;
     void record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at);
     void begin_batch(Stream& stream);

@@ -3,6 +3,7 @@
 #include <ano_json/frame_json.hpp>
 #include <daemon/answer_json.hpp>
 #include <daemon/control_link.hpp>
+#include <daemon/foxglove_streams.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/gateway_devices.hpp>
@@ -48,16 +49,33 @@ http::Response list_of(const http::Routes& routes) {
     return json(line_of(std::move(list)));
 }
 
-// A browser is let in to ask for a token there; the list is for who has one.
-http::Response front(const http::Routes& routes, const Page& page, const Request& request) {
+// What the routes of streams have in common, as long as they.
+struct Streams {
+    explicit Streams(Gateway& gateway)
+        : devices{std::make_shared<GatewayDevices>(gateway)},
+          watch{gateway},
+          frames{gateway, watch},
+          foxglove{gateway, watch, devices->service()} {}
+    std::shared_ptr<GatewayDevices> devices;
+    FrameWatch watch;
+    FrameStreams frames;
+    FoxgloveStreams foxglove;
+};
+
+// A browser is let in to ask for a token there; the list is for who has one. A client of Foxglove knows no other path.
+http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
+    if (is_foxglove(request))
+        return request.access == Access::open
+                   ? http::needs_token("a client of Foxglove needs a token, ws://HOST:PORT/?token=TOKEN")
+                   : streams.foxglove.answer(request);
     if (page.is_wanted_by(request)) return page.file({}, request);
     return request.access == Access::open ? http::needs_token("this path needs a token") : list_of(routes);
 }
 
-void add_page(http::Routes& routes, Page page) {
+void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& streams) {
     const auto kept = std::make_shared<const Page>(std::move(page));
     routes.add({"GET", "/", Access::open, "the page, to who takes text/html; else this list, to who may view",
-                [&routes, kept](const Request& request) { return front(routes, *kept, request); }});
+                [&routes, kept, streams](const Request& request) { return front(routes, *kept, *streams, request); }});
     routes.add({"GET", "/web/{file}", Access::open, "a file of the page",
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
 }
@@ -104,13 +122,6 @@ http::Routes::Function in_time(Gateway& gateway, Function function) {
     };
 }
 
-// What the routes of streams have in common, as long as they.
-struct Streams {
-    explicit Streams(Gateway& gateway) : watch{gateway}, frames{gateway, watch} {}
-    FrameWatch watch;
-    FrameStreams frames;
-};
-
 // The rows keep them; the gateway, that may live longer, does not.
 template <class... Parts>
 void stop_with(Gateway& gateway, const std::shared_ptr<Parts>&... parts) {
@@ -141,9 +152,9 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 }    // namespace
 
 void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoor()> door, Page page) {
-    const auto devices = std::make_shared<GatewayDevices>(gateway);
+    const auto streams = std::make_shared<Streams>(gateway);
     const auto disk = std::make_shared<DiskWorks>(gateway.io());
-    add_page(routes, std::move(page));
+    add_page(routes, std::move(page), streams);
     routes.add({"GET", "/status", Access::view,
                 "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, and where it serves HTTP",
                 [&gateway, door = std::move(door)](const Request&) { return json(status_json(gateway, door())); }});
@@ -166,13 +177,16 @@ void add_routes(http::Routes& routes, Gateway& gateway, std::function<NetworkDoo
     routes.add({"POST", "/send", Access::control,
                 "sends one frame, as hex digits or as its JSON, and says by which links it left",
                 in_time(gateway, [&gateway](const Request& request) { return send_request(gateway, request); })});
-    routes.add(
-        {"GET", "/frames", Access::view, "the frames that pass, as lines of JSON or as a WebSocket",
-         [streams = std::make_shared<Streams>(gateway)](const Request& request) { return streams->frames.answer(request); }});
+    routes.add({"GET", "/frames", Access::view, "the frames that pass, as lines of JSON or as a WebSocket",
+                [streams](const Request& request) { return streams->frames.answer(request); }});
+    routes.add({"GET", "/foxglove", Access::view,
+                "as a WebSocket: the protocol of Foxglove, which shows what passes (encoding=cdr or json); at / as well, for who "
+                "offers its subprotocol",
+                [streams](const Request& request) { return streams->foxglove.answer(request); }});
     routes.add({"GET", "/link", Access::control, "as a WebSocket: the program is a channel of the gateway",
                 [&gateway](const Request& request) { return join_link(gateway, request); }});
-    add_devices(routes, devices);
-    stop_with(gateway, devices, disk);
+    add_devices(routes, streams->devices);
+    stop_with(gateway, streams->devices, disk);
 }
 
 }    // namespace anogate

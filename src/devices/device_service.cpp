@@ -387,6 +387,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     job.order.work = nullptr;
     job.order.result = nullptr;
     used_at_ = now;
+    if (tells_end_) tells_end_(job);
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
     changed(job);
     forget_results();

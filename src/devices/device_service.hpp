@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -99,6 +100,9 @@ public:
     /// it is damaged, and stays where it is.
     bool remember(std::string name, std::string text);
 
+    /// `call` is called with each job that has ended, before those who wait for it.
+    void on_end(std::function<void(const Job&)> call) { tells_end_ = std::move(call); }
+
     DeviceNet& net() noexcept { return net_; }
     std::uint8_t own() const noexcept { return own_; }
 
@@ -151,6 +155,7 @@ private:
     std::shared_ptr<int> waiting_clients_ = std::make_shared<int>();    // one more owner for each
     std::map<std::string, ano::TimePoint> write_back_due_;              // of each note, when it was tried
     std::optional<ano::TimePoint> write_back_at_;                       // nothing: there is nothing to write back
+    std::function<void(const Job&)> tells_end_;
     bool runs_ = false;
     bool stopped_ = false;
 };

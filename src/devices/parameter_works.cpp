@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,10 @@ protected:
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
         parameters_->read(values, now);
     }
+    void read(std::vector<std::string> names, TimePoint now) {
+        parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
+        parameters_->read_named(std::move(names), now);
+    }
     const Parameters& parameters() const { return *parameters_; }
     /// Null, and it has ended, when there is none.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
@@ -61,7 +66,12 @@ private:
 class ReadAll final : public ParameterWork {
 public:
     ReadAll(const WorkPlace& place, bool values) : ParameterWork{place}, values_{values} {}
-    void start(TimePoint now) override { read(values_ ? Parameters::Values::all : Parameters::Values::none, now); }
+    ReadAll(const WorkPlace& place, std::vector<std::string> names)
+        : ParameterWork{place}, values_{true}, names_{std::move(names)} {}
+    void start(TimePoint now) override {
+        if (names_) read(*names_, now);
+        else read(values_ ? Parameters::Values::all : Parameters::Values::none, now);
+    }
     std::string message() const override { return "reading parameters"; }
     std::optional<TimePoint> due() const override { return text_ ? std::optional{TimePoint{}} : std::nullopt; }
 
@@ -85,7 +95,7 @@ private:
         for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
             ano::host::ParameterInfo row = all[told_];
             row.id = static_cast<std::uint16_t>(told_);
-            text_->add(parameter_json(row, parameters().value(row.id), values_));
+            if (is_wanted(row.name)) text_->add(parameter_json(row, parameters().value(row.id), values_));
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (told_ < end_of_rows_) return;
@@ -93,6 +103,9 @@ private:
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
         if (!end.error.empty()) tail["incomplete"] = end.error;
         finish(text_->ended(std::move(end), tail));
+    }
+    bool is_wanted(const std::string& name) const {
+        return !names_ || std::find(names_->begin(), names_->end(), name) != names_->end();
     }
     // Behind the last that came there is nothing to say of each: a device may claim thousands.
     std::size_t rows_that_came() const {
@@ -107,7 +120,8 @@ private:
 
     std::optional<RowsText> text_;
     std::size_t told_ = 0, end_of_rows_ = 0;
-    bool values_;
+    bool values_ = false;
+    std::optional<std::vector<std::string>> names_;    // of those that are wanted; nothing: all
 };
 
 class ReadOne final : public ParameterWork {
@@ -271,6 +285,10 @@ private:
 }    // namespace
 
 std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values) { return std::make_unique<ReadAll>(place, values); }
+
+std::unique_ptr<Work> read_parameters(const WorkPlace& place, std::vector<std::string> names) {
+    return std::make_unique<ReadAll>(place, std::move(names));
+}
 
 std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name) {
     return std::make_unique<ReadOne>(place, std::move(name));

@@ -7,11 +7,14 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace anogate {
 
 /// All of them; with their values or without.
 std::unique_ptr<Work> read_parameters(const WorkPlace& place, bool values);
+/// Those of these names, with their values; names that none is called by are passed over.
+std::unique_ptr<Work> read_parameters(const WorkPlace& place, std::vector<std::string> names);
 /// The one that is called so, or has this number.
 std::unique_ptr<Work> read_parameter(const WorkPlace& place, std::string name);
 /// `value` is JSON; `longer`: a text may be longer than the one that it replaces.

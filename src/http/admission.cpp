@@ -1,5 +1,6 @@
 #include <ano_json/lower_case.hpp>
 #include <http/admission.hpp>
+#include <http/target.hpp>
 
 #include <algorithm>
 
@@ -56,13 +57,21 @@ std::string_view cookie_of(const Request& request) {
     return {};
 }
 
-/// Empty: none was given.
-std::string_view token_of(const Request& request) {
+std::optional<std::string_view> bearer_of(const Request& request) {
     constexpr std::string_view scheme = "bearer ";
     const std::string_view given = request.header("Authorization");
-    if (ano::lower_case(given.substr(0, scheme.size())) != scheme) return cookie_of(request);
+    if (ano::lower_case(given.substr(0, scheme.size())) != scheme) return std::nullopt;
     const std::string_view token = given.substr(scheme.size());
     return token.substr(std::min(token.find_first_not_of(' '), token.size()));
+}
+
+constexpr std::string_view query_name = "token";
+
+std::string query_token_of(const Request& request) {
+    const auto query = parse_query(split(request.target).query);
+    if (!query) return {};
+    const auto given = std::find_if(query->begin(), query->end(), [](const Field& field) { return field.name == query_name; });
+    return given == query->end() ? std::string{} : given->value;
 }
 
 /// What no page of others can make a browser send without asking first.
@@ -95,6 +104,22 @@ bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_
     return from.host == to.host && port(from, is_https) == port(to, to.port.empty() ? is_https : is_encrypted);
 }
 
+bool Admission::may_have_it_in_query(const Request& request) const {
+    return is_web_socket(request) && !offered_subprotocol(request, rules_.subprotocols).empty();
+}
+
+// Empty: none was given. What is said for this request counts before what a browser adds by itself.
+std::string Admission::token_of(const Request& request) const {
+    if (const auto bearer = bearer_of(request)) return std::string{*bearer};
+    if (may_have_it_in_query(request))
+        if (std::string token = query_token_of(request); !token.empty()) return token;
+    return std::string{cookie_of(request)};
+}
+
+void Admission::forget_token(Request& request) const {
+    if (may_have_it_in_query(request)) request.target = without_query_value(request.target, query_name);
+}
+
 std::optional<Response> Admission::refusal(const Request& request) const {
     const std::string_view host = request.header("Host"), origin = request.header("Origin");
     const auto hosts = std::count_if(request.headers.begin(), request.headers.end(),
@@ -115,7 +140,7 @@ tl::expected<Access, Response> Admission::judge(const Request& request, ano::Tim
         if (auto no = refusal(request)) return tl::unexpected{std::move(*no)};
     if (request.judged) return *request.judged;
     if (!request.door.needs_token && !passed_on) return Access::control;
-    const std::string_view token = token_of(request);
+    const std::string token = token_of(request);
     if (token.empty()) return Access::open;
     return access_of(token, request.door, now);
 }

@@ -24,6 +24,8 @@ struct AdmissionRules {
     std::string host_name;               // ours: it and HOST.local are names of ours
     std::vector<std::string> hosts;      // more of them: "vehicle.lan"
     std::vector<std::string> origins;    // pages of others that may ask: "https://ground.example:8443"
+    /// A WebSocket that offers one of these may have its token in the query, ?token=: its clients have no other place for it.
+    std::vector<std::string_view> subprotocols{};
 };
 
 class Admission {
@@ -36,6 +38,9 @@ public:
     /// that a proxy passed on needs a token wherever it came in.
     tl::expected<Access, Response> judge(const Request& request, ano::TimePoint now);
 
+    /// Takes a token that was judged out of the target: what is said of the request from here on can't have it.
+    void forget_token(Request& request) const;
+
     /// What a token allows that was given by other means than a header: 401, or 429 for who fails often.
     tl::expected<Access, Response> access_of(std::string_view token, const Door& door, ano::TimePoint now);
     /// The header of an answer that makes a browser give this token from now on: Set-Cookie.
@@ -43,6 +48,8 @@ public:
 
 private:
     std::optional<Response> refusal(const Request& request) const;
+    bool may_have_it_in_query(const Request& request) const;
+    std::string token_of(const Request& request) const;
     bool is_own_name(std::string_view host, const Door& door) const;
     bool may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const;
 

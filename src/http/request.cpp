@@ -22,6 +22,20 @@ std::string_view trimmed(std::string_view word) {
     return word.substr(begin, word.find_last_not_of(" \t") - begin + 1);
 }
 
+/// Calls `visit` with each word of the headers of this name, which list words, until it says true.
+template <class Visit>
+bool any_word(const std::vector<Field>& headers, std::string_view name, Visit visit) {
+    for (const Field& field : headers) {
+        if (!is_same(field.name, name)) continue;
+        for (std::string_view rest = field.value; !rest.empty();) {
+            const auto comma = std::min(rest.find(','), rest.size());
+            if (visit(trimmed(rest.substr(0, comma)))) return true;
+            rest.remove_prefix(std::min(comma + 1, rest.size()));
+        }
+    }
+    return false;
+}
+
 }    // namespace
 
 std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept {
@@ -43,20 +57,22 @@ std::optional<std::string_view> Request::query_value(std::string_view name) cons
 std::string_view Request::header(std::string_view name) const noexcept { return field_value(headers, name); }
 
 bool Request::header_has(std::string_view name, std::string_view word) const noexcept {
-    for (const Field& field : headers) {
-        if (!is_same(field.name, name)) continue;
-        for (std::string_view rest = field.value; !rest.empty();) {
-            const auto comma = std::min(rest.find(','), rest.size());
-            if (is_same(trimmed(rest.substr(0, comma)), word)) return true;
-            rest.remove_prefix(std::min(comma + 1, rest.size()));
-        }
-    }
-    return false;
+    return any_word(headers, name, [word](std::string_view one) { return is_same(one, word); });
 }
 
 bool is_web_socket(const Request& request) noexcept {
     return request.method == "GET" && request.version == 11 && request.header_has("Connection", "upgrade") &&
            request.header_has("Upgrade", "websocket");
+}
+
+std::string_view offered_subprotocol(const Request& request, std::span<const std::string_view> known) noexcept {
+    std::string_view chosen;
+    any_word(request.headers, "Sec-WebSocket-Protocol", [&](std::string_view one) {
+        const auto same = std::find(known.begin(), known.end(), one);    // their case counts
+        if (same != known.end()) chosen = *same;
+        return !chosen.empty();
+    });
+    return chosen;
 }
 
 }    // namespace anogate::http

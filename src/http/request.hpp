@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,5 +60,8 @@ struct Request {
 
 /// The request wants to become a WebSocket.
 bool is_web_socket(const Request& request) noexcept;
+
+/// Of the subprotocols that it offers for that, the first that is among `known`; empty: none is.
+std::string_view offered_subprotocol(const Request& request, std::span<const std::string_view> known) noexcept;
 
 }    // namespace anogate::http

@@ -49,6 +49,7 @@ Response Server::answer(Request request) {
     auto access = admission_.judge(request, ano::Clock::now());
     if (!access) return std::move(access.error());
     request.access = *access;
+    admission_.forget_token(request);
     return routes_.answer(std::move(request));
 }
 

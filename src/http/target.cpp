@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace anogate::http {
 
@@ -48,6 +49,19 @@ std::optional<std::vector<Field>> parse_query(std::string_view query) {
         fields.push_back({std::move(*name), std::move(*value)});
     }
     return fields;
+}
+
+std::string without_query_value(std::string_view target, std::string_view name) {
+    const auto mark = std::min(target.find('?'), target.size());
+    std::string kept{target.substr(0, mark)};
+    char between = '?';
+    for (std::string_view rest = target.substr(std::min(mark + 1, target.size())); !rest.empty();) {
+        const std::string_view word = rest.substr(0, rest.find('&'));
+        rest.remove_prefix(std::min(word.size() + 1, rest.size()));
+        if (percent_decoded(word.substr(0, word.find('=')), true) == name) continue;
+        kept.append(1, std::exchange(between, '&')).append(word);
+    }
+    return kept;
 }
 
 }    // namespace anogate::http

@@ -21,4 +21,7 @@ std::optional<std::string> percent_decoded(std::string_view text, bool plus_is_s
 /// "a=1&b" is {a: 1} and {b: nothing}, in their order; nothing when an encoding is bad.
 std::optional<std::vector<Field>> parse_query(std::string_view query);
 
+/// The target without what its query says under this name.
+std::string without_query_value(std::string_view target, std::string_view name);
+
 }    // namespace anogate::http

@@ -111,7 +111,10 @@ public:
     void open(const Request& request) {
         prepare(limits_.stuck);
         socket_.set_option(websocket::stream_base::decorator(
-            [](websocket::response_type& response) { response.set(beast::http::field::server, "anogate"); }));
+            [subprotocol = std::string{user_->subprotocol()}](websocket::response_type& response) {
+                response.set(beast::http::field::server, "anogate");
+                if (!subprotocol.empty()) response.set(beast::http::field::sec_websocket_protocol, subprotocol);
+            }));
         socket_.async_accept(beasts(request), [self = shared_from_this()](error_code ec) {
             if (!self->user_) return;
             if (ec) return self->end();

@@ -40,6 +40,8 @@ public:
 class WebSocketUser {
 public:
     virtual ~WebSocketUser() = default;
+    /// What it speaks, of the subprotocols that the client offered; empty: none is told.
+    virtual std::string_view subprotocol() const { return {}; }
     /// First.
     virtual void opened(WebSocket& socket) = 0;
     virtual void heard(std::string_view message, WebSocket::Kind kind) = 0;

@@ -150,6 +150,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /gpio", [this] { gpio(); }},
         {"POST /send", [this] { refuses("POST", "/send", 400, "invalid", "hex", R"({"hex": "5"})"); }},      // ControlLink
         {"GET /frames", [this] { refuses("GET", "/frames?direktion=in", 400, "invalid", "direction"); }},    // Frames
+        {"GET /foxglove", [this] { refuses("GET", "/foxglove", 426, "unsupported", "WebSocket"); }},         // Foxglove
         {"GET /link", [this] { refuses("GET", "/link", 426, "unsupported", "WebSocket"); }},                 // ControlLink
         {"POST /reload",
          [this] { EXPECT_EQ(json::parse(ask("POST", "/reload?dry_run").body).at("changed"), false); }},    // Reload

@@ -54,10 +54,12 @@ public:
 /// One end of a WebSocket: keeps what it hears.
 class Ear {
 public:
-    Ear(ControlDoor& door, std::string target) : client_{door.loop.io, door.path} {
+    Ear(ControlDoor& door, std::string target, std::vector<anogate::http::Field> headers = {})
+        : client_{door.loop.io, door.path} {
         anogate::http::Request request;
         request.method = "GET";
         request.target = std::move(target);
+        request.headers = std::move(headers);
         client_.open(std::move(request), std::make_unique<User>(state_),
                      [this](anogate::http::Outcome came) { ended = std::move(came); });
     }

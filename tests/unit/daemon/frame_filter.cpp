@@ -89,6 +89,23 @@ TEST(FrameFilter, a_limit_is_of_one_id_and_of_each_direction) {
     EXPECT_TRUE(at(100ms, euler, Direction::in));
 }
 
+TEST(FrameFilter, samples_are_of_each_link_sender_and_id) {
+    FrameFilterSettings settings;
+    settings.samples = true;
+    FrameFilter filter{settings};
+    const auto at = [&](ano::Duration time, const support::Bytes& bytes, std::uint8_t link = 0) {
+        return filter.takes(Direction::in, link, ano::FrameView{bytes}, start + time);
+    };
+    EXPECT_TRUE(at(0ms, euler));
+    EXPECT_TRUE(at(1ms, inertial));
+    EXPECT_TRUE(at(2ms, euler, 1));
+    EXPECT_TRUE(at(3ms, frame(0xDD, 0xFE, 0x03, {1})));
+    EXPECT_FALSE(at(499ms, euler));
+    EXPECT_FALSE(at(500ms, inertial));
+    EXPECT_TRUE(at(500ms, euler));
+    EXPECT_FALSE(at(999ms, euler));
+}
+
 TEST(FrameFilter, what_is_wrong_is_told_in_words) {
     EXPECT_EQ(fault({"form", "0xDC"}),
               "there is no filter 'form' (did you mean 'from'?); there are from, to, id, link, direction, limit.ID and format");

@@ -74,6 +74,60 @@ TEST(Admission, a_cookie_is_as_good_as_a_header) {
     EXPECT_TRUE(Admission::cookie(acts, encrypted).value.ends_with("; Secure"));
 }
 
+/// A WebSocket that offers `subprotocols`.
+Request upgrade(std::string target, std::string subprotocols, std::vector<Field> more = {}) {
+    Request request = asked({host, {"Connection", "Upgrade"}, {"Upgrade", "websocket"}});
+    if (!subprotocols.empty()) request.headers.push_back({"Sec-WebSocket-Protocol", std::move(subprotocols)});
+    request.headers.insert(request.headers.end(), more.begin(), more.end());
+    request.target = std::move(target);
+    return request;
+}
+constexpr std::string_view spoken = "plot.v1";
+Admission admission_of_plots() {
+    AdmissionRules rules;
+    rules.subprotocols = {spoken};
+    return admission_with(std::move(rules));
+}
+
+TEST(Admission, a_token_in_the_query_is_for_the_subprotocols_whose_clients_have_no_other_place) {
+    Admission admission = admission_of_plots();
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v2, plot.v1")), view);
+    EXPECT_EQ(judged(admission, upgrade("/?a=b&token=" + acts + "&c", "plot.v1")), control);
+    EXPECT_EQ(judged(admission, upgrade("/?tok%65n=view%2Dtoken-0123456789", "plot.v1")), view);
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "")), open);
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v2")), open);
+    EXPECT_EQ(judged(admission, upgrade("/?Token=" + looks, "plot.v1")), open);
+    EXPECT_EQ(judged(admission, upgrade("/?token=", "plot.v1")), open);
+    EXPECT_EQ(judged(admission, upgrade("/?token=%zz", "plot.v1")), open);
+    Request no_web_socket = asked({host, {"Sec-WebSocket-Protocol", "plot.v1"}});
+    no_web_socket.target = "/status?token=" + acts;
+    EXPECT_EQ(judged(admission, no_web_socket), open);
+    EXPECT_EQ(judged(upgrade("/?token=" + looks, "plot.v1")), open) << "where no subprotocol is spoken";
+}
+
+TEST(Admission, a_header_counts_before_the_query_and_that_before_a_cookie) {
+    Admission admission = admission_of_plots();
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + acts, "plot.v1", {{"Authorization", "Bearer " + looks}})), view);
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v1", {{"Cookie", "anogate-8088=" + acts}})), view);
+    EXPECT_EQ(judged(admission, upgrade("/?a", "plot.v1", {{"Cookie", "anogate-8088=" + acts}})), control);
+}
+
+TEST(Admission, a_wrong_token_in_the_query_is_an_attempt_like_any) {
+    Admission admission = admission_of_plots();
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(judged(admission, upgrade("/?token=x", "plot.v1")), -401);
+    EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v1")), -429);
+}
+
+TEST(Admission, a_token_in_the_query_is_forgotten_once_it_was_judged) {
+    const Admission admission = admission_of_plots();
+    Request request = upgrade("/?encoding=json&t%6Fken=" + looks + "&token=x", "plot.v1");
+    admission.forget_token(request);
+    EXPECT_EQ(request.target, "/?encoding=json");
+    Request other = upgrade("/frames?token=x", "");
+    admission.forget_token(other);
+    EXPECT_EQ(other.target, "/frames?token=x") << "who mistook the path is told of it";
+}
+
 TEST(Admission, a_user_of_his_own_gateway_needs_no_token) { EXPECT_EQ(judged(asked({host}, network_door(false))), control); }
 
 TEST(Admission, what_a_proxy_passes_on_needs_a_token_wherever_it_comes_in) {

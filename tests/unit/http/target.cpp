@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace anogate::http {
 namespace {
 
@@ -48,6 +52,28 @@ TEST(Query, has_names_with_values_in_their_order) {
     EXPECT_EQ(parse_query("a=b=c&=x&"), (std::vector<Field>{{"a", "b=c"}, {"", "x"}}));
     EXPECT_EQ(parse_query("name=my+link%26co"), (std::vector<Field>{{"name", "my link&co"}}));
     for (const char* bad : {"%", "a=%2", "a=1&%zz=2", "a=%00"}) EXPECT_EQ(parse_query(bad), std::nullopt) << bad;
+}
+
+TEST(Query, goes_on_without_a_value) {
+    EXPECT_EQ(without_query_value("/a?token=x", "token"), "/a");
+    EXPECT_EQ(without_query_value("/a?b=1&token=x&c", "token"), "/a?b=1&c");
+    EXPECT_EQ(without_query_value("/a?token&tok%65n=y&b", "token"), "/a?b");
+    EXPECT_EQ(without_query_value("/a?tokens=1&%zz=token", "token"), "/a?tokens=1&%zz=token");
+    EXPECT_EQ(without_query_value("/token=x", "token"), "/token=x");
+    EXPECT_EQ(without_query_value("", "token"), "");
+}
+
+TEST(OfferedSubprotocol, is_the_first_one_that_is_known) {
+    constexpr std::string_view known[] = {"a.v1", "b.v1"};
+    const auto offered = [&](std::vector<Field> headers) {
+        Request request;
+        request.headers = std::move(headers);
+        return offered_subprotocol(request, known);
+    };
+    EXPECT_EQ(offered({{"Sec-WebSocket-Protocol", "b.v1, a.v1"}}), "b.v1");
+    EXPECT_EQ(offered({{"sec-websocket-protocol", "c.v1"}, {"Sec-WebSocket-Protocol", " a.v1\t"}}), "a.v1");
+    EXPECT_EQ(offered({{"Sec-WebSocket-Protocol", "A.v1,,a.v10"}}), "");
+    EXPECT_EQ(offered({{"Upgrade", "a.v1"}}), "");
 }
 
 }    // namespace

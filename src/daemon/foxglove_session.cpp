@@ -1,0 +1,235 @@
+#include <ano/hex.hpp>
+#include <ano/messages.hpp>
+#include <daemon/foxglove_session.hpp>
+#include <daemon/raw_frames.hpp>
+
+#include <algorithm>
+
+namespace anogate {
+namespace {
+
+using foxglove::Level;
+
+// Channels of the protocol: the whole frames, and behind it what they say.
+constexpr std::uint32_t raw_channel = 1, first_decoded = 2;
+
+constexpr std::string_view own_messages = "ano_msgs/";    // before the names of their schemas
+
+std::string name_of(std::uint8_t id) {
+    const ano::Message* const message = ano::find_message(id);
+    return message ? std::string{message->name} : ano::hex_byte(id);
+}
+
+std::string words_of(const LostFrames& lost) {
+    constexpr std::size_t most = 8;    // names
+    std::vector<std::pair<std::uint32_t, std::uint8_t>> many;
+    for (unsigned id = 0; id < lost.by_id.size(); ++id)
+        if (lost.by_id[id] > 0) many.emplace_back(lost.by_id[id], static_cast<std::uint8_t>(id));
+    std::sort(many.rbegin(), many.rend());
+    std::string words = std::to_string(lost.count) + " frames of the last " + std::to_string(lost.since.count()) +
+                        " ms are not shown, for this client takes too little:";
+    for (std::size_t i = 0; i < many.size() && i < most; ++i)
+        words.append(i > 0 ? ", " : " ").append(name_of(many[i].second) + " " + std::to_string(many[i].first));
+    return words + (many.size() > most ? ", ..." : "");
+}
+
+}    // namespace
+
+FoxgloveSession::FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding,
+                                 const ano::FlexibleLayouts& flexible)
+    : greeting_{foxglove::server_info(server)}, encoding_{encoding}, decoded_{encoding, &flexible} {}
+
+void FoxgloveSession::hear(std::string_view text) {
+    std::visit([this](auto&& said) { hear(std::forward<decltype(said)>(said)); }, foxglove::read(text));
+}
+
+void FoxgloveSession::hear_bytes() { say(Level::error, "bytes are refused: this interface shows, and writes nothing"); }
+
+void FoxgloveSession::hear(const foxglove::Subscribe& said) {
+    for (const foxglove::Subscription& wanted : said.subscriptions) subscribe(wanted);
+    find_wanted();
+}
+
+void FoxgloveSession::subscribe(const foxglove::Subscription& wanted) {
+    const std::string channel = "channel " + std::to_string(wanted.channel);
+    if (!is_known(wanted.channel)) return say(Level::error, "there is no " + channel + ": it was not advertised");
+    if (by_id_.contains(wanted.id))
+        return say(Level::error, "the subscription " + std::to_string(wanted.id) + " is there already: take another id");
+    if (!by_channel_.try_emplace(wanted.channel, wanted.id).second)
+        return say(Level::error, channel + " is subscribed already, by " + std::to_string(by_channel_.at(wanted.channel)));
+    by_id_.emplace(wanted.id, wanted.channel);
+}
+
+void FoxgloveSession::hear(const foxglove::Unsubscribe& said) {
+    for (const std::uint32_t id : said.ids) {
+        const auto found = by_id_.find(id);
+        if (found == by_id_.end()) {
+            say(Level::error, "there is no subscription " + std::to_string(id));
+            continue;
+        }
+        by_channel_.erase(found->second);
+        by_id_.erase(found);
+    }
+    find_wanted();
+}
+
+void FoxgloveSession::hear(foxglove::GetParameters&& said) {
+    if (open_questions_ == max_questions)
+        return say(Level::error, "too many questions for parameters wait for their answers: ask again when these are there");
+    ++open_questions_;
+    questions_.push_back(std::move(said));
+}
+
+void FoxgloveSession::hear(foxglove::WatchParameters&& said) {
+    if (said.names.empty()) {
+        watches_all_ = !said.ends;
+        watched_.clear();
+    }
+    for (std::string& name : said.names) {
+        if (said.ends) watched_.erase(name);
+        else if (watched_.size() < max_watched) watched_.insert(std::move(name));
+    }
+}
+
+void FoxgloveSession::hear(foxglove::Wrong&& said) { say(Level::error, said.words); }
+
+void FoxgloveSession::say(Level level, std::string_view words) {
+    if (statuses_.size() < max_statuses) statuses_.push_back(foxglove::status(level, words));
+    else ++unsaid_;
+}
+
+bool FoxgloveSession::is_known(std::uint32_t channel) const noexcept {
+    return channel == raw_channel || (channel >= first_decoded && channel - first_decoded < channels_.size());
+}
+
+void FoxgloveSession::find_wanted() {
+    wanted_.clear();
+    for (const auto& [channel, id] : by_channel_)
+        if (channel != raw_channel) want(channels_[channel - first_decoded]);
+    wants_others_ = true;
+}
+
+// A standard message may have what other frames of its device said before: of those, all that have such messages themselves.
+void FoxgloveSession::want(const Known& channel) {
+    wanted_.insert(channel.kinds.begin(), channel.kinds.end());
+    if (!channel.is_standard) return;
+    for (const FrameKind& kind : channel.kinds)
+        for (auto other = standard_kinds_.lower_bound({kind.link, kind.source, 0});
+             other != standard_kinds_.end() && other->link == kind.link && other->source == kind.source; ++other)
+            wanted_.insert(*other);
+}
+
+std::optional<FrameFilterSettings> FoxgloveSession::filter() const {
+    const bool is_raw = by_channel_.contains(raw_channel);
+    if (is_raw) return FrameFilterSettings{};
+    if (wanted_.empty()) return std::nullopt;
+    FrameFilterSettings filter;
+    filter.directions = {true, false, false};
+    filter.ids.reset();
+    filter.from.reset();
+    std::set<std::string> links;
+    for (const FrameKind& kind : wanted_) {
+        filter.ids.set(kind.id);
+        filter.from.set(kind.source);
+        links.insert(kind.link);
+    }
+    filter.links.assign(links.begin(), links.end());
+    return filter;
+}
+
+std::size_t FoxgloveSession::number_of(const DecodedChannel& channel, const DecodedSchema& schema) {
+    const auto [known, is_new] = by_topic_.try_emplace(channel.topic, channels_.size());
+    if (is_new) channels_.push_back({&channel, &schema, {}, !schema.name.starts_with(own_messages)});
+    return known->second;
+}
+
+std::size_t FoxgloveSession::number_of(const DecodedMessage& message) {
+    const auto& all = decoded_.channels();
+    while (numbers_.size() < all.size())
+        numbers_.push_back(number_of(all[numbers_.size()], decoded_.schemas()[all[numbers_.size()].schema]));
+    return numbers_[message.channel];
+}
+
+void FoxgloveSession::learn(const FirstFrame& first) {
+    if (const auto frame = first.frame()) decoded_.decode(*frame);    // so its link is called the same
+    for (const FoundChannel& found : first.found()) {
+        const std::size_t number = number_of(*found.channel, *found.schema);
+        Known& channel = channels_[number];
+        channel.kinds.insert(found.kind);
+        if (channel.is_standard) standard_kinds_.insert(found.kind);
+    }
+    if (!by_channel_.empty()) find_wanted();
+}
+
+void FoxgloveSession::show(const RecordedFrame& frame) {
+    if (by_channel_.contains(raw_channel)) send_on(raw_channel, frame.time_ns, raw_frame(frame));
+    if (frame.direction != Direction::in || !wanted_.contains(kind_of(frame))) return;
+    for (const DecodedMessage& message : decoded_.decode(frame))
+        send_on(static_cast<std::uint32_t>(number_of(message)) + first_decoded, frame.time_ns, message.data);
+}
+
+void FoxgloveSession::send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload) {
+    const auto subscription = by_channel_.find(channel);
+    if (subscription == by_channel_.end()) return;
+    messages_.push_back({foxglove::message_data(subscription->second, time_ns, payload), false});
+}
+
+void FoxgloveSession::lose(const LostFrames& lost) { warn(words_of(lost)); }
+
+std::optional<foxglove::GetParameters> FoxgloveSession::next_question() {
+    if (questions_.empty()) return std::nullopt;
+    foxglove::GetParameters question = std::move(questions_.front());
+    questions_.pop_front();
+    return question;
+}
+
+void FoxgloveSession::answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values) {
+    --open_questions_;
+    messages_.push_back({foxglove::parameter_values(values, question.id)});
+}
+
+void FoxgloveSession::changed(const std::vector<foxglove::Parameter>& values) {
+    for (const foxglove::Parameter& one : values)
+        if (watches_all_ || watched_.contains(one.name)) changed_.insert_or_assign(one.name, one.value);
+}
+
+// Channels come before what stands on them.
+std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
+    if (!greeting_.empty()) return Message{std::exchange(greeting_, {})};
+    if (!statuses_.empty()) {
+        Message status{std::move(statuses_.front())};
+        statuses_.pop_front();
+        if (statuses_.empty() && unsaid_ > 0)
+            say(Level::error, std::to_string(std::exchange(unsaid_, 0)) + " more faults are not told one by one");
+        return status;
+    }
+    if (auto channels = next_channels()) return channels;
+    if (!messages_.empty()) {
+        Message message = std::move(messages_.front());
+        messages_.pop_front();
+        return message;
+    }
+    if (changed_.empty()) return std::nullopt;
+    std::vector<foxglove::Parameter> values;
+    for (auto& [name, value] : std::exchange(changed_, {})) values.push_back({name, std::move(value)});
+    return Message{foxglove::parameter_values(values, std::nullopt)};
+}
+
+std::optional<FoxgloveSession::Message> FoxgloveSession::next_channels() {
+    std::vector<foxglove::Channel> channels;
+    const DecodedSchema& raw = raw_frame_schema();
+    if (!std::exchange(raw_is_told_, true))
+        channels.push_back({raw_channel, raw_frame_topic, text(DecodedEncoding::cdr), raw.name, raw.text, raw.encoding});
+    std::size_t size = 0;
+    while (told_channels_ < channels_.size() && size < part_size) {
+        const DecodedChannel& channel = *channels_[told_channels_].channel;
+        const DecodedSchema& schema = *channels_[told_channels_].schema;
+        channels.push_back({static_cast<std::uint32_t>(told_channels_++) + first_decoded, channel.topic, text(encoding_),
+                            schema.name, schema.text, schema.encoding});
+        size += channel.topic.size() + schema.name.size() + schema.text.size();
+    }
+    if (channels.empty()) return std::nullopt;
+    return Message{foxglove::advertise(channels)};
+}
+
+}    // namespace anogate

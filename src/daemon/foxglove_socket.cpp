@@ -1,0 +1,136 @@
+#include <daemon/foxglove_socket.hpp>
+#include <daemon/foxglove_streams.hpp>
+#include <daemon/gateway.hpp>
+
+#include <memory>
+#include <utility>
+#include <variant>
+
+namespace anogate {
+namespace {
+
+constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes, that are made between two turns of the loop
+constexpr int records_a_turn = 512;                   // of which nothing may come
+
+std::string_view known_name(const std::vector<std::string>& names, std::size_t number) {
+    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
+}
+
+}    // namespace
+
+RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables) {
+    RecordedFrame recorded{.link = known_name(tables.links, record.link), .frame = record.frame};
+    recorded.time_ns = record.time_ns;
+    recorded.boottime_ns = record.boottime_ns;
+    recorded.direction = record.direction;
+    if (record.direction == Direction::dropped && record.cause < frame_causes().size())
+        recorded.cause = frame_causes()[record.cause];
+    if (record.channel != FrameRecord::no_channel) {
+        recorded.channel = record.channel;
+        recorded.peer = known_name(tables.peers, record.channel);
+    }
+    return recorded;
+}
+
+FoxgloveSocket::FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::string_view subprotocol, DecodedEncoding encoding)
+    : streams_{streams},
+      number_{number},
+      subprotocol_{subprotocol},
+      encoding_{encoding},
+      session_{streams.server_, encoding, streams.flexible_},
+      work_{streams.gateway_.alarms(), [this] { work(); }} {}
+
+FoxgloveSocket::~FoxgloveSocket() {
+    if (watches_) streams_.watch_.remove(*this);
+    if (socket_) streams_.leave(*this);
+}
+
+void FoxgloveSocket::opened(http::WebSocket& socket) {
+    socket_ = &socket;
+    streams_.join(*this);
+    give_if_idle();
+}
+
+void FoxgloveSocket::heard(std::string_view message, http::WebSocket::Kind kind) {
+    if (kind == http::WebSocket::Kind::text) session_.hear(message);
+    else session_.hear_bytes();
+    while (auto question = session_.next_question()) streams_.ask(*this, std::move(*question));
+    give_if_idle();
+}
+
+void FoxgloveSocket::learn(const FirstFrame& first) {
+    session_.learn(first);
+    give_if_idle();
+}
+
+void FoxgloveSocket::answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values) {
+    session_.answer(question, values);
+    give_if_idle();
+}
+
+void FoxgloveSocket::changed(const std::vector<foxglove::Parameter>& values) {
+    session_.changed(values);
+    give_if_idle();
+}
+
+void FoxgloveSocket::warn(std::string_view words) {
+    session_.warn(words);
+    give_if_idle();
+}
+
+void FoxgloveSocket::work() {
+    if (session_.wants_other_frames()) watch_what_is_wanted();
+    give_if_idle();
+}
+
+// Never from within more(), in which no watcher may come or go.
+void FoxgloveSocket::watch_what_is_wanted() {
+    const auto filter = session_.take_filter();
+    if (!filter) {
+        if (std::exchange(watches_, false)) streams_.watch_.remove(*this);
+    } else if (std::exchange(watches_, true)) {
+        streams_.watch_.change(*this, *filter);
+    } else {
+        streams_.watch_.add(*this, *filter);
+    }
+}
+
+void FoxgloveSocket::give_if_idle() {
+    if (socket_->waiting() == 0) give();
+    else if (session_.wants_other_frames()) work_.set_no_later(Clock::now());
+}
+
+void FoxgloveSocket::give() {
+    int records = 0;
+    while (socket_->waiting() < messages_a_turn) {
+        if (auto message = session_.next()) send(std::move(*message));
+        else if (records++ == records_a_turn || !take_next()) break;
+    }
+    if (records > records_a_turn || session_.wants_other_frames()) work_.set_no_later(Clock::now());
+}
+
+// False: nothing waits.
+bool FoxgloveSocket::take_next() {
+    if (const auto record = take_record(rest_)) {
+        session_.show(as_recorded(*record, *tables_));
+        return true;
+    }
+    auto item = queue.next(Clock::now());
+    if (!item) return false;
+    if (const auto* lost = std::get_if<LostFrames>(&*item)) session_.lose(*lost);
+    else if (auto* tables = std::get_if<WatchQueue::Tables>(&*item)) tables_ = std::move(*tables);
+    else {
+        batch_ = std::move(std::get<WatchQueue::Batch>(*item));
+        rest_ = *batch_;
+    }
+    return true;
+}
+
+void FoxgloveSocket::send(FoxgloveSession::Message message) {
+    using Kind = http::WebSocket::Kind;
+    const Kind kind = message.is_text ? Kind::text : Kind::binary;
+    if (!socket_->send(std::make_shared<const std::string>(std::move(message.data)), kind))
+        session_.warn("a message was too long for this connection, and is not sent");
+}
+
+}    // namespace anogate

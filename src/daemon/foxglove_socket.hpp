@@ -1,0 +1,62 @@
+// A client of the Foxglove WebSocket protocol at its WebSocket.
+#pragma once
+#include <daemon/foxglove_session.hpp>
+#include <daemon/frame_watch.hpp>
+#include <http/web_socket.hpp>
+#include <link/alarm.hpp>
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+class FoxgloveStreams;
+
+/// A frame that was watched, as a recording has it. Valid as long as both.
+RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables);
+
+/// He is given more when he has taken what there was: what his messages cost to make, he pays.
+class FoxgloveSocket final : public http::WebSocketUser, private Watcher {
+public:
+    /// `streams` outlives it.
+    FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::string_view subprotocol, DecodedEncoding encoding);
+    ~FoxgloveSocket() override;
+
+    /// Another one for each client.
+    unsigned number() const noexcept { return number_; }
+
+    std::string_view subprotocol() const override { return subprotocol_; }
+    void opened(http::WebSocket& socket) override;
+    void heard(std::string_view message, http::WebSocket::Kind kind) override;
+    void sent_all() override { give(); }
+
+    DecodedEncoding encoding() const noexcept { return encoding_; }
+    void learn(const FirstFrame& first);
+    void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
+    void changed(const std::vector<foxglove::Parameter>& values);
+    void warn(std::string_view words);
+
+private:
+    void more() override { give_if_idle(); }
+    void work();
+    void watch_what_is_wanted();
+    void give_if_idle();
+    void give();
+    bool take_next();
+    void send(FoxgloveSession::Message message);
+
+    FoxgloveStreams& streams_;
+    unsigned number_;
+    std::string_view subprotocol_;
+    DecodedEncoding encoding_;
+    FoxgloveSession session_;
+    Alarm work_;
+    http::WebSocket* socket_ = nullptr;    // nullptr: not open yet
+    bool watches_ = false;
+    WatchQueue::Tables tables_;
+    WatchQueue::Batch batch_;
+    std::string_view rest_;    // of the batch
+};
+
+}    // namespace anogate

@@ -1,0 +1,436 @@
+// The Foxglove WebSocket protocol over a whole gateway: its clients, good and bad.
+#include <support/control_door.hpp>
+#include <support/process.hpp>
+#include <support/udp_peer.hpp>
+
+#include <daemon/foxglove_messages.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using nlohmann::json;
+using Kind = anogate::http::WebSocket::Kind;
+using anogate::http::Field;
+
+const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+const std::vector<Field> offers{{"Sec-WebSocket-Protocol", "foxglove.websocket.v1"}};
+
+/// A client that keeps what it is told.
+class Plotter {
+public:
+    explicit Plotter(ControlDoor& door, const std::string& target = "/", const std::vector<Field>& headers = offers)
+        : ear{door, target, headers} {}
+
+    std::vector<json> said(const std::string& op) const {
+        std::vector<json> all;
+        for (const std::string& text : ear.texts())
+            if (json one = json::parse(text); one.at("op") == op) all.push_back(std::move(one));
+        return all;
+    }
+    /// The channel of this topic; null: it was not told.
+    json channel(const std::string& topic) const {
+        for (const json& message : said("advertise"))
+            for (const json& one : message.at("channels"))
+                if (one.at("topic") == topic) return one;
+        return nullptr;
+    }
+    void say(const json& message) { ear.say(message.dump(), Kind::text); }
+    void subscribe(unsigned id, const json& channel) {
+        say({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel.at("id")}}}}});
+    }
+    std::size_t shown(unsigned id) const {
+        std::size_t count = 0;
+        const std::string head = anogate::foxglove::message_data(id, 0, "").substr(0, 5);
+        for (const std::string& message : ear.messages()) count += message.starts_with(head) ? 1 : 0;
+        return count;
+    }
+
+    Ear ear;
+};
+
+class Foxglove : public testing::Test {
+protected:
+    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    bool until_told(const Plotter& plotter, const std::string& topic) {
+        return until([&] {
+            const bool is_there = !plotter.channel(topic).is_null();
+            if (!is_there) send(euler);
+            return is_there;
+        });
+    }
+    void send(const Bytes& bytes) { a.send(door.gateway.port("a"), bytes); }
+    bool until_in(std::size_t count) {
+        return until([&] { return door.gateway.count("a", "frames_in") == count; });
+    }
+    /// What a client says is done in the next turns of the loop.
+    bool until_heard(Plotter& plotter) {
+        const std::string id = "heard " + std::to_string(++questions_);
+        plotter.say({{"op", "getParameters"}, {"id", id}});
+        std::size_t looked_at = plotter.ear.texts().size();
+        bool is_answered = false;
+        until([&] {
+            for (; looked_at < plotter.ear.texts().size() && !is_answered; ++looked_at)
+                is_answered = plotter.ear.texts()[looked_at].find('"' + id + '"') != std::string::npos;
+            return is_answered;
+        });
+        door.gateway.run_for(20ms);    // filters are changed behind that
+        return is_answered;
+    }
+
+    UdpPeer a;
+    ControlDoor door{{a.link("a")}};
+
+private:
+    int questions_ = 0;
+};
+
+TEST_F(Foxglove, who_offers_the_subprotocol_at_the_page_is_told_who_is_here_and_what_can_be_had) {
+    Plotter plotter{door};
+    ASSERT_TRUE(until([&] { return plotter.said("advertise").size() == 1; }));
+    EXPECT_EQ(json::parse(plotter.ear.texts().front()).at("op"), "serverInfo");
+    EXPECT_EQ(plotter.channel("/anogate/frames").at("schemaName"), "ano_msgs/msg/RecordedFrame");
+    send(euler);
+    ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_220/euler").is_null(); }));
+    const json channel = plotter.channel("/a/device_220/euler");
+    EXPECT_EQ(channel.at("encoding"), "cdr");
+    EXPECT_EQ(channel.at("schemaEncoding"), "ros2msg");
+    EXPECT_TRUE(plotter.ear.messages().empty()) << "nothing is subscribed";
+}
+
+TEST_F(Foxglove, what_is_subscribed_is_shown_and_nothing_else) {
+    Plotter plotter{door};
+    ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
+    send(wind);
+    ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_221/wind").is_null(); }));
+    plotter.subscribe(7, plotter.channel("/a/device_220/euler"));
+    ASSERT_TRUE(until_heard(plotter));
+    for (int i = 0; i < 3; ++i) send(euler + wind);
+    ASSERT_TRUE(until([&] { return plotter.shown(7) == 3; })) << plotter.shown(7);
+    EXPECT_EQ(plotter.ear.messages().size(), 3u);
+    plotter.say({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
+    ASSERT_TRUE(until_heard(plotter));
+    send(euler);
+    door.gateway.run_for(100ms);
+    EXPECT_EQ(plotter.ear.messages().size(), 3u);
+    EXPECT_TRUE(plotter.said("status").empty());
+}
+
+TEST_F(Foxglove, another_subscription_takes_nothing_from_the_first) {
+    Plotter plotter{door};
+    ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
+    send(wind);
+    ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_221/wind").is_null(); }));
+    plotter.subscribe(1, plotter.channel("/a/device_220/euler"));
+    ASSERT_TRUE(until_heard(plotter));
+    std::size_t sent = 0;
+    for (unsigned i = 0; i < 20; ++i) {
+        for (int n = 0; n < 10; ++n, ++sent) send(euler);
+        if (i % 2 == 0) plotter.subscribe(2, plotter.channel("/a/device_221/wind"));
+        else plotter.say({{"op", "unsubscribe"}, {"subscriptionIds", {2}}});
+        door.gateway.run_for(3ms);    // within the time of a batch
+    }
+    EXPECT_TRUE(until([&] { return plotter.shown(1) == sent; })) << plotter.shown(1) << " of " << sent;
+}
+
+TEST_F(Foxglove, whole_frames_are_shown_whatever_became_of_them) {
+    Plotter plotter{door};
+    ASSERT_TRUE(until([&] { return !plotter.channel("/anogate/frames").is_null(); }));
+    plotter.subscribe(3, plotter.channel("/anogate/frames"));
+    ASSERT_TRUE(until_heard(plotter));
+    send(frame(0xDC, 0x00, 0x03, {1}));    // to nobody
+    EXPECT_TRUE(until([&] { return plotter.shown(3) == 2; }));
+    EXPECT_NE(plotter.ear.messages().back().find("no_route"), std::string::npos);
+}
+
+TEST_F(Foxglove, messages_are_json_where_that_is_asked_for) {
+    Plotter plotter{door, "/?encoding=json"};
+    ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
+    const json channel = plotter.channel("/a/device_220/euler");
+    EXPECT_EQ(channel.at("encoding"), "json");
+    EXPECT_EQ(channel.at("schemaEncoding"), "jsonschema");
+    plotter.subscribe(0, channel);
+    ASSERT_TRUE(until_heard(plotter));
+    send(euler);
+    ASSERT_TRUE(until([&] { return plotter.shown(0) == 1; }));
+    EXPECT_EQ(json::parse(plotter.ear.messages().front().substr(13)).at("rol"), 1.23);
+    Plotter wrong{door, "/foxglove?encoding=protobuf"};
+    ASSERT_TRUE(until([&] { return wrong.ear.ended.has_value(); }));
+    EXPECT_EQ(wrong.ear.ended->answer.status, 400u);
+    EXPECT_NE(wrong.ear.ended->answer.body.find("'encoding' must be cdr or json, not 'protobuf'"), std::string::npos);
+}
+
+TEST_F(Foxglove, a_path_of_its_own_asks_for_the_subprotocol) {
+    Plotter plotter{door, "/foxglove"}, without{door, "/foxglove", {}};
+    EXPECT_TRUE(until([&] { return !plotter.said("serverInfo").empty(); }));
+    ASSERT_TRUE(until([&] { return without.ear.ended.has_value(); }));
+    EXPECT_EQ(without.ear.ended->answer.status, 400u);
+    EXPECT_NE(without.ear.ended->answer.body.find("offers the subprotocol foxglove.sdk.v1"), std::string::npos);
+    EXPECT_EQ(door.ask("GET", "/foxglove").status, 426u);
+}
+
+TEST_F(Foxglove, nobody_looks_at_frames_when_the_last_client_has_gone) {
+    const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
+    EXPECT_FALSE(is_watched());
+    Plotter one{door}, two{door};
+    ASSERT_TRUE(until_told(one, "/a/device_220/euler"));
+    one.subscribe(1, one.channel("/a/device_220/euler"));
+    ASSERT_TRUE(until_heard(one));
+    one.ear.leave();
+    door.gateway.run_for(50ms);
+    EXPECT_TRUE(is_watched());
+    two.ear.leave();
+    EXPECT_TRUE(until([&] { return !is_watched(); }));
+    Plotter again{door};
+    ASSERT_TRUE(until_told(again, "/a/device_220/euler"));
+}
+
+TEST_F(Foxglove, who_comes_later_is_told_what_was_found_before) {
+    Plotter first{door};
+    ASSERT_TRUE(until_told(first, "/a/device_220/euler"));
+    Plotter second{door};
+    EXPECT_TRUE(until([&] { return !second.channel("/a/device_220/euler").is_null(); }));
+}
+
+TEST_F(Foxglove, nonsense_is_answered_and_too_much_ends_the_connection) {
+    Plotter plotter{door};
+    ASSERT_TRUE(until([&] { return plotter.ear.is_open(); }));
+    plotter.ear.say("nonsense", Kind::text);
+    plotter.ear.say({'\1', '\2'}, Kind::binary);
+    plotter.say({{"op", "setParameters"}, {"parameters", {{{"name", "a/220/X"}, {"value", 1}}}}});
+    ASSERT_TRUE(until([&] { return plotter.said("status").size() == 3; }));
+    for (const json& status : plotter.said("status")) EXPECT_EQ(status.at("level"), 2) << status;
+    for (unsigned i = 0; i < 10000; ++i) {
+        plotter.say({{"op", "subscribe"}, {"subscriptions", {{{"id", i}, {"channelId", 999}}}}});
+        if (i % 200 == 0) door.gateway.run_for(1ms);
+    }
+    ASSERT_TRUE(until_heard(plotter));
+    EXPECT_GT(plotter.said("status").size(), 3u);
+    plotter.ear.say(std::string(65 * 1024, ' '), Kind::text);
+    EXPECT_TRUE(until([&] { return plotter.ear.ended.has_value(); }));
+    EXPECT_TRUE(door.gateway.counters_add_up());
+}
+
+// Frames of a client, by hand: this one stops to read.
+std::string masked(const std::string& text) {
+    std::string bytes{static_cast<char>(0x81), static_cast<char>(0x80 | text.size()), '\0', '\0', '\0', '\0'};
+    return bytes + text;
+}
+
+TEST_F(Foxglove, who_takes_too_little_holds_nobody_up_and_is_told_what_he_missed) {
+    Plotter awake{door};
+    const int sleeper = connect_unix(door.path);
+    const std::string begin =
+        "GET / HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        "Sec-WebSocket-Protocol: foxglove.sdk.v1, foxglove.websocket.v1\r\n\r\n" +
+        masked(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":1}]})");
+    ASSERT_EQ(::send(sleeper, begin.data(), begin.size(), MSG_NOSIGNAL), static_cast<ssize_t>(begin.size()));
+    ASSERT_TRUE(until([&] { return !awake.channel("/anogate/frames").is_null(); }));
+    awake.subscribe(1, awake.channel("/anogate/frames"));
+    ASSERT_TRUE(until_heard(awake));
+    door.gateway.run_for(100ms);
+    constexpr std::size_t count = 1200;
+    const Bytes big = frame(0xDC, 0x00, 0xF1, Bytes(4000, 7));
+    for (std::size_t i = 0; i < count; ++i) {
+        send(big);
+        ASSERT_TRUE(until([&] { return awake.ear.messages().size() == 2 * (i + 1); })) << "who reads misses nothing";
+    }
+    EXPECT_TRUE(awake.said("status").empty());
+    std::string heard;
+    EXPECT_TRUE(until([&] {
+        char buffer[65536];
+        for (ssize_t n; (n = ::recv(sleeper, buffer, sizeof buffer, MSG_DONTWAIT)) > 0;)
+            heard.append(buffer, static_cast<std::size_t>(n));
+        return heard.find("are not shown, for this client takes too little: flexible1 ") != std::string::npos;
+    }));
+    EXPECT_TRUE(heard.starts_with("HTTP/1.1 101"));
+    EXPECT_NE(heard.find("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"), std::string::npos) << heard.substr(0, 300);
+    ::close(sleeper);
+}
+
+class FoxgloveParameters : public testing::Test {
+protected:
+    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    void SetUp() override {
+        ASSERT_TRUE(until([&] { return !plotter.said("advertise").empty() && !door.gateway.route("0xDC").is_null(); }));
+    }
+    /// The answer to a question; null: there is none.
+    json answer(const json& names, const std::string& id) {
+        plotter.say({{"op", "getParameters"}, {"parameterNames", names}, {"id", id}});
+        json found;
+        EXPECT_TRUE(until([&] {
+            for (const json& one : plotter.said("parameterValues"))
+                if (one.value("id", "") == id) found = one.at("parameters");
+            return !found.is_null();
+        }));
+        return found;
+    }
+
+    ControlDoor door{{"sim:fc,name=fc"}};
+    Plotter plotter{door};
+};
+
+TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_known_from_then_on) {
+    EXPECT_EQ(answer(json::array(), "before"), json::array()) << "nobody read any";
+    const json values = answer({"fc/220/SIM_SWAY", "fc/220/SIM_MODE", "fc/220/NONE", "fc/9/SIM_MODE"}, "some");
+    ASSERT_EQ(values.size(), 2u) << values;
+    EXPECT_EQ(values[0].at("name"), "fc/220/SIM_SWAY");
+    EXPECT_EQ(values[0].at("type"), "float64");
+    EXPECT_EQ(values[1].at("name"), "fc/220/SIM_MODE");
+    EXPECT_TRUE(values[1].at("value").is_number_integer());
+    EXPECT_EQ(plotter.said("status").size(), 1u) << "9 is not heard";
+    EXPECT_EQ(answer(json::array(), "behind").size(), 2u);
+    Plotter another{door};
+    ASSERT_TRUE(until([&] { return another.ear.is_open(); }));
+    another.say({{"op", "getParameters"}, {"parameterNames", json::array()}, {"id", "x"}});
+    ASSERT_TRUE(until([&] { return !another.said("parameterValues").empty(); }));
+    EXPECT_EQ(another.said("parameterValues").front().at("parameters").size(), 2u);
+}
+
+TEST_F(FoxgloveParameters, that_others_write_are_told_to_who_watches_them) {
+    plotter.say({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"fc/220/SIM_SWAY"}}});
+    EXPECT_EQ(door.ask("PUT", "/devices/0xDC/parameters/SIM_SWAY", R"({"value": 12.5})").status, 200u);
+    ASSERT_TRUE(until([&] { return !plotter.said("parameterValues").empty(); }));
+    const json told = plotter.said("parameterValues").front();
+    EXPECT_EQ(told.at("parameters"), json::parse(R"([{"name":"fc/220/SIM_SWAY","value":12.5,"type":"float64"}])"));
+    EXPECT_FALSE(told.contains("id"));
+}
+
+TEST_F(FoxgloveParameters, are_not_written) {
+    const json before = answer({"fc/220/SIM_SWAY"}, "before");
+    plotter.say({{"op", "setParameters"}, {"parameters", {{{"name", "fc/220/SIM_SWAY"}, {"value", 77}}}}, {"id", "x"}});
+    ASSERT_TRUE(until([&] { return !plotter.said("status").empty(); }));
+    EXPECT_EQ(answer({"fc/220/SIM_SWAY"}, "behind"), before);
+}
+
+TEST_F(FoxgloveParameters, are_awaited_by_who_has_left_without_harm) {
+    for (int i = 0; i < 10; ++i)
+        plotter.say({{"op", "getParameters"}, {"parameterNames", {"fc/220/SIM_SWAY"}}, {"id", std::to_string(i)}});
+    door.gateway.run_for(1ms);
+    plotter.ear.leave();
+    Plotter another{door};
+    ASSERT_TRUE(until([&] { return another.ear.is_open(); }));
+    door.gateway.run_for(300ms);
+    EXPECT_TRUE(another.said("parameterValues").empty());
+}
+
+// ---- By the network
+
+const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
+
+class FoxgloveDoor : public testing::Test {
+protected:
+    void start() {
+        daemon.emplace(ANOGATED, dir / "control.sock", std::vector<std::string>{"--config", config});
+        ASSERT_TRUE(daemon->until_answers()) << daemon->output();
+        const std::string before = "http://127.0.0.1:";
+        ASSERT_TRUE(daemon->until_says(before)) << daemon->output();
+        const std::string& said = daemon->output();
+        port = static_cast<std::uint16_t>(std::stoi(said.substr(said.rfind(before) + before.size())));
+    }
+    void SetUp() override { start(); }
+    /// What begins the answer to a client who offers the subprotocol, up to and with the first message. Behind a proxy, so that a
+    /// token is needed whoever runs the test.
+    std::string joined(const std::string& target, const std::string& more = {}, const std::string& host = "localhost",
+                       const std::string& subprotocol = "foxglove.websocket.v1") const {
+        const int fd = connect_tcp(port);
+        const std::string request = "GET " + target + " HTTP/1.1\r\nHost: " + host +
+                                    "\r\nVia: 1.1 test\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+                                    "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                                    "Sec-WebSocket-Protocol: " +
+                                    subprotocol + "\r\n" + more + "\r\n";
+        EXPECT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+        std::string answer;
+        char buffer[4096];
+        const auto is_whole = [&] {
+            return answer.find("\"sessionId\"") != std::string::npos || answer.find("\"what\"") != std::string::npos ||
+                   answer.find("\"routes\"") != std::string::npos;
+        };
+        for (ssize_t n; !is_whole() && (n = ::read(fd, buffer, sizeof buffer)) > 0;)
+            answer.append(buffer, static_cast<std::size_t>(n));
+        ::close(fd);
+        return answer;
+    }
+    static std::string code_of(const std::string& answer) { return answer.size() > 12 ? answer.substr(9, 3) : answer; }
+
+    TempDir dir;
+    std::string tokens = [this] {
+        const std::string file = dir.write("token", "view " + looks + "\ncontrol " + acts + "\n");
+        std::filesystem::permissions(file, std::filesystem::perms{0600});
+        return file;
+    }();
+    std::string config = dir.write(
+        "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0,name=ground"], "log": {"level": "trace"}, "control": {"http": )"
+                        R"("127.0.0.1:0", "origins": ["https://app.foxglove.dev", "file://"], "token_file": ")" +
+                            tokens + "\"}}");
+    std::optional<Daemon> daemon;
+    std::uint16_t port = 0;
+};
+
+TEST_F(FoxgloveDoor, lets_in_who_has_a_token_in_the_query_or_a_header) {
+    EXPECT_EQ(code_of(joined("/?token=" + looks)), "101");
+    EXPECT_EQ(code_of(joined("/foxglove?token=" + acts + "&encoding=json")), "101");
+    EXPECT_EQ(code_of(joined("/", "Authorization: Bearer " + looks + "\r\n")), "101");
+    const std::string without = joined("/");
+    EXPECT_EQ(code_of(without), "401");
+    EXPECT_NE(without.find("a client of Foxglove needs a token, ws://HOST:PORT/?token=TOKEN"), std::string::npos) << without;
+    EXPECT_EQ(code_of(joined("/foxglove")), "401");
+    EXPECT_EQ(code_of(joined("/frames?token=" + looks, {}, "localhost", "none")), "401") << "of another subprotocol";
+    EXPECT_EQ(code_of(http(port, "GET /status?token=" + looks +
+                                     " HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\nConnection: close\r\n\r\n")),
+              "401");
+}
+
+TEST_F(FoxgloveDoor, bars_who_guesses) {
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(code_of(joined("/?token=guess" + std::to_string(i))), "401");
+    EXPECT_EQ(code_of(joined("/?token=" + looks)), "429");
+}
+
+TEST_F(FoxgloveDoor, refuses_other_names_and_pages_that_are_not_named) {
+    EXPECT_EQ(code_of(joined("/?token=" + looks, {}, "evil.example")), "403") << "a name that was made to lead here";
+    EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: https://evil.example\r\n")), "403");
+    EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: null\r\n")), "403");
+    EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: https://app.foxglove.dev\r\n")), "101");
+    EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: file://\r\n")), "101");
+}
+
+TEST_F(FoxgloveDoor, tells_a_token_to_nobody) {
+    const std::vector<std::string> answers{
+        joined("/?token=" + looks),          joined("/?token=wrong-" + looks),
+        joined("/nothing?token=" + looks),   joined("/foxglove?encoding=" + looks.substr(0, 4) + "&token=" + looks),
+        joined("/?token=" + looks + "&%zz"), joined("/frames?format=binary&token=" + looks)};
+    for (const std::string& answer : answers) EXPECT_EQ(answer.find(looks), std::string::npos) << answer;
+    for (const std::string path : {"/status", "/metrics", "/"})
+        EXPECT_EQ(http(dir / "control.sock", "GET " + path + " HTTP/1.0\r\n\r\n").find(looks), std::string::npos) << path;
+    EXPECT_EQ(daemon->output().find(looks), std::string::npos) << daemon->output();
+}
+
+TEST_F(FoxgloveDoor, of_a_gateway_that_was_started_again_is_told_to_be_another_session) {
+    const auto session = [&] {
+        const std::string answer = joined("/?token=" + looks);
+        const auto begin = answer.find("\"sessionId\":\"");
+        return begin == std::string::npos ? answer : answer.substr(begin, answer.find('}', begin) - begin);
+    };
+    const std::string before = session();
+    EXPECT_EQ(session(), before);
+    daemon->signal(SIGTERM);
+    EXPECT_EQ(daemon->wait(), 0);
+    start();
+    EXPECT_NE(session(), before);
+}
+
+}    // namespace
