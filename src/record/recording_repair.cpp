@@ -1,3 +1,4 @@
+#include <record/mcap_repair.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/pcapng_writer.hpp>
 #include <record/recording_repair.hpp>
@@ -5,14 +6,6 @@
 #include <variant>
 
 namespace anogate {
-
-class RecordingRepair::Reading {
-public:
-    virtual ~Reading() = default;
-    virtual void give(std::string_view bytes) = 0;
-    virtual Result finish() = 0;
-};
-
 namespace {
 
 // The end tells how many frames each link has: the same writer, given the same frames, knows.
@@ -52,7 +45,10 @@ private:
 
 }    // namespace
 
-RecordingRepair::RecordingRepair(RecordingFormat) : reading_{std::make_unique<PcapngReading>()} {}
+RecordingRepair::RecordingRepair(RecordingFormat format) {
+    if (format == RecordingFormat::mcap) reading_ = std::make_unique<McapRepair>();
+    else reading_ = std::make_unique<PcapngReading>();
+}
 RecordingRepair::~RecordingRepair() = default;
 void RecordingRepair::give(std::string_view bytes) { reading_->give(bytes); }
 RecordingRepair::Result RecordingRepair::finish() { return reading_->finish(); }

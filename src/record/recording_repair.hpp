@@ -33,7 +33,13 @@ public:
     void give(std::string_view bytes);
     Result finish();
 
-    class Reading;    // of one format
+    /// Of one format.
+    class Reading {
+    public:
+        virtual ~Reading() = default;
+        virtual void give(std::string_view bytes) = 0;
+        virtual Result finish() = 0;
+    };
 
 private:
     std::unique_ptr<Reading> reading_;

@@ -92,7 +92,7 @@ TEST(Info, says_what_is_no_recording) {
     EXPECT_NE(anoctl({"info", "-"}, "").err.find("it is empty"), std::string::npos);
     const auto text = anoctl({"info", folder.write("a.txt", "no capture, but more than enough text")});
     EXPECT_EQ(text.exit, 1);
-    EXPECT_NE(text.err.find("it is no pcapng file"), std::string::npos);
+    EXPECT_NE(text.err.find("it is neither pcapng nor MCAP"), std::string::npos);
     EXPECT_EQ(anoctl({"info", folder.path().string()}).exit, 2);
 }
 
