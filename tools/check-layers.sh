@@ -1,6 +1,6 @@
 #!/bin/bash
 # Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link;
-# gateway and device < managed < daemon; gateway < record < anoctl.
+# gateway and device < managed < daemon; ano_json < ros < record; gateway < record < anoctl.
 # Two headers of ours include Asio, one source libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each
 # program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
@@ -22,6 +22,7 @@ forbid "gateway/|host/|config/|link/|http/|daemon/|$third_party|$system" src/wor
 forbid "gateway/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ano_json
 forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|termios|fcntl" include/gateway src/gateway
 forbid "device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/record
+forbid "gateway/|record/|device/|world/|host/|config/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/ros
 forbid "world/|link/|http/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/config
 forbid "gateway/|world/|config/|link/|daemon/|boost/|spdlog/|CLI/|gpiod|$system" src/devices
 if grep -rnE '^ *# *include *[<"]http/' src/devices | grep -vE '<http/(large_body|producer|request|response|routes|web_socket)\.hpp>'; then bad=1; fi

@@ -7,6 +7,7 @@
 #pragma once
 #include <ano/flexible.hpp>
 #include <ano/frame.hpp>
+#include <ano/reading.hpp>
 #include <ano/values.hpp>
 #include <ano_json/text.hpp>
 
@@ -29,6 +30,9 @@ struct JsonOptions {
 
 /// Never fails, whatever the frame holds; throws std::runtime_error only when the system can't convert `encoding`.
 Json frame_to_json(FrameView frame, const JsonOptions& options = {});
+
+/// The `fields` of that alone; `reading` has some.
+Json fields_to_json(const Reading& reading, const JsonOptions& options = {});
 
 /// What is wrong with the JSON of a frame.
 struct JsonFault {

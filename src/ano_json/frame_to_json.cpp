@@ -139,4 +139,6 @@ Json to_json(FrameView frame, const JsonOptions& options, bool inside_a_tunnel) 
 
 Json frame_to_json(FrameView frame, const JsonOptions& options) { return to_json(frame, options, false); }
 
+Json fields_to_json(const Reading& reading, const JsonOptions& options) { return FieldWriter{reading, options}.fields(); }
+
 }    // namespace ano

@@ -1,17 +1,175 @@
+#include <ano/messages.hpp>
 #include <record/decoded_channels.hpp>
+#include <ros/cdr_encoder.hpp>
+#include <ros/json_message.hpp>
+#include <ros/ros_names.hpp>
+#include <ros/standard_messages.hpp>
+#include <ros/table_message.hpp>
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
 
 namespace anogate {
+namespace {
+
+/// A message, and where its schema is once it has one.
+struct KnownMessage {
+    TableMessage message;
+    std::size_t schema;
+};
+
+using ChannelNumber = std::optional<std::uint16_t>;    // nothing: it has none yet
+
+struct DecodedDevice {
+    explicit DecodedDevice(const std::string& name) : topic{'/' + name + '/'}, standard{name} {}
+
+    std::string topic;    // "/fc/device_5/"
+    StandardMessages standard;
+    std::array<ChannelNumber, 256> channels{};    // by the id of the message
+    std::array<ChannelNumber, standard_topics> standard_channels{};
+};
+
+struct DecodedLink {
+    std::string name;    // in topics
+    std::array<std::unique_ptr<DecodedDevice>, 256> devices{};
+};
+
+}    // namespace
 
 struct DecodedChannels::State {
+    DecodedEncoding encoding;
+    const ano::FlexibleLayouts* flexible;
     std::deque<DecodedSchema> schemas;
     std::deque<DecodedChannel> channels;
+    std::vector<DecodedMessage> messages;    // of the last frame
+
+    std::array<std::unique_ptr<KnownMessage>, 256> known;
+    std::map<const ano::FlexibleLayout*, KnownMessage> known_flexible;
+    std::map<std::string, DecodedLink, std::less<>> links;
+    std::set<std::string> link_names;
+    std::map<const RosMessage*, std::size_t> standard_schemas;
+    ValueList values;
+    CdrEncoder encoder;
+    std::array<CdrEncoder, 2> standard_encoders;    // a frame makes no more
+    std::string json;
+
+    void decode(const RecordedFrame& frame);
+    void decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device);
+    void decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device);
+    bool is_full() const noexcept { return channels.size() == max_channels; }
+    DecodedDevice* device_of(const RecordedFrame& frame);
+    const KnownMessage& message_of(const ano::Reading& reading, std::uint8_t source);
+    std::uint16_t add_channel(std::string topic, std::size_t schema);
+    std::size_t add_schema(const RosMessage& type, std::string json_schema);
+    std::string_view encode(const TableMessage& message, const ano::Reading& reading);
 };
+
+void DecodedChannels::State::decode(const RecordedFrame& frame) {
+    messages.clear();
+    if (frame.direction != Direction::in) return;
+    const ano::Reading reading = ano::read(frame.frame, flexible);
+    DecodedDevice* const device = reading ? device_of(frame) : nullptr;
+    if (device == nullptr) return;
+    decode(reading, frame, *device);
+    if (encoding == DecodedEncoding::cdr) decode_standard(reading, frame.time_ns, *device);
+}
+
+void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device) {
+    ChannelNumber& channel = device.channels[frame.frame.id()];
+    if (!channel && is_full()) return;
+    const KnownMessage& known_message = message_of(reading, frame.frame.source());
+    if (!channel) channel = add_channel(device.topic + std::string{reading.message()->name}, known_message.schema);
+    messages.push_back({*channel, encode(known_message.message, reading)});
+}
+
+void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device) {
+    auto encoder_at = standard_encoders.begin();
+    for (const StandardTopic topic : device.standard.hear(reading, time_ns)) {
+        ChannelNumber& channel = device.standard_channels[static_cast<std::size_t>(topic)];
+        const auto& [name, type] = standard_row(topic);
+        if (!channel) {
+            if (is_full()) return;
+            const auto [schema, is_new] = standard_schemas.try_emplace(type, schemas.size());
+            if (is_new) add_schema(*type, {});
+            channel = add_channel(device.topic + std::string{name}, schema->second);
+        }
+        values.clear();
+        device.standard.append_values(topic, values);
+        messages.push_back({*channel, (encoder_at++)->encode(*type, values.values())});
+    }
+}
+
+std::string_view DecodedChannels::State::encode(const TableMessage& message, const ano::Reading& reading) {
+    if (encoding == DecodedEncoding::json) return json = json_message(reading, {.flexible = flexible});
+    values.clear();
+    message.append_values(reading, values);
+    return encoder.encode(message.type(), values.values());
+}
+
+// Null: there is no place for what would be new.
+DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
+    auto link = links.find(frame.link);
+    if (link == links.end()) {
+        if (is_full()) return nullptr;
+        link = links.try_emplace(std::string{frame.link}).first;
+        link->second.name = unique_name(ros_name(frame.link, "link"), link_names);
+    }
+    auto& device = link->second.devices[frame.frame.source()];
+    if (device == nullptr) {
+        if (is_full()) return nullptr;
+        device = std::make_unique<DecodedDevice>(link->second.name + "/device_" + std::to_string(frame.frame.source()));
+    }
+    return device.get();
+}
+
+const KnownMessage& DecodedChannels::State::message_of(const ano::Reading& reading, std::uint8_t source) {
+    const std::uint8_t id = reading.message()->id;
+    if (ano::is_flexible(id)) {
+        const ano::FlexibleLayout* const layout = flexible->find(id, source);
+        const auto found = known_flexible.find(layout);
+        if (found != known_flexible.end()) return found->second;
+        TableMessage message{*layout};
+        const std::size_t schema = add_schema(message.type(), json_schema_of(*layout));
+        return known_flexible.emplace(layout, KnownMessage{std::move(message), schema}).first->second;
+    }
+    if (known[id] == nullptr) {
+        TableMessage message{id};
+        const std::size_t schema = add_schema(message.type(), json_schema_of(ano::layouts_of(id)));
+        known[id] = std::make_unique<KnownMessage>(KnownMessage{std::move(message), schema});
+    }
+    return *known[id];
+}
+
+std::uint16_t DecodedChannels::State::add_channel(std::string topic, std::size_t schema) {
+    channels.push_back({std::move(topic), schema});
+    return static_cast<std::uint16_t>(channels.size() - 1);
+}
+
+std::size_t DecodedChannels::State::add_schema(const RosMessage& type, std::string json_schema) {
+    const bool is_json = encoding == DecodedEncoding::json;
+    schemas.push_back(
+        {full_name(type), is_json ? "jsonschema" : "ros2msg", is_json ? std::move(json_schema) : definition_of(type)});
+    return schemas.size() - 1;
+}
 
 std::string_view text(DecodedEncoding encoding) noexcept { return encoding == DecodedEncoding::cdr ? "cdr" : "json"; }
 
-DecodedChannels::DecodedChannels(DecodedEncoding) : state_{std::make_unique<State>()} {}
+DecodedChannels::DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible)
+    : state_{std::make_unique<State>()} {
+    state_->encoding = encoding;
+    state_->flexible = flexible;
+}
+
 DecodedChannels::~DecodedChannels() = default;
-std::span<const DecodedMessage> DecodedChannels::decode(const RecordedFrame&) { return {}; }
+
+std::span<const DecodedMessage> DecodedChannels::decode(const RecordedFrame& frame) {
+    state_->decode(frame);
+    return state_->messages;
+}
+
 const std::deque<DecodedSchema>& DecodedChannels::schemas() const noexcept { return state_->schemas; }
 const std::deque<DecodedChannel>& DecodedChannels::channels() const noexcept { return state_->channels; }
 

@@ -5,7 +5,11 @@
 //              const DecodedChannel& channel = decoded.channels()[message.channel];     // tell it, and its schema, before its first message
 //              const DecodedSchema& schema = decoded.schemas()[channel.schema];
 //          }
+//
+// What came in is decoded; what left or was dropped is not: it came in before, and would be told twice. A topic is /LINK/device_ADDR/NAME,
+// its names as ROS 2 allows them. What stands in the messages: src/ros/README.md.
 #pragma once
+#include <ano/flexible.hpp>
 #include <record/recording.hpp>
 
 #include <cstddef>
@@ -44,7 +48,8 @@ class DecodedChannels {
 public:
     static constexpr std::size_t max_channels = 4096;    // what would be one more is not decoded
 
-    explicit DecodedChannels(DecodedEncoding encoding);
+    /// `flexible`, which outlives it, has the layouts of flexible messages; frames of those without a layout are not decoded.
+    explicit DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible = nullptr);
     ~DecodedChannels();
     DecodedChannels(const DecodedChannels&) = delete;
     DecodedChannels& operator=(const DecodedChannels&) = delete;

@@ -1,0 +1,21 @@
+// A message of the table as JSON: the `fields` of its frame (ano_json/frame_json.hpp). What is "no data" has no key: the programs that
+// read these schemas know no type that may be null.
+#pragma once
+#include <ano/flexible.hpp>
+#include <ano/reading.hpp>
+#include <ano/schema.hpp>
+#include <ano_json/frame_json.hpp>
+
+#include <span>
+#include <string>
+
+namespace anogate {
+
+/// The JSON Schema for all of these layouts of one message.
+std::string json_schema_of(std::span<const ano::Message> layouts);
+std::string json_schema_of(const ano::FlexibleLayout& layout);
+
+/// `reading` has fields.
+std::string json_message(const ano::Reading& reading, const ano::JsonOptions& options);
+
+}    // namespace anogate

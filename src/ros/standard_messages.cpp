@@ -1,0 +1,279 @@
+#include <ano/messages.hpp>
+#include <ros/standard_messages.hpp>
+#include <ros/standard_types.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <numbers>
+
+namespace anogate {
+namespace {
+
+using ano::id_of;
+using Rotation = StandardMessages::Rotation;
+using Vector = StandardMessages::Vector;
+
+constexpr double radian = std::numbers::pi / 180;    // of a degree
+constexpr double metre = 0.01;                       // of a centimetre
+constexpr double tesla = 1e-7;                       // of a milligauss
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// About x, then y, then z: each turns to the right as seen along its axis.
+Rotation rotation_of(double roll, double pitch, double yaw) noexcept {
+    const double cr = std::cos(roll / 2), sr = std::sin(roll / 2);
+    const double cp = std::cos(pitch / 2), sp = std::sin(pitch / 2);
+    const double cy = std::cos(yaw / 2), sy = std::sin(yaw / 2);
+    return {cy * cp * cr + sy * sp * sr, cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr, sy * cp * cr - cy * sp * sr};
+}
+
+// What it was before the rotation.
+Vector turned_back(const Rotation& q, const Vector& v) noexcept {
+    const auto [w, x, y, z] = q;
+    return {(1 - 2 * (y * y + z * z)) * v.x + 2 * (x * y + w * z) * v.y + 2 * (x * z - w * y) * v.z,
+            2 * (x * y - w * z) * v.x + (1 - 2 * (x * x + z * z)) * v.y + 2 * (y * z + w * x) * v.z,
+            2 * (x * z + w * y) * v.x + 2 * (y * z - w * x) * v.y + (1 - 2 * (x * x + y * y)) * v.z};
+}
+
+void append(const Vector& v, ValueList& out) {
+    for (const double number : {v.x, v.y, v.z}) out.push(number);
+}
+
+void append(const Rotation& q, ValueList& out) {
+    for (const double number : {q.x, q.y, q.z, q.w}) out.push(number);
+}
+
+void append(std::string_view text, ValueList& out) { out.push(ano::Value{text}); }
+void append_whole(std::int64_t number, ValueList& out) { out.push(ano::Value{number}); }
+
+// Zeros: not known.
+void append_covariance(std::size_t size, ValueList& out) {
+    for (std::size_t i = 0; i < size; ++i) out.push(0.0);
+}
+
+// What it belongs to is not known.
+void append_no_covariance(std::size_t size, ValueList& out) {
+    out.push(-1.0);
+    append_covariance(size - 1, out);
+}
+
+bool is_fix(double fix_sta) noexcept { return fix_sta >= 2 && fix_sta <= 4; }    // of UBX: 2D, 3D, 3D with dead reckoning
+
+}    // namespace
+
+const StandardRow& standard_row(StandardTopic topic) {
+    const auto& t = standard_types();
+    static const std::array<StandardRow, standard_topics> rows{{{"imu", t.imu},
+                                                                {"magnetic_field", t.magnetic_field},
+                                                                {"temperature", t.temperature},
+                                                                {"orientation", t.quaternion_stamped},
+                                                                {"linear_velocity", t.vector3_stamped},
+                                                                {"point", t.point_stamped},
+                                                                {"odometry", t.odometry},
+                                                                {"battery", t.battery_state},
+                                                                {"fix", t.nav_sat_fix},
+                                                                {"fix_velocity", t.vector3_stamped},
+                                                                {"external_point", t.point_stamped},
+                                                                {"external_velocity", t.vector3_stamped},
+                                                                {"range_down", t.range},
+                                                                {"range_forward", t.range},
+                                                                {"range_back", t.range},
+                                                                {"range_left", t.range},
+                                                                {"range_right", t.range},
+                                                                {"range_up", t.range}}};
+    return rows[static_cast<std::size_t>(topic)];
+}
+
+StandardMessages::StandardMessages(std::string_view frame)
+    : frame_{frame}, ground_{frame_ + "/odom"}, east_north_up_{frame_ + "/enu"}, external_{frame_ + "/external"} {
+    for (std::size_t i = 0; i < range_frames_.size(); ++i) {
+        const auto topic = static_cast<std::size_t>(StandardTopic::range_down) + i;
+        range_frames_[i] = frame_ + '/' + std::string{standard_row(static_cast<StandardTopic>(topic)).name};
+    }
+}
+
+std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& reading, std::uint64_t time_ns) {
+    reading_ = reading;
+    now_ns_ = time_ns;
+    told_count_ = 0;
+    switch (reading.message()->id) {
+    case id_of<"inertial">:
+        rates_ = {vector("gyr_", radian), now_ns_};
+        tell(StandardTopic::imu);
+        break;
+    case id_of<"compass">:
+        tell(StandardTopic::magnetic_field);
+        tell(StandardTopic::temperature);
+        break;
+    case id_of<"euler">: hear_euler(); break;
+    case id_of<"quaternion">: hear_quaternion(); break;
+    case id_of<"velocity">:
+        velocity_ = {vector("speed_", metre), now_ns_};
+        tell(StandardTopic::linear_velocity);
+        break;
+    case id_of<"position">: hear_position(); break;
+    case id_of<"power">: tell(StandardTopic::battery); break;
+    case id_of<"gps">: hear_gps(); break;
+    case id_of<"general_position">:
+        if (std::isfinite(number("pos_x") + number("pos_y") + number("pos_z"))) tell(StandardTopic::external_point);
+        break;
+    case id_of<"general_velocity">:
+        if (std::isfinite(number("speed_x") + number("speed_y") + number("speed_z"))) tell(StandardTopic::external_velocity);
+        break;
+    case id_of<"ranging">: hear_ranging(); break;
+    default: break;
+    }
+    return {told_.data(), told_count_};
+}
+
+// A device that sends quaternions too has said it better.
+void StandardMessages::hear_euler() {
+    if (is_fresh(by_quaternion_)) return;
+    by_euler_ = {rotation_of(number("rol") * radian, number("pit") * radian, number("yaw") * radian), now_ns_};
+    tell(StandardTopic::orientation);
+}
+
+// Far from length 1 it is no rotation: a device that has none sends zeros.
+void StandardMessages::hear_quaternion() {
+    const Rotation q{number("v0"), number("v1"), number("v2"), number("v3")};
+    const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    if (length < 0.9 || length > 1.1) return;
+    by_quaternion_ = {{q.w / length, q.x / length, q.y / length, q.z / length}, now_ns_};
+    tell(StandardTopic::orientation);
+}
+
+void StandardMessages::hear_position() {
+    if (reading_->field("pos_z") == nullptr) return;    // neither message can lack a height
+    tell(StandardTopic::point);
+    if ((is_fresh(by_quaternion_) || is_fresh(by_euler_)) && is_fresh(velocity_)) tell(StandardTopic::odometry);
+}
+
+void StandardMessages::hear_gps() {
+    tell(StandardTopic::fix);
+    if (is_fix(number("fix_sta"))) tell(StandardTopic::fix_velocity);
+}
+
+// A layout with an angle says no direction that a frame could be named by.
+void StandardMessages::hear_ranging() {
+    if (!reading_->message()->is_base()) return;
+    const auto type = static_cast<std::size_t>(number("type"));
+    tell(static_cast<StandardTopic>(static_cast<std::size_t>(StandardTopic::range_down) + type % range_frames_.size()));
+}
+
+template <class T>
+bool StandardMessages::is_fresh(const Heard<T>& heard) const noexcept {
+    if (!heard.time_ns) return false;
+    const std::uint64_t apart = now_ns_ > *heard.time_ns ? now_ns_ - *heard.time_ns : *heard.time_ns - now_ns_;
+    return apart <= fresh_ns;
+}
+
+double StandardMessages::number(std::string_view field) const noexcept {
+    const ano::Field* const f = reading_->field(field);
+    return f != nullptr ? reading_->number(*f) : nan;
+}
+
+Vector StandardMessages::vector(std::string_view prefix, double factor) const noexcept {
+    std::array<char, 16> name{};
+    char* const last = std::copy(prefix.begin(), prefix.end(), name.begin());
+    const auto along = [&](char axis) {
+        *last = axis;
+        return factor * number({name.data(), prefix.size() + 1});
+    };
+    return {along('x'), along('y'), along('z')};
+}
+
+void StandardMessages::append_header(std::string_view frame, ValueList& out) const {
+    constexpr std::uint64_t second = 1'000'000'000;
+    append_whole(static_cast<std::int64_t>(std::min<std::uint64_t>(now_ns_ / second, std::numeric_limits<std::int32_t>::max())),
+                 out);
+    append_whole(static_cast<std::int64_t>(now_ns_ % second), out);
+    append(frame, out);
+}
+
+void StandardMessages::append_values(StandardTopic topic, ValueList& out) const {
+    switch (topic) {
+    case StandardTopic::imu: return append_imu(out);
+    case StandardTopic::magnetic_field:
+        append_header(frame_, out);
+        append(vector("mag_", tesla), out);
+        return append_covariance(9, out);
+    case StandardTopic::temperature:
+        append_header(frame_, out);
+        out.push(number("tmp"));
+        return out.push(0.0);
+    case StandardTopic::orientation:
+        append_header(ground_, out);
+        return append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
+    case StandardTopic::linear_velocity: append_header(ground_, out); return append(velocity_.value, out);
+    case StandardTopic::point: append_header(ground_, out); return append(vector("pos_", metre), out);
+    case StandardTopic::odometry: return append_odometry(out);
+    case StandardTopic::battery: return append_battery(out);
+    case StandardTopic::fix: return append_fix(out);
+    case StandardTopic::fix_velocity:
+        append_header(east_north_up_, out);
+        return append(Vector{metre * number("e_spe"), metre * number("n_spe"), 0 - metre * number("d_spe")}, out);
+    case StandardTopic::external_point: append_header(external_, out); return append(vector("pos_", 0.001), out);
+    case StandardTopic::external_velocity: append_header(frame_, out); return append(vector("speed_", metre), out);
+    default: return append_range(topic, out);
+    }
+}
+
+void StandardMessages::append_imu(ValueList& out) const {
+    append_header(frame_, out);
+    if (is_fresh(by_quaternion_) || is_fresh(by_euler_)) {
+        append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
+        append_covariance(9, out);
+    } else {
+        append(Rotation{}, out);
+        append_no_covariance(9, out);
+    }
+    append(rates_.value, out);
+    append_covariance(9, out);
+    append(vector("acc_", metre), out);
+    append_covariance(9, out);
+}
+
+void StandardMessages::append_odometry(ValueList& out) const {
+    const Rotation& attitude = is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value;
+    append_header(ground_, out);
+    append(std::string_view{frame_}, out);
+    append(vector("pos_", metre), out);
+    append(attitude, out);
+    append_covariance(36, out);
+    append(turned_back(attitude, velocity_.value), out);
+    const bool turns = is_fresh(rates_);
+    append(turns ? rates_.value : Vector{}, out);
+    for (std::size_t i = 0; i < 36; ++i) out.push(!turns && i >= 21 && i % 7 == 0 ? -1.0 : 0.0);    // of what turns
+}
+
+void StandardMessages::append_battery(ValueList& out) const {
+    append_header(frame_, out);
+    for (const double number : {number("voltage"), nan, 0 - number("current"), nan, nan, nan, nan}) out.push(number);
+    for (int unknown = 0; unknown < 3; ++unknown) append_whole(0, out);
+    append_whole(1, out);
+    for (int sequence = 0; sequence < 2; ++sequence) out.push_count(0);
+    for (int empty = 0; empty < 2; ++empty) append(std::string_view{}, out);
+}
+
+void StandardMessages::append_fix(ValueList& out) const {
+    const double fix_sta = number("fix_sta");
+    append_header(frame_, out);
+    append_whole(is_fix(fix_sta) ? 0 : -1, out);
+    append_whole(0, out);
+    out.push(is_fix(fix_sta) ? number("lat") : nan);
+    out.push(is_fix(fix_sta) ? number("lng") : nan);
+    out.push(is_fix(fix_sta) && fix_sta > 2 ? metre * number("alt_gps") : nan);
+    append_covariance(9, out);
+    append_whole(0, out);
+}
+
+void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {
+    constexpr std::int64_t neither = 255;    // ultrasound nor infrared: the device does not tell
+    const double dist = 0.001 * number("dist");
+    append_header(range_frames_[static_cast<std::size_t>(topic) - static_cast<std::size_t>(StandardTopic::range_down)], out);
+    append_whole(neither, out);
+    for (const double number : {0.0, 0.0, std::numeric_limits<double>::infinity(), dist < 0 ? nan : dist, 0.0}) out.push(number);
+}
+
+}    // namespace anogate

@@ -1,0 +1,14 @@
+// The messages of ROS 2 (Jazzy) that something of the protocol fits.
+#pragma once
+#include <ros/ros_message.hpp>
+
+namespace anogate {
+
+/// Live as long as the program.
+struct StandardTypes {
+    const RosMessage *imu, *magnetic_field, *temperature, *nav_sat_fix, *battery_state, *range, *quaternion_stamped,
+        *vector3_stamped, *point_stamped, *odometry;
+};
+const StandardTypes& standard_types();
+
+}    // namespace anogate

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+#include <record/decoded_channels.hpp>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <support/bytes.hpp>
+#include <support/vectors.hpp>
+
+namespace {
+
+using namespace anogate;
+using support::Bytes;
+
+const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0x29, 0xEE, 0, 0, 1});
+
+RecordedFrame passed(const Bytes& frame, std::string_view link = "fc", Direction direction = Direction::in) {
+    return {.time_ns = 1'763'898'044'123'456'789, .link = link, .direction = direction, .frame = ano::FrameView{frame}};
+}
+
+std::string bytes(std::string_view digits) {
+    const Bytes data = support::hex(digits);
+    return {data.begin(), data.end()};
+}
+
+/// The topics that it decodes to.
+std::vector<std::string> topics_of(DecodedChannels& decoded, const RecordedFrame& frame) {
+    std::vector<std::string> topics;
+    for (const DecodedMessage& message : decoded.decode(frame)) topics.push_back(decoded.channels()[message.channel].topic);
+    return topics;
+}
+
+/// The lines of a definition that are no comment.
+std::string without_comments(const std::string& text) {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        std::string line = text.substr(at, end - at);
+        line.erase(std::min(line.find('#'), line.size()));
+        while (!line.empty() && line.back() == ' ') line.pop_back();
+        if (!line.empty()) out += line + '\n';
+        at = end + 1;
+    }
+    return out;
+}
+
+std::string definition_of_message(const Bytes& frame) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    const auto messages = decoded.decode(passed(frame));
+    return messages.empty() ? "" : without_comments(decoded.schemas()[decoded.channels()[messages[0].channel].schema].text);
+}
+
+TEST(DecodedChannels, a_message_has_a_channel_a_device_and_a_schema_for_all) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    EXPECT_EQ(topics_of(decoded, passed(euler)).front(), "/fc/device_220/euler");
+    EXPECT_EQ(topics_of(decoded, passed(euler, "radio")).front(), "/radio/device_220/euler");
+    const std::size_t channels = decoded.channels().size();
+    EXPECT_EQ(topics_of(decoded, passed(euler)).front(), "/fc/device_220/euler");
+    EXPECT_EQ(decoded.channels().size(), channels);
+    EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Euler");
+    EXPECT_EQ(decoded.schemas()[0].encoding, "ros2msg");
+}
+
+TEST(DecodedChannels, values_are_in_their_units) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    EXPECT_EQ(definition_of_message(euler), "float64 rol\nfloat64 pit\nfloat64 yaw\nuint8 fusion_sta\n");
+    // 1.23, -45.67, 0, 1
+    EXPECT_EQ(decoded.decode(passed(euler))[0].data,
+              bytes("00 01 00 00  AE 47 E1 7A 14 AE F3 3F  F6 28 5C 8F C2 D5 46 C0  00 00 00 00 00 00 00 00  01"));
+}
+
+TEST(DecodedChannels, what_a_layout_lacks_is_a_field_that_can_be_empty) {
+    const Bytes compass = support::frame(0xDC, 0xFE, 0x02, {1, 0, 2, 0, 3, 0, 0xFD, 0, 1});
+    EXPECT_EQ(definition_of_message(compass),
+              "int16 mag_x\nint16 mag_y\nint16 mag_z\nfloat64 tmp\nuint8 mag_sta\nfloat64 alt_bar\nfloat64 bar_sta\n");
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    // NaN for alt_bar and bar_sta.
+    EXPECT_EQ(decoded.decode(passed(compass))[0].data,
+              bytes("00 01 00 00  01 00 02 00 03 00 00 00  CD CC CC CC CC 4C 39 40  01 00 00 00 "
+                    "00 00 00 00  00 00 00 00 00 00 F8 7F  00 00 00 00 00 00 F8 7F"));
+}
+
+TEST(DecodedChannels, a_field_of_two_units_is_two_fields) {
+    EXPECT_EQ(
+        definition_of_message(support::frame(1, 2, 0x34, {1, 0, 0, 0, 0})),
+        "float64 type\nfloat64 dist\nano_msgs/RangingPoint[] points\nfloat64 direction\nfloat64 angle\nfloat64 dist_field\n" +
+            std::string(80, '=') + "\nMSG: ano_msgs/RangingPoint\nfloat64 angle\nuint16 dist\n");
+}
+
+TEST(DecodedChannels, meanings_are_constants_before_their_field) {
+    EXPECT_EQ(
+        definition_of_message(support::frame(1, 2, 0x06, {0, 0, 0, 0, 0})),
+        "uint8 mode\nuint8 SFLAG_LOCKED=0\nuint8 SFLAG_UNLOCKED=1\nuint8 SFLAG_AIRBORNE=2\nuint8 sflag\nuint8 cid\nuint8 cmd0\n"
+        "uint8 cmd1\n");
+}
+
+TEST(DecodedChannels, text_that_is_not_utf8_is_made_so) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    EXPECT_EQ(decoded.decode(passed(support::frame(1, 2, 0xA0, {1, 'a', 0xFF, 'b', 0, 'c'})))[0].data,
+              bytes("00 01 00 00  01 00 00 00 06 00 00 00 61 EF BF BD 62 00"));
+}
+
+TEST(DecodedChannels, what_left_or_was_dropped_is_not_told_twice) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    EXPECT_TRUE(decoded.decode(passed(euler, "fc", Direction::out)).empty());
+    EXPECT_TRUE(decoded.decode(passed(euler, "fc", Direction::dropped)).empty());
+    EXPECT_TRUE(decoded.channels().empty());
+}
+
+TEST(DecodedChannels, what_the_table_does_not_have_is_not_decoded) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x77, {1, 2}))).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x03, {1, 2}))).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0xF1, {1, 2}))).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x51, {9, 2, 3, 4, 5, 6, 7, 8}))).empty());
+    EXPECT_TRUE(decoded.channels().empty());
+    EXPECT_TRUE(decoded.schemas().empty());
+}
+
+TEST(DecodedChannels, names_of_links_become_names_of_ros) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    const auto topic = [&](std::string_view link) { return topics_of(decoded, passed(euler, link)).front(); };
+    EXPECT_EQ(topic("fc-1"), "/fc_1/device_220/euler");
+    EXPECT_EQ(topic("fc_1"), "/fc_1_2/device_220/euler");
+    EXPECT_EQ(topic("fc-1"), "/fc_1/device_220/euler");
+    EXPECT_EQ(topic("9/../9\n"), "/link_9_9/device_220/euler");
+    EXPECT_EQ(topic("温度"), "/link/device_220/euler");
+    EXPECT_EQ(topic(""), "/link_2/device_220/euler");
+    EXPECT_EQ(topic("__Fc__"), "/Fc/device_220/euler");
+    EXPECT_EQ(topic(std::string(1000, 'x')), '/' + std::string(64, 'x') + "/device_220/euler");
+}
+
+TEST(DecodedChannels, there_are_no_more_than_so_many) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    for (int i = 0; i < 5000; ++i) decoded.decode(passed(euler, "link " + std::to_string(i)));
+    EXPECT_EQ(decoded.channels().size(), DecodedChannels::max_channels);
+    EXPECT_FALSE(decoded.decode(passed(euler, "link 0")).empty());
+    EXPECT_TRUE(decoded.decode(passed(euler, "link 4999")).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(0x05, 0xFE, 0x06, {0, 0, 0, 0, 0}), "link 0")).empty());
+}
+
+TEST(DecodedChannels, json_has_what_decode_shows_of_the_fields) {
+    DecodedChannels decoded{DecodedEncoding::json};
+    EXPECT_EQ(decoded.decode(passed(euler))[0].data, R"({"rol":1.23,"pit":-45.67,"yaw":0.0,"fusion_sta":1})");
+    EXPECT_EQ(decoded.schemas()[0].encoding, "jsonschema");
+    EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Euler");
+    EXPECT_EQ(decoded.channels()[0].topic, "/fc/device_220/euler");
+    // pos_y is "no data"
+    const Bytes position = support::frame(1, 2, 0x32, {1, 0, 0, 0, 0, 0, 0, 0x80, 0xFD, 0xFF, 0xFF, 0xFF});
+    EXPECT_EQ(decoded.decode(passed(position))[0].data, R"({"pos_x":1,"pos_z":-3})");
+}
+
+bool is_of_type(const ano::Json& value, const ano::Json& schema) {
+    const auto type = schema["type"].get<std::string>();
+    if (type == "integer") return value.is_number_integer();
+    if (type == "number") return value.is_number();
+    if (type == "string") return value.is_string();
+    if (type == "array")
+        return value.is_array() &&
+               std::all_of(value.begin(), value.end(), [&](const auto& v) { return is_of_type(v, schema["items"]); });
+    return type == "object" && value.is_object() && schema["properties"].is_object();
+}
+
+TEST(DecodedChannels, every_json_is_as_its_schema_says) {
+    for (const support::Vector& vector : support::golden_vectors()) {
+        DecodedChannels decoded{DecodedEncoding::json};
+        const auto messages = decoded.decode(passed(vector.bytes));
+        ASSERT_EQ(messages.size(), vector.json.contains("fields") ? 1u : 0u) << vector.name;
+        if (messages.empty()) continue;
+        const ano::Json json = ano::Json::parse(messages[0].data);
+        const ano::Json schema = ano::Json::parse(decoded.schemas()[decoded.channels()[messages[0].channel].schema].text);
+        EXPECT_EQ(schema["type"], "object");
+        for (const auto& [key, value] : json.items()) {
+            ASSERT_TRUE(schema["properties"].contains(key)) << vector.name << " " << key;
+            EXPECT_TRUE(is_of_type(value, schema["properties"][key])) << vector.name << " " << key;
+        }
+        for (const auto& [key, value] : vector.json["fields"].items()) {
+            if (value.is_null()) {
+                EXPECT_FALSE(json.contains(key)) << vector.name << " " << key;
+            } else {
+                EXPECT_EQ(json[key], value) << vector.name << " " << key;
+            }
+        }
+    }
+}
+
+TEST(DecodedChannels, flexible_messages_have_their_layout) {
+    ano::FlexibleLayouts layouts;
+    const std::vector<ano::FlexibleField> all{
+        {"温度", ano::Type::i16, 0.1, "°C\nuint8 x"}, {"Volt.age", ano::Type::f32, 1, "V"}, {"volt age", ano::Type::u8, 1, ""}};
+    const std::vector<ano::FlexibleField> own{{"x", ano::Type::u8, 1, ""}};
+    ASSERT_FALSE(layouts.add(0xF1, {}, all));
+    ASSERT_FALSE(layouts.add(0xF1, 220, own));
+    DecodedChannels decoded{DecodedEncoding::cdr, &layouts};
+    const Bytes frame = support::frame(5, 0xFE, 0xF1, {0x0A, 0, 0, 0, 0x80, 0x3F, 7});
+    EXPECT_EQ(decoded.decode(passed(frame))[0].data, bytes("00 01 00 00  00 00 00 00 00 00 F0 3F  00 00 80 3F  07"));
+    EXPECT_EQ(decoded.schemas()[0].name, "ano_msgs/msg/Flexible1");
+    EXPECT_EQ(without_comments(decoded.schemas()[0].text), "float64 value\nfloat32 volt_age\nuint8 volt_age_2\n");
+    EXPECT_EQ(decoded.decode(passed(support::frame(220, 0xFE, 0xF1, {7})))[0].data, bytes("00 01 00 00 07"));
+    EXPECT_EQ(decoded.schemas()[1].name, "ano_msgs/msg/Flexible1From220");
+    EXPECT_EQ(decoded.channels()[1].topic, "/fc/device_220/flexible1");
+    EXPECT_TRUE(decoded.decode(passed(support::frame(6, 0xFE, 0xF1, {7}))).empty());    // too short
+}
+
+}    // namespace
