@@ -102,7 +102,8 @@ const char* ChunkOpener::open(const ChunkRecord& chunk, std::string& records) {
     } else {
         return "its chunks are packed by something that is not known here";
     }
-    if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc) return "a chunk does not have the checksum that it tells";
+    if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc)
+        return "a chunk does not have the checksum that it tells";
     std::string_view rest = records;
     while (take_record(rest)) continue;
     return rest.empty() ? nullptr : "a record in a chunk reaches over its end";

@@ -25,7 +25,7 @@
 namespace anogate::mcap {
 
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
-inline constexpr std::size_t record_head = 9;                       // opcode and length
+inline constexpr std::size_t record_head = 9;    // opcode and length
 inline constexpr std::size_t footer_size = record_head + 20;
 inline constexpr std::size_t max_chunk = 64 * 1024 * 1024;          // unpacked, bytes: of one that is read
 inline constexpr std::size_t max_record = max_chunk + 64 * 1024;    // bytes behind its head
@@ -50,8 +50,8 @@ enum class Opcode : std::uint8_t {
 
 inline constexpr std::string_view frames_topic = "/anogate/frames";
 inline constexpr std::string_view losses_topic = "/anogate/losses";
-inline constexpr std::string_view head_name = "anogate.recording";     // program, time_ns, boottime_ns
-inline constexpr std::string_view counts_name = "anogate.summary";     // json
+inline constexpr std::string_view head_name = "anogate.recording";    // program, time_ns, boottime_ns
+inline constexpr std::string_view counts_name = "anogate.summary";    // json
 
 template <std::unsigned_integral T>
 void put(std::string& out, T number) {

@@ -58,7 +58,8 @@ private:
         Crc32 crc;
         std::string waiting;
         for (std::uint64_t at = summary_at_; at < footer_at_;) {
-            const std::string piece = read_(at, static_cast<std::size_t>(std::min<std::uint64_t>(summary_piece, footer_at_ - at)));
+            const std::string piece = read_(at,
+                                            static_cast<std::size_t>(std::min<std::uint64_t>(summary_piece, footer_at_ - at)));
             if (piece.empty() || waiting.size() > mcap::max_record) return false;
             at += piece.size();
             crc.add(piece);
@@ -118,6 +119,8 @@ private:
 
 }    // namespace
 
-std::optional<McapIndex> read_mcap_index(std::uint64_t file_size, const ReadAt& read) { return IndexReading{file_size, read}.index(); }
+std::optional<McapIndex> read_mcap_index(std::uint64_t file_size, const ReadAt& read) {
+    return IndexReading{file_size, read}.index();
+}
 
 }    // namespace anogate

@@ -93,9 +93,7 @@ void encode(const RecordedLoss& loss, std::string& out) {
 void Items::add_channel(std::string_view body) {
     const auto channel = channel_of(body);
     if (!channel || channel->encoding != "cdr") return;
-    const Kind kind = channel->topic == frames_topic   ? Kind::frames
-                      : channel->topic == losses_topic ? Kind::losses
-                                                       : Kind::other;
+    const Kind kind = channel->topic == frames_topic ? Kind::frames : channel->topic == losses_topic ? Kind::losses : Kind::other;
     if (kind == Kind::other) return;
     if (channel->id >= kinds_.size()) kinds_.resize(std::size_t{channel->id} + 1);
     kinds_[channel->id] = kind;

@@ -27,9 +27,10 @@ inline constexpr std::string_view frame_schema_text =
     "uint8[] frame            # from 0xAB to the check bytes\n";
 
 inline constexpr std::string_view loss_schema_name = "ano_msgs/msg/RecordedLoss";
-inline constexpr std::string_view loss_schema_text = "# Frames that were not recorded, between the frame before and the one behind\n"
-                                                     "uint64 count\n"
-                                                     "string names             # euler 120, inertial 120\n";
+inline constexpr std::string_view loss_schema_text =
+    "# Frames that were not recorded, between the frame before and the one behind\n"
+    "uint64 count\n"
+    "string names             # euler 120, inertial 120\n";
 
 /// Makes `out` of it. Texts are cut behind max_recorded_text bytes.
 void encode(const RecordedFrame& frame, std::string& out);

@@ -43,8 +43,8 @@ private:
     mcap::Items items_;
     RecordingHead head_;
     bool has_head_ = false, is_data_over_ = false;
-    std::string chunk_;          // its records
-    std::string_view rest_;      // of them
+    std::string chunk_;               // its records
+    std::string_view rest_;           // of them
     std::optional<Recorded> item_;    // of the record that was read last
 };
 

@@ -56,7 +56,7 @@ bool McapRepair::take_chunk(const mcap::Record& record) {
     add_last_chunk();
     last_.emplace();
     last_->compression = chunk->compression;
-    last_->place = {chunk->first_time, chunk->last_time,      records_.position() - record.whole.size(),
+    last_->place = {chunk->first_time,   chunk->last_time,   records_.position() - record.whole.size(),
                     record.whole.size(), last_->compression, chunk->records.size(),
                     chunk_.size()};
     std::string_view rest = chunk_;
@@ -95,6 +95,27 @@ void McapRepair::add_last_chunk() {
     last_.reset();
 }
 
+// What ends a file that is cut behind what is kept.
+std::string McapRepair::ending() const {
+    std::string ending;
+    mcap::Summary summary = summary_;
+    if (last_) {    // its indexes may be cut
+        mcap::MessageIndexes indexes = last_->indexes;
+        mcap::ChunkPlace place = last_->place;
+        place.compression = last_->compression;
+        const mcap::IndexOffsets offsets = indexes.append(ending, keep_);
+        summary.add_chunk(place, offsets, ending.size());
+    }
+    std::string metadata;
+    mcap::put_metadata(metadata, mcap::counts_name, {{"json", counts_.json()}});
+    summary.add_metadata(metadata, keep_ + ending.size());
+    ending += metadata;
+    Crc32 crc = kept_crc_;
+    crc.add(ending);
+    summary.append(ending, keep_ + ending.size(), crc.value());
+    return ending;
+}
+
 RecordingRepair::Result McapRepair::finish() {
     RecordingRepair::Result result;
     result.frames = counts_.frames;
@@ -102,17 +123,11 @@ RecordingRepair::Result McapRepair::finish() {
     result.is_whole = is_ours_ && records_.is_ended() && records_.fault() == nullptr;
     result.keep = result.is_whole || !is_ours_ ? records_.position() : keep_;
     if (result.is_whole || !is_ours_) return result;
-    if (last_) {    // what stands behind it may be cut
-        last_->offsets = last_->indexes.append(result.append, keep_);
-        last_->index_size = result.append.size();
+    if (ending_of_ != keep_) {
+        ending_ = ending();
+        ending_of_ = keep_;
     }
-    add_last_chunk();
-    std::string metadata;
-    mcap::put_metadata(metadata, mcap::counts_name, {{"json", counts_.json()}});
-    summary_.add_metadata(metadata, keep_ + result.append.size());
-    result.append += metadata;
-    kept_crc_.add(result.append);
-    summary_.append(result.append, keep_ + result.append.size(), kept_crc_.value());
+    result.append = ending_;
     return result;
 }
 

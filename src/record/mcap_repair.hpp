@@ -42,6 +42,7 @@ private:
     void take_inner(const mcap::Record& record, std::uint64_t offset);
     void add_last_chunk();
     void keep();
+    std::string ending() const;
 
     mcap::Records records_;
     mcap::ChunkOpener opener_;
@@ -51,6 +52,8 @@ private:
     std::string chunk_;
     std::optional<mcap::KeptChunk> last_;
     std::uint64_t keep_ = 0;
+    std::string ending_;    // of the file that ends behind ending_of_ bytes
+    std::uint64_t ending_of_ = 0;
     Crc32 read_crc_, kept_crc_;
     bool is_ours_ = false, is_data_over_ = false;
 };

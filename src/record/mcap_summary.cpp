@@ -127,7 +127,8 @@ void Summary::append(std::string& out, std::uint64_t at, std::uint32_t data_crc)
     const std::size_t footer = begin_record(out, Opcode::footer);
     put(out, summary_start);
     put(out, offsets_start);
-    ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + footer - 8, std::uint64_t{footer_size - record_head});    // the CRC is over it, too
+    ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + footer - 8,
+               std::uint64_t{footer_size - record_head});    // the CRC is over it, too
     put(out, crc32_of(std::string_view{out}.substr(begin)));
     out += magic;
 }

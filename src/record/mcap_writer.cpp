@@ -22,10 +22,9 @@ McapWriter::McapWriter(const RecordingHead& head, std::string& out, RecordingOpt
     append(out, record_);
 
     record_.clear();
-    mcap::put_metadata(record_, mcap::head_name,
-                       {{"program", program},
-                        {"time_ns", std::to_string(head.time_ns)},
-                        {"boottime_ns", std::to_string(head.boottime_ns)}});
+    mcap::put_metadata(
+        record_, mcap::head_name,
+        {{"program", program}, {"time_ns", std::to_string(head.time_ns)}, {"boottime_ns", std::to_string(head.boottime_ns)}});
     summary_.add_metadata(record_, position_);
     append(out, record_);
 }
@@ -36,7 +35,8 @@ void McapWriter::append(std::string& out, std::string_view bytes) {
     out += bytes;
 }
 
-void McapWriter::define(std::uint16_t channel, std::string_view topic, const mcap::SchemaRecord& schema, std::string_view encoding) {
+void McapWriter::define(std::uint16_t channel, std::string_view topic, const mcap::SchemaRecord& schema,
+                        std::string_view encoding) {
     if (channel >= sequences_.size()) sequences_.resize(std::size_t{channel} + 1);
     if (sequences_[channel] > 0) return;
     sequences_[channel] = 1;
@@ -61,7 +61,8 @@ void McapWriter::put(std::uint16_t channel, std::uint64_t time_ns, std::string_v
 
 void McapWriter::write(const RecordedFrame& frame, std::string& out) {
     if (lost_ > 0) put_loss(frame.time_ns);
-    define(frames_channel, mcap::frames_topic, {frame_schema, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text}, "cdr");
+    define(frames_channel, mcap::frames_topic, {frame_schema, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text},
+           "cdr");
     mcap::encode(frame, message_);
     put(frames_channel, frame.time_ns, message_);
     counts_.add(frame);

@@ -41,13 +41,13 @@ private:
     mcap::ChunkBuilder chunk_;
     mcap::Summary summary_;
     RecordingCounts counts_;
-    std::uint64_t position_ = 0;    // bytes of the file
-    Crc32 crc_;                     // of them
+    std::uint64_t position_ = 0;              // bytes of the file
+    Crc32 crc_;                               // of them
     std::vector<std::uint32_t> sequences_;    // of the next message, by channel; 0: the channel was not told yet
     std::vector<bool> schemas_;               // that were told
     std::string lost_names_;
-    std::uint64_t lost_ = 0;         // not told yet
-    std::uint64_t last_ns_ = 0;      // of the frame before
+    std::uint64_t lost_ = 0;          // not told yet
+    std::uint64_t last_ns_ = 0;       // of the frame before
     std::string message_, record_;    // they keep their memory
 };
 

@@ -37,7 +37,7 @@ std::map<std::string, std::uint64_t> numbers_of(const CountsJson& json) {
 }
 
 CountsJson json_of(const std::string& name, const LinkCounts& link) {
-    return {{"name", name},           {"kind", link.description},    {"in", link.frames[0]},
+    return {{"name", name},          {"kind", link.description},  {"in", link.frames[0]},
             {"out", link.frames[1]}, {"dropped", link.frames[2]}, {"causes", json_of(link.causes)}};
 }
 
@@ -83,7 +83,8 @@ void RecordingCounts::add(const RecordedLoss& loss) {
         rest.remove_prefix(std::min(one.size() + 2, rest.size()));
         const auto blank = one.rfind(' ');
         std::uint64_t count = 0;
-        if (blank == one.npos || std::from_chars(one.data() + blank + 1, one.data() + one.size(), count).ec != std::errc{}) continue;
+        if (blank == one.npos || std::from_chars(one.data() + blank + 1, one.data() + one.size(), count).ec != std::errc{})
+            continue;
         lost_messages[std::string{one.substr(0, blank)}] += count;
     }
 }

@@ -31,8 +31,14 @@ public:
         result.is_recording = reader_.position() > 0;
         result.is_whole = reader_.has_end() && reader_.unfinished() == 0 && !reader_.is_damaged();
         if (!result.is_recording || reader_.has_end()) return result;
-        if (!writer_) writer_ = std::make_unique<PcapngWriter>(reader_.head(), written_);
-        writer_->end(result.append);
+        if (ending_of_ != reader_.position()) {
+            ending_.clear();
+            std::string head;
+            PcapngWriter writer = writer_ ? *writer_ : PcapngWriter{reader_.head(), head};
+            writer.end(ending_);
+            ending_of_ = reader_.position();
+        }
+        result.append = ending_;
         return result;
     }
 
@@ -41,6 +47,8 @@ private:
     std::unique_ptr<PcapngWriter> writer_;
     std::string written_;
     std::uint64_t frames_ = 0;
+    std::string ending_;    // of the file that ends behind ending_of_ bytes
+    std::uint64_t ending_of_ = 0;
 };
 
 }    // namespace

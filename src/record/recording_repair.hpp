@@ -31,6 +31,7 @@ public:
 
     /// The next bytes of the file.
     void give(std::string_view bytes);
+    /// As if the file ended here; more may be given afterwards.
     Result finish();
 
     /// Of one format.

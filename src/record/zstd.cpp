@@ -8,8 +8,8 @@
 namespace anogate {
 namespace {
 
-constexpr int pack_level = 1;                        // 400 MB/s and more: a recording must keep up
-constexpr int longest_window = 26;                   // 2^26 bytes: more than a chunk may have
+constexpr int pack_level = 1;         // 400 MB/s and more: a recording must keep up
+constexpr int longest_window = 26;    // 2^26 bytes: more than a chunk may have
 constexpr std::size_t unpack_step = 1024 * 1024;
 
 struct FreeZstd {
@@ -31,8 +31,8 @@ ZstdPacker::~ZstdPacker() = default;
 void ZstdPacker::pack(std::string_view bytes, std::string& out) {
     const std::size_t before = out.size();
     out.resize(before + ZSTD_compressBound(bytes.size()));
-    const std::size_t size = ZSTD_compressCCtx(context_->zstd.get(), out.data() + before, out.size() - before, bytes.data(), bytes.size(),
-                                               pack_level);
+    const std::size_t size = ZSTD_compressCCtx(context_->zstd.get(), out.data() + before, out.size() - before, bytes.data(),
+                                               bytes.size(), pack_level);
     if (ZSTD_isError(size)) throw std::bad_alloc{};    // there is no other reason: the room is enough
     out.resize(before + size);
 }

@@ -284,6 +284,15 @@ TEST_F(AnoctlReplay, says_what_came_in_in_its_order) {
     EXPECT_NE(replayed.output().find("40 frames replayed\n"), std::string::npos) << replayed.output();
 }
 
+TEST_F(AnoctlReplay, says_what_came_in_of_mcap_as_well) {
+    const std::vector<KeptItem> items{said(euler, 0), said(wind, 1), said(euler, 2, anogate::Direction::out)};
+    const std::string file = dir.write("flight.mcap",
+                                       support::write_recording(anogate::RecordingFormat::mcap, items, {"anoctl 0.1.0"}));
+    Process replayed{ANOCTL, {"replay", file, peer.link("there")}};
+    EXPECT_EQ(replayed.wait(), 0) << replayed.output();
+    EXPECT_EQ(peer.frames(), (std::vector<Bytes>{euler, wind}));
+}
+
 TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) {
     const Bytes command = frame(0x30, 0xDC, 0xC0, {1, 0}), of_host = frame(0xFE, 0xDC, 0x03, {0, 0, 0, 0, 0, 0, 1});
     const std::vector<KeptItem> items{said(command, 0), said(euler, 1), said(of_host, 2)};

@@ -107,10 +107,10 @@ int main(int count, char** words) {
     repair.give(cut);
     const auto result = repair.finish();
     cut.resize(result.keep);
-    const bool all = write_file(folder + "flight.ndjson", truth) && write_file(folder + "flight.mcap", written(items, {}, often)) &&
-                     write_file(folder + "flight-json.mcap", written(items, {.encoding = DecodedEncoding::json, .packed = true}, often)) &&
-                     write_file(folder + "plain.mcap", written(items, {.encoding = DecodedEncoding::cdr, .packed = false}, often)) &&
-                     write_file(folder + "empty.mcap", written({}, {}, often)) &&
-                     write_file(folder + "cut.mcap", cut + result.append);
+    const bool all =
+        write_file(folder + "flight.ndjson", truth) && write_file(folder + "flight.mcap", written(items, {}, often)) &&
+        write_file(folder + "flight-json.mcap", written(items, {.encoding = DecodedEncoding::json, .packed = true}, often)) &&
+        write_file(folder + "plain.mcap", written(items, {.encoding = DecodedEncoding::cdr, .packed = false}, often)) &&
+        write_file(folder + "empty.mcap", written({}, {}, often)) && write_file(folder + "cut.mcap", cut + result.append);
     return all ? 0 : 1;
 }

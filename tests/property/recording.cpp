@@ -96,6 +96,7 @@ TEST_P(Recording, any_bytes_are_read_without_harm) {
 
 std::string name_of(const testing::TestParamInfo<anogate::RecordingFormat>& info) { return std::string{text(info.param)}; }
 
-INSTANTIATE_TEST_SUITE_P(Of, Recording, testing::Values(anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap), name_of);
+INSTANTIATE_TEST_SUITE_P(Of, Recording, testing::Values(anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap),
+                         name_of);
 
 }    // namespace

@@ -219,13 +219,15 @@ private:
 Run add_convert(Options& options) {
     const auto self = std::make_shared<Convert>();
     options.push_back({"file", &self->file, "FILE", "A recording; - is standard input", true});
-    options.push_back({"out", &self->out, "OUT_FILE",
-                       "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
-                       "NAME.pcapng or NAME.mcap a part of the recording; - is standard output, in JSON, or as the table of the only message",
-                       true});
+    options.push_back(
+        {"out", &self->out, "OUT_FILE",
+         "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
+         "NAME.pcapng or NAME.mcap a part of the recording; - is standard output, in JSON, or as the table of the only message",
+         true});
     options.push_back(
         {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
-    options.push_back({"--encoding", Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
+    options.push_back({"--encoding",
+                       Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
                        "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over files that are there"});
     FrameOptions::add(options, self->frames);

@@ -165,11 +165,11 @@ struct Info {
         IndexedRecording recording;
         if (auto indexed = all ? std::nullopt : read_index(file)) recording = std::move(*indexed);
         else
-            recording.facts = read_recording(file, streams, [&](const anogate::Recorded& item, const anogate::RecordingHead&) {
-                recording.counts.add(item);
-            });
+            recording.facts = read_recording(
+                file, streams, [&](const anogate::Recorded& item, const anogate::RecordingHead&) { recording.counts.add(item); });
         const RecordingFacts& facts = recording.facts;
-        if (json) streams.out << json_of(file, recording.counts, facts).dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
+        if (json)
+            streams.out << json_of(file, recording.counts, facts).dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
         else show(file, recording.counts, facts, streams);
         return facts.fault.empty() ? fine : failed;
     }
@@ -181,7 +181,8 @@ Run add_info(Options& options) {
     const auto self = std::make_shared<Info>();
     options.push_back({"file", &self->file, "FILE",
                        "A recording; one that is still written is read as far as it goes; - is standard input", true});
-    options.push_back({"--all", &self->all, "", "Reads all of it, and finds what is damaged, also where its index tells what it holds"});
+    options.push_back(
+        {"--all", &self->all, "", "Reads all of it, and finds what is damaged, also where its index tells what it holds"});
     options.push_back({"--json", &self->json, "", "One JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -34,7 +34,8 @@ namespace {
 using ano::Clock;
 
 constexpr auto sync_time = std::chrono::seconds{1};    // what a loss of power costs at most
-constexpr Clock::duration chunk_time = std::chrono::milliseconds{500};    // what a kill costs at most of MCAP: a short chunk is packed badly
+constexpr Clock::duration chunk_time = std::chrono::milliseconds{
+    500};    // what a kill costs at most of MCAP: a short chunk is packed badly
 
 anogate::RecordingHead head_now() {
     const anogate::ClockReading clocks = anogate::read_clocks();
@@ -47,7 +48,8 @@ public:
     using Descriptions = std::map<std::string, std::string>;
 
     /// `descriptions`: what each link is, by its name.
-    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::RecordingFormat format, anogate::RecordingOptions options)
+    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::RecordingFormat format,
+             anogate::RecordingOptions options)
         : output_{output},
           descriptions_{std::move(descriptions)},
           writer_{anogate::make_recording_writer(format, head_now(), waiting_, options)},
@@ -57,17 +59,17 @@ public:
         const auto described = descriptions_.find(passage.link);
         const std::string_view description = described != descriptions_.end() ? std::string_view{described->second} : "";
         writer_->write({.time_ns = passage.time_ns,
-                       .boottime_ns = passage.boottime_ns,
-                       .link = passage.link,
-                       .link_description = description,
-                       .direction = passage.direction == "in"    ? anogate::Direction::in
-                                    : passage.direction == "out" ? anogate::Direction::out
-                                                                 : anogate::Direction::dropped,
-                       .cause = passage.cause,
-                       .channel = passage.channel,
-                       .peer = passage.peer,
-                       .frame = frame},
-                      waiting_);
+                        .boottime_ns = passage.boottime_ns,
+                        .link = passage.link,
+                        .link_description = description,
+                        .direction = passage.direction == "in"    ? anogate::Direction::in
+                                     : passage.direction == "out" ? anogate::Direction::out
+                                                                  : anogate::Direction::dropped,
+                        .cause = passage.cause,
+                        .channel = passage.channel,
+                        .peer = passage.peer,
+                        .frame = frame},
+                       waiting_);
         ++taken_;
         return true;
     }
@@ -128,8 +130,10 @@ struct Record {
     int run(Streams& streams) const {
         for (const char* other : {".csv", ".json", ".ndjson", ".jsonl"})
             if (file.ends_with(other))
-                throw UsageError{file + ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert "
-                                        "makes others of it"};
+                throw UsageError{
+                    file +
+                    ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert "
+                    "makes others of it"};
         const auto format = anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
         if (encoding && format != anogate::RecordingFormat::mcap)
             throw UsageError{"--encoding says how MCAP has decoded messages: name the file .mcap"};
@@ -200,18 +204,19 @@ Run add_record(Options& options) {
         self->time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
         return {};
     };
-    options.push_back(
-        {"file", &self->file, "FILE",
-         "What is written: NAME.mcap as MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise as pcapng, which Wireshark opens with the "
-         "dissector of anoctl messages --lua; - is standard output",
-         true});
+    options.push_back({"file", &self->file, "FILE",
+                       "What is written: NAME.mcap as MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise as pcapng, which "
+                       "Wireshark opens with the "
+                       "dissector of anoctl messages --lua; - is standard output",
+                       true});
     options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
     options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
     options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
-    options.push_back({"--encoding", Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
+    options.push_back({"--encoding",
+                       Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
                        "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
     options.push_back({"--json", &self->json, "", "The summary as a JSON object"});

@@ -52,10 +52,10 @@ std::optional<anogate::Recorded> RecordingInput::next() {
         if (const auto item = reader_->next()) return item;
     while (read());
     if (reader_->is_strange())
-        throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " + std::string{anogate::mcap::frames_topic} +
-                      ", and of others no frames can be made"};
+        throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " +
+                      std::string{anogate::mcap::frames_topic} + ", and of others no frames can be made"};
     if (reader_->position() > 0) return std::nullopt;
-    const char* const why = size_ == 0                ? "it is empty"
+    const char* const why = size_ == 0              ? "it is empty"
                             : reader_->is_damaged() ? reader_->fault()
                                                     : "it ends before its head does";
     throw Failure{path_ + ": " + why};

@@ -49,7 +49,8 @@ private:
     std::string path_;
     int fd_;
     std::vector<char> room_;
-    std::unique_ptr<anogate::RecordingReader> reader_;    // by what was read first; until then there is one that was given nothing
+    std::unique_ptr<anogate::RecordingReader>
+        reader_;    // by what was read first; until then there is one that was given nothing
     std::uint64_t size_ = 0;
 };
 

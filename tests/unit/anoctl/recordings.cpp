@@ -219,7 +219,8 @@ TEST(Info, says_of_mcap_by_its_index_what_it_says_of_all_of_it) {
     EXPECT_NE(said.out.find("mcap of anoctl 0.1.0"), std::string::npos) << said.out;
     EXPECT_NE(said.out.find("4 frames in 2.0 s"), std::string::npos) << said.out;
     EXPECT_EQ(anoctl({"info", mcap, "--all"}).out, said.out);
-    json indexed = json::parse(anoctl({"info", "--json", mcap}).out), of_pcapng = json::parse(anoctl({"info", "--json", file}).out);
+    json indexed = json::parse(anoctl({"info", "--json", mcap}).out),
+         of_pcapng = json::parse(anoctl({"info", "--json", file}).out);
     EXPECT_EQ(indexed["format"], "mcap");
     for (const char* key : {"file", "format", "bytes"}) indexed.erase(key), of_pcapng.erase(key);
     EXPECT_EQ(indexed, of_pcapng);
@@ -249,7 +250,8 @@ TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_i
     anogate::mcap::put_message(file, {1, 0, 1, 1, "abc"});
     const auto said = anoctl({"info", folder.write("other.mcap", file)});
     EXPECT_EQ(said.exit, 1);
-    EXPECT_NE(said.err.find("it is an MCAP file, but not of a gateway: it has no channel /anogate/frames"), std::string::npos) << said.err;
+    EXPECT_NE(said.err.find("it is an MCAP file, but not of a gateway: it has no channel /anogate/frames"), std::string::npos)
+        << said.err;
 }
 
 }    // namespace

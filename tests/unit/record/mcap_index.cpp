@@ -49,7 +49,8 @@ Reading read_index(const std::string& file) {
 TEST(McapIndex, tells_what_all_of_the_file_comes_to_and_reads_little_of_it) {
     const auto items = flight(3000);
     std::string file;
-    const auto writer = make_recording_writer(RecordingFormat::mcap, head, file, {.encoding = DecodedEncoding::cdr, .packed = false});
+    const auto writer = make_recording_writer(RecordingFormat::mcap, head, file,
+                                              {.encoding = DecodedEncoding::cdr, .packed = false});
     RecordingCounts counts;
     for (const KeptItem& item : items) {
         if (item.frame.empty()) {

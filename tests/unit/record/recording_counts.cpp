@@ -50,7 +50,8 @@ TEST(RecordingCounts, their_json_keeps_everything) {
 
 TEST(RecordingCounts, what_is_not_their_json_is_nothing) {
     const std::string good = some().json();
-    for (const char* text : {"", "{}", "[]", "{\"frames\": -1}", "nonsense"}) EXPECT_FALSE(RecordingCounts::of_json(text)) << text;
+    for (const char* text : {"", "{}", "[]", "{\"frames\": -1}", "nonsense"})
+        EXPECT_FALSE(RecordingCounts::of_json(text)) << text;
     EXPECT_FALSE(RecordingCounts::of_json(good.substr(0, good.size() - 1)));
     const auto with = [&](std::string_view what, std::string_view instead) {
         std::string text = good;

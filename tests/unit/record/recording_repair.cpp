@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <support/bytes.hpp>
+#include <support/random.hpp>
 #include <support/recorded.hpp>
 
 namespace {
@@ -41,7 +42,8 @@ std::vector<KeptItem> flight(std::size_t frames) {
             item.direction = Direction::dropped;
             item.cause = "limited";
         }
-        item.frame = support::frame(0xDC, 0xFF, 0x03, {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), 0, 0, 0, 0, 1});
+        item.frame = support::frame(0xDC, 0xFF, 0x03,
+                                    {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), 0, 0, 0, 0, 1});
         items.push_back(item);
         if (i % 7 == 3) {
             KeptItem loss;
@@ -60,10 +62,11 @@ TEST_P(Repair, a_file_cut_at_any_byte_has_all_that_was_whole_before) {
     const std::string file = support::write_recording(GetParam(), items, head, true, 8);
     const std::size_t head_size = support::write_recording(GetParam(), {}, head, false).size();
     std::size_t most = 0;
+    RecordingRepair growing{GetParam()};
     RecordingRepair::Result before;
-    for (std::size_t size = 0; size <= file.size(); ++size) {
+    for (std::size_t size = 0; size <= file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
         const auto cut = std::string_view{file}.substr(0, size);
-        const auto result = repair(GetParam(), cut);
+        const auto result = growing.finish();
         ASSERT_EQ(result.is_recording, size >= head_size) << size;
         if (!result.is_recording) continue;
         ASSERT_LE(result.keep, size);
@@ -87,14 +90,60 @@ TEST_P(Repair, a_file_cut_at_any_byte_has_all_that_was_whole_before) {
     EXPECT_TRUE(repair(GetParam(), file).is_whole);
 }
 
+std::uint64_t frames_in(std::string_view file) {
+    const auto items = read_recording(file, 65536).items;
+    return static_cast<std::uint64_t>(
+        std::count_if(items.begin(), items.end(), [](const KeptItem& item) { return !item.frame.empty(); }));
+}
+
+TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
+    constexpr std::size_t mebibyte = 1024 * 1024, frames = 280, frame_size = 4000;
+    support::Random random{1};
+    auto items = flight(frames);
+    for (KeptItem& item : items) {
+        if (item.frame.empty()) continue;
+        support::Bytes data(frame_size);    // that can't be packed
+        for (auto& byte : data) byte = random.byte();
+        item.frame = support::frame(0xDC, 0xFF, 0xFB, data);
+    }
+    const std::string file = support::write_recording(GetParam(), items, head, true, 16);
+    ASSERT_GT(file.size(), mebibyte);
+    RecordingRepair growing{GetParam()};
+    std::size_t at = file.size() - mebibyte, files = 0;
+    growing.give(std::string_view{file}.substr(0, at));
+    RecordingRepair::Result before;
+    for (; at <= file.size(); ++at) {
+        const auto result = growing.finish();
+        ASSERT_TRUE(result.is_recording);
+        ASSERT_LE(result.keep, at);
+        ASSERT_TRUE(at < file.size() || result.is_whole);
+        if (result.keep != before.keep) {
+            ASSERT_GT(result.keep, before.keep);
+            ASSERT_GE(result.frames, before.frames);
+            if (++files % 8 == 1 || at + 5000 > file.size()) {    // to read it takes its time
+                const std::string made = repaired(file, result);
+                ASSERT_EQ(frames_in(made), result.frames) << at;
+                ASSERT_TRUE(repair(GetParam(), made, 65536).is_whole) << at;
+            }
+            before = result;
+        } else if (result.append != before.append) {
+            ASSERT_TRUE(result.is_whole || result.append.empty()) << at;    // within what ends it
+        }
+        if (at < file.size()) growing.give(std::string_view{file}.substr(at, 1));
+    }
+    EXPECT_EQ(before.frames, frames);
+    EXPECT_GT(files, 10u);
+}
+
 TEST_P(Repair, a_file_cut_behind_its_last_frame_is_the_same_bytes_again) {
     const std::string file = support::write_recording(GetParam(), flight(40), head, true, 8);
     const std::string unended = support::write_recording(GetParam(), flight(40), head, false, 8);
     ASSERT_TRUE(file.starts_with(unended));
-    for (std::size_t size = unended.size(); size < file.size(); ++size) {
-        const auto cut = std::string_view{file}.substr(0, size);
+    RecordingRepair growing{GetParam()};
+    growing.give(unended);
+    for (std::size_t size = unended.size(); size < file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
         if (GetParam() == RecordingFormat::mcap) {
-            ASSERT_EQ(repaired(cut, repair(GetParam(), cut)), file) << size;
+            ASSERT_EQ(repaired(std::string_view{file}.substr(0, size), growing.finish()), file) << size;
         }
     }
     EXPECT_EQ(repaired(unended, repair(GetParam(), unended)), file);
