@@ -74,25 +74,26 @@ RecordingFacts RecordingInput::facts() const {
 }
 
 std::optional<IndexedRecording> read_index(const std::string& path) {
-    const int fd = path == "-" ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
-    if (fd < 0) return std::nullopt;
     struct stat about {};
-    std::optional<anogate::McapIndex> index;
-    if (::fstat(fd, &about) == 0 && S_ISREG(about.st_mode))
-        index = anogate::read_mcap_index(static_cast<std::uint64_t>(about.st_size), [fd](std::uint64_t at, std::size_t size) {
-            std::string bytes(size, '\0');
-            const ssize_t n = ::pread(fd, bytes.data(), size, static_cast<off_t>(at));
-            bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-            return bytes;
-        });
+    if (path == "-" || ::stat(path.c_str(), &about) != 0 || !S_ISREG(about.st_mode))
+        return std::nullopt;    // a pipe is not even opened: once is enough
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return std::nullopt;
+    const auto index = anogate::read_mcap_index(static_cast<std::uint64_t>(about.st_size),
+                                                [fd](std::uint64_t at, std::size_t size) {
+                                                    std::string bytes(size, '\0');
+                                                    const ssize_t n = ::pread(fd, bytes.data(), size, static_cast<off_t>(at));
+                                                    bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+                                                    return bytes;
+                                                });
     ::close(fd);
     if (!index) return std::nullopt;
     IndexedRecording recording;
     recording.facts.format = anogate::RecordingFormat::mcap;
-    recording.facts.head = std::move(index->head);
+    recording.facts.head = index->head;
     recording.facts.size = recording.facts.read = static_cast<std::uint64_t>(about.st_size);
     recording.facts.has_end = true;
-    recording.counts = std::move(index->counts);
+    recording.counts = index->counts;
     return recording;
 }
 
