@@ -13,21 +13,30 @@ constexpr std::string_view cdr_head{"\0\1\0\0", 4};
 
 template <class T>
 T number_of(const ano::Value& value) noexcept {
-    return std::visit(
-        []<class V>(const V& v) -> T {
-            if constexpr (std::is_same_v<V, ano::Nothing>) {
-                return std::is_floating_point_v<T> ? std::numeric_limits<T>::quiet_NaN() : T{};
-            } else if constexpr (std::is_integral_v<V>) {
-                return static_cast<T>(v);
-            } else if constexpr (std::is_same_v<V, double>) {
-                if constexpr (std::is_floating_point_v<T>) return static_cast<T>(v);
-                else return T{};    // no integer field is given one
-            } else {
-                return T{};
-            }
-        },
-        value);
+    if (const auto* real = std::get_if<double>(&value)) {
+        if constexpr (std::is_floating_point_v<T>) return static_cast<T>(*real);
+        else return T{};    // no field of whole numbers is given one
+    }
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<T>(*whole);
+    if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<T>(*whole);
+    return std::is_floating_point_v<T> && std::holds_alternative<ano::Nothing>(value) ? std::numeric_limits<T>::quiet_NaN() : T{};
 }
+
+constexpr std::size_t size_of(RosType type) noexcept {
+    switch (type) {
+    case RosType::int16:
+    case RosType::uint16: return 2;
+    case RosType::int32:
+    case RosType::uint32:
+    case RosType::float32: return 4;
+    case RosType::int64:
+    case RosType::uint64:
+    case RosType::float64: return 8;
+    default: return 1;
+    }
+}
+
+constexpr std::size_t largest_gap = 8;
 
 }    // namespace
 
@@ -39,9 +48,10 @@ std::string_view CdrEncoder::encode(const RosMessage& message, std::span<const a
     return {data_.data(), size_};
 }
 
-ano::Value CdrEncoder::next() noexcept {
-    if (values_.empty()) return ano::Nothing{};
-    const ano::Value value = values_.front();
+const ano::Value& CdrEncoder::next() noexcept {
+    static const ano::Value nothing{};
+    if (values_.empty()) return nothing;
+    const ano::Value& value = values_.front();
     values_ = values_.subspan(1);
     return value;
 }
@@ -52,11 +62,12 @@ void CdrEncoder::write_message(const RosMessage& message) {
 }
 
 void CdrEncoder::write_field(const RosField& field) {
-    using enum RosField::Shape;
-    if (field.shape == one) return write_one(field);
+    if (field.shape == RosField::Shape::one) return write_one(field);
     if (field.type == RosType::uint8) return write_bytes(field);
     std::size_t count = field.count;
-    if (field.shape == sequence) {
+    if (field.shape == RosField::Shape::array && !values_.empty() && std::holds_alternative<ano::Bytes>(values_.front()))
+        return write_raw(std::get<ano::Bytes>(next()), size_of(field.type), count * size_of(field.type));
+    if (field.shape == RosField::Shape::sequence) {
         // No more elements than there are values: the number came with them.
         count = std::min<std::size_t>(number_of<std::uint32_t>(next()), values_.size());
         write(static_cast<std::uint32_t>(count));
@@ -66,7 +77,7 @@ void CdrEncoder::write_field(const RosField& field) {
 
 void CdrEncoder::write_one(const RosField& field) {
     if (field.type == RosType::message) return write_message(*field.message);
-    const ano::Value value = next();
+    const ano::Value& value = next();
     if (field.type != RosType::text) return write_number(field.type, value);
     const auto* text = std::get_if<std::string_view>(&value);
     write_text(text != nullptr ? *text : std::string_view{});
@@ -91,17 +102,17 @@ void CdrEncoder::write_number(RosType type, const ano::Value& value) {
 }
 
 void CdrEncoder::write_bytes(const RosField& field) {
-    const ano::Value value = next();
-    const auto* given = std::get_if<ano::Bytes>(&value);
-    ano::Bytes bytes = given != nullptr ? *given : ano::Bytes{};
-    std::size_t size = bytes.size();
-    if (field.shape == RosField::Shape::array) {
-        size = field.count;
-        bytes = bytes.first(std::min(bytes.size(), size));
-    } else {
-        write(static_cast<std::uint32_t>(size));
-    }
-    char* const at = room(1, size);
+    const auto* given = std::get_if<ano::Bytes>(&next());
+    const ano::Bytes bytes = given != nullptr ? *given : ano::Bytes{};
+    if (field.shape == RosField::Shape::array) return write_raw(bytes, 1, field.count);
+    write(static_cast<std::uint32_t>(bytes.size()));
+    write_raw(bytes, 1, bytes.size());
+}
+
+// Cut, or with zeros behind it.
+void CdrEncoder::write_raw(ano::Bytes bytes, std::size_t alignment, std::size_t size) {
+    bytes = bytes.first(std::min(bytes.size(), size));
+    char* const at = room(alignment, size);
     std::fill(std::copy(bytes.begin(), bytes.end(), at), at + size, '\0');
 }
 
@@ -118,11 +129,14 @@ void CdrEncoder::write(T value) {
 
 char* CdrEncoder::room(std::size_t alignment, std::size_t size) {
     const std::size_t gap = (cdr_head.size() - size_) & (alignment - 1);
-    if (data_.size() < size_ + gap + size) data_.resize(std::max(2 * data_.size(), size_ + gap + size));
+    if (data_.size() < size_ + largest_gap + size) [[unlikely]]
+        grow(size_ + largest_gap + size);
     char* const at = data_.data() + size_;
-    std::fill(at, at + gap, '\0');
+    std::memset(at, 0, largest_gap);
     size_ += gap + size;
     return at + gap;
 }
+
+void CdrEncoder::grow(std::size_t size) { data_.resize(std::max(2 * data_.size(), size)); }
 
 }    // namespace anogate

@@ -19,25 +19,27 @@ public:
     ///   a number      as such; Nothing is NaN, and 0 where the type has none
     ///   text          UTF-8 without NUL
     ///   several uint8 their bytes, as one value
-    ///   an array      so many values
+    ///   an array      so many values, or of numbers their bytes, little-endian, as one
     ///   a sequence    their number as std::uint64_t, then the values
     /// What is missing is Nothing; what does not fit its field is 0 or empty. Valid until the next call.
     std::string_view encode(const RosMessage& message, std::span<const ano::Value> values);
 
 private:
-    ano::Value next() noexcept;
+    const ano::Value& next() noexcept;
     void write_message(const RosMessage& message);
     void write_field(const RosField& field);
     void write_one(const RosField& field);
     void write_number(RosType type, const ano::Value& value);
     void write_bytes(const RosField& field);
+    void write_raw(ano::Bytes bytes, std::size_t alignment, std::size_t size);
     void write_text(std::string_view text);
     template <class T>
     void write(T value);
     char* room(std::size_t alignment, std::size_t size);
+    void grow(std::size_t size);
 
     std::span<const ano::Value> values_;
-    std::string data_;    // as long as the longest so far
+    std::string data_;    // longer than the longest message so far
     std::size_t size_ = 0;
 };
 

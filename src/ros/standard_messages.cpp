@@ -47,15 +47,29 @@ void append(const Rotation& q, ValueList& out) {
 void append(std::string_view text, ValueList& out) { out.push(ano::Value{text}); }
 void append_whole(std::int64_t number, ValueList& out) { out.push(ano::Value{number}); }
 
-// Zeros: not known.
-void append_covariance(std::size_t size, ValueList& out) {
-    for (std::size_t i = 0; i < size; ++i) out.push(0.0);
-}
+// Zeros: how good it is, is not known; -1 on the diagonal: there is no value.
+template <std::size_t Size>
+struct Covariance {
+    std::array<std::uint8_t, Size * sizeof(double)> bytes{};
+    constexpr void set(std::size_t i, double value) noexcept { ano::store(bytes.data() + i * sizeof value, value); }
+};
 
-// What it belongs to is not known.
-void append_no_covariance(std::size_t size, ValueList& out) {
-    out.push(-1.0);
-    append_covariance(size - 1, out);
+constexpr Covariance<9> unknown_covariance{};
+constexpr Covariance<36> unknown_covariance_of_pose{};
+constexpr Covariance<9> no_orientation = [] {
+    Covariance<9> covariance;
+    covariance.set(0, -1);
+    return covariance;
+}();
+constexpr Covariance<36> no_rates = [] {
+    Covariance<36> covariance;
+    for (const std::size_t diagonal : {21u, 28u, 35u}) covariance.set(diagonal, -1);
+    return covariance;
+}();
+
+template <std::size_t Size>
+void append(const Covariance<Size>& covariance, ValueList& out) {
+    out.push(ano::Value{ano::Bytes{covariance.bytes}});
 }
 
 bool is_fix(double fix_sta) noexcept { return fix_sta >= 2 && fix_sta <= 4; }    // of UBX: 2D, 3D, 3D with dead reckoning
@@ -76,6 +90,7 @@ const StandardRow& standard_row(StandardTopic topic) {
                                                                 {"fix_velocity", t.vector3_stamped},
                                                                 {"external_point", t.point_stamped},
                                                                 {"external_velocity", t.vector3_stamped},
+                                                                {"scan", t.point_cloud},
                                                                 {"range_down", t.range},
                                                                 {"range_forward", t.range},
                                                                 {"range_back", t.range},
@@ -154,8 +169,9 @@ void StandardMessages::hear_gps() {
     if (is_fix(number("fix_sta"))) tell(StandardTopic::fix_velocity);
 }
 
-// A layout with an angle says no direction that a frame could be named by.
+// The layout of one distance at an angle says no direction that a frame could be named by.
 void StandardMessages::hear_ranging() {
+    if (reading_->message()->ends_in_list()) tell(StandardTopic::scan);
     if (!reading_->message()->is_base()) return;
     const auto type = static_cast<std::size_t>(number("type"));
     tell(static_cast<StandardTopic>(static_cast<std::size_t>(StandardTopic::range_down) + type % range_frames_.size()));
@@ -197,7 +213,7 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
     case StandardTopic::magnetic_field:
         append_header(frame_, out);
         append(vector("mag_", tesla), out);
-        return append_covariance(9, out);
+        return append(unknown_covariance, out);
     case StandardTopic::temperature:
         append_header(frame_, out);
         out.push(number("tmp"));
@@ -215,6 +231,7 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
         return append(Vector{metre * number("e_spe"), metre * number("n_spe"), 0 - metre * number("d_spe")}, out);
     case StandardTopic::external_point: append_header(external_, out); return append(vector("pos_", 0.001), out);
     case StandardTopic::external_velocity: append_header(frame_, out); return append(vector("speed_", metre), out);
+    case StandardTopic::scan: return append_scan(out);
     default: return append_range(topic, out);
     }
 }
@@ -223,15 +240,15 @@ void StandardMessages::append_imu(ValueList& out) const {
     append_header(frame_, out);
     if (is_fresh(by_quaternion_) || is_fresh(by_euler_)) {
         append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
-        append_covariance(9, out);
+        append(unknown_covariance, out);
     } else {
         append(Rotation{}, out);
-        append_no_covariance(9, out);
+        append(no_orientation, out);
     }
     append(rates_.value, out);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
     append(vector("acc_", metre), out);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
 }
 
 void StandardMessages::append_odometry(ValueList& out) const {
@@ -240,11 +257,11 @@ void StandardMessages::append_odometry(ValueList& out) const {
     append(std::string_view{frame_}, out);
     append(vector("pos_", metre), out);
     append(attitude, out);
-    append_covariance(36, out);
+    append(unknown_covariance_of_pose, out);
     append(turned_back(attitude, velocity_.value), out);
     const bool turns = is_fresh(rates_);
     append(turns ? rates_.value : Vector{}, out);
-    for (std::size_t i = 0; i < 36; ++i) out.push(!turns && i >= 21 && i % 7 == 0 ? -1.0 : 0.0);    // of what turns
+    append(turns ? unknown_covariance_of_pose : no_rates, out);
 }
 
 void StandardMessages::append_battery(ValueList& out) const {
@@ -264,8 +281,45 @@ void StandardMessages::append_fix(ValueList& out) const {
     out.push(is_fix(fix_sta) ? number("lat") : nan);
     out.push(is_fix(fix_sta) ? number("lng") : nan);
     out.push(is_fix(fix_sta) && fix_sta > 2 ? metre * number("alt_gps") : nan);
-    append_covariance(9, out);
+    append(unknown_covariance, out);
     append_whole(0, out);
+}
+
+// Angles are clockwise from the nose. A distance of 0 is none.
+void StandardMessages::append_scan(ValueList& out) const {
+    constexpr std::size_t point_size = 3 * sizeof(float);
+    constexpr std::int64_t float32 = 7;
+    const std::span<const ano::Field> element = reading_->element_fields();
+    const std::uint8_t* const points = reading_->data().data() + reading_->fixed_size();
+    const auto at = [&](std::size_t point, std::size_t field) {
+        return number_at(element[field], points + point * reading_->message()->element_size + element[field].offset);
+    };
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < reading_->element_count(); ++i) count += at(i, 1) > 0;
+
+    append_header(frame_, out);
+    append_whole(1, out);
+    append_whole(static_cast<std::int64_t>(count), out);
+    out.push_count(3);
+    for (const std::string_view axis : {"x", "y", "z"}) {
+        append(axis, out);
+        append_whole((axis.front() - 'x') * std::int64_t{sizeof(float)}, out);
+        append_whole(float32, out);
+        append_whole(1, out);
+    }
+    append_whole(0, out);
+    append_whole(point_size, out);
+    append_whole(static_cast<std::int64_t>(count * point_size), out);
+    std::uint8_t* to = out.push_bytes(count * point_size).data();
+    for (std::size_t i = 0; i < reading_->element_count(); ++i) {
+        const double angle = at(i, 0) * radian, distance = at(i, 1) * metre;
+        if (!(distance > 0)) continue;
+        for (const double number : {distance * std::cos(angle), 0 - distance * std::sin(angle), 0.0}) {
+            ano::store(to, static_cast<float>(number));
+            to += sizeof(float);
+        }
+    }
+    append_whole(1, out);
 }
 
 void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {

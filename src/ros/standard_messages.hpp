@@ -34,6 +34,7 @@ enum class StandardTopic : std::uint8_t {
     fix_velocity,
     external_point,
     external_velocity,
+    scan,
     range_down,    // from here in the order of the `type` of ranging (0x34); 6 is down as well
     range_forward,
     range_back,
@@ -41,7 +42,7 @@ enum class StandardTopic : std::uint8_t {
     range_right,
     range_up,
 };
-inline constexpr std::size_t standard_topics = 18;
+inline constexpr std::size_t standard_topics = 19;
 
 struct StandardRow {
     std::string_view name;    // of its topic; no message of the table is called so
@@ -94,6 +95,7 @@ private:
     void append_odometry(ValueList& out) const;
     void append_battery(ValueList& out) const;
     void append_fix(ValueList& out) const;
+    void append_scan(ValueList& out) const;
     void append_range(StandardTopic topic, ValueList& out) const;
 
     std::string frame_, ground_, east_north_up_, external_;

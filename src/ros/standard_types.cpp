@@ -7,7 +7,6 @@
 namespace anogate {
 namespace {
 
-using enum RosType;
 using Shape = RosField::Shape;
 
 RosField numbers(RosType type, const char* name, std::size_t count) {
@@ -26,6 +25,8 @@ RosMessage made_of(const char* package, const char* name, std::vector<RosField> 
 
 // Each names those before it.
 struct Definitions {
+    using enum RosType;
+
     RosMessage time = made_of("builtin_interfaces", "Time", {one(int32, "sec"), one(uint32, "nanosec")});
     RosMessage header = made_of("std_msgs", "Header", {one(time, "stamp"), one(text, "frame_id")});
 
@@ -80,6 +81,29 @@ struct Definitions {
         "sensor_msgs", "Range",
         {one(header, "header"), one(uint8, "radiation_type", {{"ULTRASOUND", 0}, {"INFRARED", 1}}), one(float32, "field_of_view"),
          one(float32, "min_range"), one(float32, "max_range"), one(float32, "range"), one(float32, "variance")});
+    RosMessage point_field = made_of("sensor_msgs", "PointField",
+                                     {one(text, "name"), one(uint32, "offset"),
+                                      one(uint8, "datatype",
+                                          {{"INT8", 1},
+                                           {"UINT8", 2},
+                                           {"INT16", 3},
+                                           {"UINT16", 4},
+                                           {"INT32", 5},
+                                           {"UINT32", 6},
+                                           {"FLOAT32", 7},
+                                           {"FLOAT64", 8}}),
+                                      one(uint32, "count")});
+    RosMessage point_cloud = made_of(
+        "sensor_msgs", "PointCloud2",
+        {one(header, "header"),
+         one(uint32, "height"),
+         one(uint32, "width"),
+         {.type = RosType::message, .name = "fields", .shape = Shape::sequence, .message = &point_field},
+         one(boolean, "is_bigendian"),
+         one(uint32, "point_step"),
+         one(uint32, "row_step"),
+         sequence(uint8, "data"),
+         one(boolean, "is_dense")});
     RosMessage battery_state = made_of("sensor_msgs", "BatteryState", battery_fields());
 
     std::vector<RosField> battery_fields() const {
@@ -110,8 +134,9 @@ struct Definitions {
 
 const StandardTypes& standard_types() {
     static const Definitions d;
-    static const StandardTypes types{&d.imu,   &d.magnetic_field,     &d.temperature,     &d.nav_sat_fix,   &d.battery_state,
-                                     &d.range, &d.quaternion_stamped, &d.vector3_stamped, &d.point_stamped, &d.odometry};
+    static const StandardTypes types{&d.imu,           &d.magnetic_field, &d.temperature,        &d.nav_sat_fix,
+                                     &d.battery_state, &d.range,          &d.quaternion_stamped, &d.vector3_stamped,
+                                     &d.point_stamped, &d.odometry,       &d.point_cloud};
     return types;
 }
 

@@ -3,6 +3,7 @@
 #include <ano/reading.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <span>
 #include <string>
@@ -28,6 +29,15 @@ public:
         std::string& kept = texts_[texts_used_++];
         kept = std::move(text);
         values_.emplace_back(std::string_view{kept});
+    }
+    /// So many bytes, as one value, to be written before it is used.
+    std::span<std::uint8_t> push_bytes(std::size_t size) {
+        if (texts_used_ == texts_.size()) texts_.emplace_back();
+        std::string& kept = texts_[texts_used_++];
+        kept.resize(size);
+        auto* const first = reinterpret_cast<std::uint8_t*>(kept.data());
+        values_.emplace_back(ano::Bytes{first, size});
+        return {first, size};
     }
     std::span<const ano::Value> values() const noexcept { return values_; }
 

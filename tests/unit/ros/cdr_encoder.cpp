@@ -58,6 +58,18 @@ TEST(CdrEncoder, a_sequence_has_its_number_and_an_array_has_none) {
         bytes("00 01 00 00  00 00 00 00 09"));
 }
 
+TEST(CdrEncoder, an_array_may_come_as_its_bytes) {
+    const support::Bytes three{1, 0, 2};
+    EXPECT_EQ(cdr(message_of({field(RosType::uint8), field(RosType::uint16, Shape::array, 2), field(RosType::uint8)}),
+                  {std::int64_t{9}, Value{ano::Bytes{three}}, std::int64_t{8}}),
+              bytes("00 01 00 00  09 00 01 00 02 00 08"));
+}
+
+TEST(CdrEncoder, an_array_takes_no_more_than_its_size) {
+    const support::Bytes three{1, 2, 3};
+    EXPECT_EQ(cdr(message_of({field(RosType::uint8, Shape::array, 2)}), {Value{ano::Bytes{three}}}), bytes("00 01 00 00 01 02"));
+}
+
 TEST(CdrEncoder, a_message_in_a_message_has_no_head_and_no_alignment_of_its_own) {
     const RosMessage inner = message_of({field(RosType::uint8), field(RosType::uint16)});
     RosField list = field(RosType::message, Shape::sequence), one = field(RosType::message);
@@ -82,7 +94,7 @@ TEST(CdrEncoder, what_is_missing_is_nothing) {
 TEST(CdrEncoder, a_short_message_behind_a_long_one_has_nothing_of_it) {
     CdrEncoder encoder;
     const support::Bytes many(100, 0xEE);
-    encoder.encode(message_of({field(RosType::uint8, Shape::sequence)}), std::vector<Value>{Value{ano::Bytes{many}}});
+    encoder.encode(message_of({field(RosType::uint8, Shape::array, 100)}), std::vector<Value>{Value{ano::Bytes{many}}});
     EXPECT_EQ(encoder.encode(message_of({field(RosType::uint8), field(RosType::uint32)}),
                              std::vector<Value>{std::int64_t{1}, std::int64_t{2}}),
               bytes("00 01 00 00  01 00 00 00 02 00 00 00"));

@@ -1,0 +1,231 @@
+// What is decoded for others, read by its definition alone, says what our own decoding says: for every message of the table and any
+// bytes of DATA. The reader of CDR is Fast-CDR, which ROS 2 uses, where the computer has it.
+#include <ano/messages.hpp>
+#include <ano/reading.hpp>
+#include <ano_json/frame_json.hpp>
+#include <record/decoded_channels.hpp>
+#include <ros/cdr_encoder.hpp>
+#include <support/allocations.hpp>
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+#include <support/ros_definition.hpp>
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#if ANOGATE_FAST_CDR
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+#endif
+
+namespace {
+
+using ano::Json;
+using anogate::DecodedChannels;
+using anogate::DecodedEncoding;
+using support::Bytes;
+using support::Random;
+using support::RosDefinition;
+
+anogate::RecordedFrame passed(const Bytes& frame, std::uint64_t time_ns = 1) {
+    return {.time_ns = time_ns, .link = "fc", .frame = ano::FrameView{frame}};
+}
+
+/// DATA that some layout takes, and more or less of it.
+Bytes random_data(const ano::Message& row, Random& random) {
+    std::size_t size = row.variant.length != 0 ? row.variant.length : row.fixed_size;
+    if (row.is_open()) size += random.below(40u);
+    if (random.one_in(8)) size = random.below(60u);
+    Bytes data(size);
+    for (auto& byte : data) byte = random.one_in(4) ? random.of<std::uint8_t>({0, 1, 0x80, 0xFF}) : random.byte();
+    for (const ano::Field& f : row.fields()) {
+        if (f.type == ano::Type::text)
+            for (std::size_t i = f.offset; i < (f.is_open() ? size : std::min<std::size_t>(f.offset + f.size(), size)); ++i)
+                if (random.below(4u) != 0) data[i] = static_cast<std::uint8_t>('a' + random.below(26u));
+        if (!f.selects || f.offset + f.size() > size) continue;
+        const std::uint32_t value = f.selects->first + random.below(f.selects->last - f.selects->first + 1);
+        for (std::size_t i = 0; i < f.size(); ++i) data[f.offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
+    }
+    return data;
+}
+
+/// A value of ours, as the message has it: bytes are numbers there.
+Json as_in_the_message(const ano::Reading& reading, const ano::Field& field, const Json& value) {
+    if (field.type != ano::Type::bytes && field.type != ano::Type::frames) return value;
+    Json bytes = Json::array();
+    for (const std::uint8_t byte : reading.bytes_of(field)) bytes.push_back(byte);
+    return bytes;
+}
+
+/// What differs between what `told` says and what our decoding says; empty: nothing. A field of two units is found by the second name.
+std::string difference(const Json& told, const Bytes& frame) {
+    const ano::Reading reading = ano::read(ano::FrameView{frame});
+    const Json own = ano::fields_to_json(reading);
+    std::set<std::string> said;
+    for (const ano::Field& f : reading.fields()) {
+        std::string name{f.name};
+        if (name == "dist" && f.unit == "cm") name += "_field";
+        if (!told.contains(name)) return "no " + name;
+        const Json expected = as_in_the_message(reading, f, own[std::string{f.name}]);
+        if (told[name] != expected) return name + ": " + told[name].dump() + ", not " + expected.dump();
+        said.insert(name);
+    }
+    for (const auto& [name, value] : told.items())
+        if (!said.contains(name) && !value.is_null() && value != "" && value != Json::array()) return name + " is told";
+    return {};
+}
+
+#if ANOGATE_FAST_CDR
+class FastCdrReader {
+public:
+    explicit FastCdrReader(std::string_view data)
+        : bytes_{data.begin(), data.end()},
+          buffer_{bytes_.data(), bytes_.size()},
+          cdr_{buffer_, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS, eprosima::fastcdr::Cdr::DDS_CDR} {
+        cdr_.read_encapsulation();
+    }
+    template <class T>
+    T number() {
+        T value{};
+        cdr_ >> value;
+        return value;
+    }
+    std::string text() { return number<std::string>(); }
+    std::size_t length() { return number<std::uint32_t>(); }
+    bool is_at_end() const { return cdr_.getSerializedDataLength() == bytes_.size(); }
+
+private:
+    std::vector<char> bytes_;
+    eprosima::fastcdr::FastBuffer buffer_;
+    eprosima::fastcdr::Cdr cdr_;
+};
+#endif
+
+/// Calls `see(frame, definition, data)` for each message, ours first, that many random frames of every layout make.
+template <class See>
+void with_random_messages(std::uint64_t usual, See&& see) {
+    std::map<std::size_t, RosDefinition> definitions;
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    for (const ano::Message& row : ano::messages)
+        for (std::uint64_t seed = 0; seed < support::trials(usual); ++seed) {
+            Random random{seed};
+            const Bytes frame = support::frame(5, 6, row.id, random_data(row, random));
+            const auto messages = decoded.decode(passed(frame, random.below(std::uint64_t{1} << 34)));
+            ASSERT_EQ(messages.empty(), !ano::read(ano::FrameView{frame})) << row.name << " " << seed;
+            for (std::size_t i = 0; i < messages.size(); ++i) {
+                const std::size_t schema = decoded.channels()[messages[i].channel].schema;
+                const RosDefinition& definition = definitions.try_emplace(schema, decoded.schemas()[schema].text).first->second;
+                see(frame, i == 0, definition, messages[i].data);
+                if (testing::Test::HasFatalFailure()) FAIL() << row.name << " " << row.variant.label << " " << seed;
+            }
+        }
+}
+
+TEST(DecodedChannels, a_reader_of_cdr_sees_what_our_decoding_says) {
+    with_random_messages(200, [](const Bytes& frame, bool is_ours, const RosDefinition& definition, std::string_view data) {
+        support::CdrReader reader{data};
+        const Json told = definition.decode(reader);
+        ASSERT_TRUE(reader.is_at_end());
+        if (is_ours) {
+            ASSERT_EQ(difference(told, frame), "");
+        }
+    });
+}
+
+TEST(DecodedChannels, fast_cdr_sees_what_our_decoding_says) {
+#if ANOGATE_FAST_CDR
+    with_random_messages(200, [](const Bytes& frame, bool is_ours, const RosDefinition& definition, std::string_view data) {
+        FastCdrReader reader{data};
+        const Json told = definition.decode(reader);
+        ASSERT_TRUE(reader.is_at_end());
+        if (is_ours) {
+            ASSERT_EQ(difference(told, frame), "");
+        }
+    });
+#else
+    GTEST_SKIP() << "built without Fast-CDR (libfastcdr-dev)";
+#endif
+}
+
+TEST(DecodedChannels, every_definition_is_one_of_ros) {
+    for (const ano::Message& row : ano::messages) {
+        DecodedChannels decoded{DecodedEncoding::cdr};
+        Random random{1};
+        for (int i = 0; i < 20; ++i) decoded.decode(passed(support::frame(5, 6, row.id, random_data(row, random))));
+        for (const anogate::DecodedSchema& schema : decoded.schemas()) EXPECT_NO_THROW(RosDefinition{schema.text}) << schema.text;
+    }
+}
+
+TEST(DecodedChannels, names_of_flexible_values_make_definitions_of_ros) {
+    for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
+        Random random{seed};
+        std::vector<ano::FlexibleField> fields(1 + random.below(20u));
+        std::set<std::string> names;
+        for (auto& field : fields) {
+            do {
+                field.name.clear();
+                for (unsigned n = 1 + random.below(6u); n > 0; --n)
+                    field.name += random.of<std::string>({"a", "B", "_", "9", " ", "#", "温", "[", "/", "-", "\xFF"});
+            } while (!names.insert(field.name).second);
+            field.type = random.of({ano::Type::u8, ano::Type::i16, ano::Type::u32, ano::Type::f32});
+            field.scale = random.one_in(2) ? 1 : 0.1;
+            field.unit = random.of<std::string>({"", "°C", "\n", "#", "a\nuint8 b"});
+        }
+        ano::FlexibleLayouts layouts;
+        ASSERT_FALSE(layouts.add(0xF1, {}, fields)) << seed;
+        Bytes data(layouts.all().front().size());
+        for (auto& byte : data) byte = random.byte();
+        const Bytes frame = support::frame(5, 6, 0xF1, data);
+        DecodedChannels cdr{DecodedEncoding::cdr, &layouts}, json{DecodedEncoding::json, &layouts};
+        const auto messages = cdr.decode(passed(frame));
+        ASSERT_EQ(messages.size(), 1u) << seed;
+        EXPECT_EQ(support::decoded_cdr(cdr.schemas()[0].text, messages[0].data).size(), fields.size()) << seed;
+        const auto objects = json.decode(passed(frame));
+        ASSERT_EQ(objects.size(), 1u) << seed;
+        EXPECT_NO_THROW(static_cast<void>(Json::parse(objects[0].data))) << seed;
+        EXPECT_NO_THROW(static_cast<void>(Json::parse(json.schemas()[0].text))) << seed;
+    }
+}
+
+TEST(DecodedChannels, any_frame_is_decoded_without_harm) {
+    DecodedChannels cdr{DecodedEncoding::cdr}, json{DecodedEncoding::json};
+    for (std::uint64_t seed = 0; seed < support::trials(20'000); ++seed) {
+        Random random{seed};
+        Bytes data(random.one_in(500) ? ano::max_len : random.below(64u));
+        for (auto& byte : data) byte = random.byte();
+        const Bytes frame = support::frame(random.byte(), random.byte(), random.byte(), data);
+        anogate::RecordedFrame record = passed(frame, random.below(UINT64_MAX));
+        record.link = random.of<std::string_view>({"", "fc", "/", "\xFF\n", "_"});
+        for (DecodedChannels* decoded : {&cdr, &json})
+            for (const anogate::DecodedMessage& message : decoded->decode(record)) {
+                ASSERT_LT(message.channel, decoded->channels().size());
+                ASSERT_LT(decoded->channels()[message.channel].schema, decoded->schemas().size());
+                if (decoded == &json) {
+                    ASSERT_TRUE(Json::accept(message.data)) << seed;
+                }
+            }
+    }
+}
+
+TEST(DecodedChannels, cdr_takes_no_memory_once_it_has_seen_a_message) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    std::vector<Bytes> frames;
+    for (const ano::Message& row : ano::messages) {
+        if (row.name.starts_with("ip_tunnel")) continue;    // an address as text
+        frames.push_back(support::frame(5, 6, row.id, Bytes(std::max<std::size_t>(row.fixed_size, row.variant.length))));
+    }
+    for (int i = 0; i < 2; ++i)
+        for (const Bytes& frame : frames) decoded.decode(passed(frame));
+    const std::uint64_t before = support::allocations;
+    for (const Bytes& frame : frames) decoded.decode(passed(frame));
+    EXPECT_EQ(support::allocations, before);
+}
+
+}    // namespace
