@@ -2,7 +2,7 @@
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "frame_printer.hpp"
-#include "read_encoding.hpp"
+#include "message_encoding.hpp"
 #include "recording_input.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
@@ -201,7 +201,7 @@ private:
     std::unique_ptr<Target> make_target(const ano::JsonOptions& options, bool one, Streams& streams) const {
         const auto format = anogate::recording_format_of(out);
         if (encoding && format != anogate::RecordingFormat::mcap)
-            throw UsageError{"--encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
         if (out.ends_with(".csv") || (out == "-" && one && !frames.json))
             return std::make_unique<CsvTarget>(out, one, force, options, streams);
         if (out.ends_with(".ndjson") || out.ends_with(".jsonl") || out == "-")
@@ -226,9 +226,9 @@ Run add_convert(Options& options) {
          true});
     options.push_back(
         {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
-    options.push_back({"--encoding",
-                       Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
-                       "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over files that are there"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };

@@ -3,7 +3,7 @@
 #include "counted.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
-#include "read_encoding.hpp"
+#include "message_encoding.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
 #include "table.hpp"
@@ -136,7 +136,7 @@ struct Record {
                     "makes others of it"};
         const auto format = anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
         if (encoding && format != anogate::RecordingFormat::mcap)
-            throw UsageError{"--encoding says how MCAP has decoded messages: name the file .mcap"};
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
@@ -215,9 +215,9 @@ Run add_record(Options& options) {
     options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
     options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
-    options.push_back({"--encoding",
-                       Option::Read{[self](const std::string& word) { return read_encoding(word, self->encoding); }}, "cdr|json",
-                       "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
     options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
     GatewayOptions::add(options, self->gateway);

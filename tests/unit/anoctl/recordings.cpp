@@ -201,11 +201,11 @@ TEST(Convert, makes_mcap_and_the_same_pcapng_of_it_again) {
 TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
-    EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--encoding", "json"}).exit, 0);
+    EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--message-encoding", "json"}).exit, 0);
     EXPECT_NE(text_of(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not packed
     EXPECT_EQ(text_of(folder / "a.mcap").find("ros2msg", text_of(folder / "a.mcap").find("jsonschema")), std::string::npos);
-    EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--encoding", "xml"}).exit, 2);
-    const auto other = anoctl({"convert", file, folder / "b.pcapng", "--encoding", "cdr"});
+    EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--message-encoding", "xml"}).exit, 2);
+    const auto other = anoctl({"convert", file, folder / "b.pcapng", "--message-encoding", "cdr"});
     EXPECT_EQ(other.exit, 2);
     EXPECT_NE(other.err.find("name OUT_FILE .mcap"), std::string::npos) << other.err;
 }

@@ -1,4 +1,4 @@
-// The option --encoding.
+// The option --message-encoding: how MCAP has decoded messages.
 #pragma once
 #include <record/decoded_channels.hpp>
 
@@ -10,7 +10,7 @@
 namespace anoctl {
 
 /// Empty, or why `word` is none.
-inline std::string read_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
+inline std::string read_message_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
     for (const auto known : {anogate::DecodedEncoding::cdr, anogate::DecodedEncoding::json}) {
         if (word != text(known)) continue;
         encoding = known;
