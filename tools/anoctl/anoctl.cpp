@@ -25,7 +25,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 25> all{{
+    static constexpr std::array<Subcommand, 26> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
@@ -50,6 +50,7 @@ std::span<const Subcommand> subcommands() noexcept {
         {"info", "Shows what a recording holds", add_info},
         {"convert", "Makes tables or lines of JSON of a recording", add_convert},
         {"replay", "Says again by a link what devices said in a recording", add_replay},
+        {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp},
         {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
     }};
     return all;
