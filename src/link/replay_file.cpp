@@ -1,7 +1,7 @@
 #include <gateway/backoff.hpp>
 #include <link/errors.hpp>
 #include <link/replay_file.hpp>
-#include <record/pcapng_reader.hpp>
+#include <record/recording_reader.hpp>
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
@@ -21,11 +21,7 @@
 namespace anogate {
 namespace {
 
-// By how the file begins.
-std::unique_ptr<PcapngReader> make_reader(std::string_view) { return std::make_unique<PcapngReader>(); }
-using Recording = decltype(make_reader({}))::element_type;
-
-constexpr std::size_t piece = 64 * 1024;
+constexpr std::size_t piece_of_file = 64 * 1024;
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
 
 // The loop's thread handles them.
@@ -44,7 +40,7 @@ LinkError why_absent(const std::string& file, const std::string& what) {
     return {"no_recording", file + ": " + what, {{"file", file}, {"what", what}}};
 }
 
-void add(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
+void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
     a.of_hosts += b.of_hosts;
     a.commands += b.commands;
     a.tunnels += b.tunnels;
@@ -107,29 +103,30 @@ private:
     LinkError play() {
         const UniqueFd file{::open(settings_.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)};
         if (!file) return why_absent(settings_.file, error_text(errno));
-        std::unique_ptr<Recording> reader;
+        std::unique_ptr<RecordingReader> reader;
         ReplayPlan plan{options_of(settings_)};
-        std::vector<char> room(piece);
+        std::vector<char> room(piece_of_file);
         while (!is_stopping() && !plan.is_over() && !(reader && reader->is_damaged())) {
             const ssize_t n = ::read(file.get(), room.data(), room.size());
             if (n < 0 && errno == EINTR) continue;
             if (n < 0) return why_absent(settings_.file, error_text(errno));
             if (n == 0) break;
             const std::string_view bytes{room.data(), static_cast<std::size_t>(n)};
-            if (!reader) reader = make_reader(bytes);
+            if (!reader) reader = make_recording_reader(bytes);
             reader->give(bytes);
             read_piece(*reader, plan);
         }
-        add(kept_back_before_, plan.kept_back());
+        add_kept_back(kept_back_before_, plan.kept_back());
         if (!reader) return why_absent(settings_.file, "it is empty");
         if (reader->position() == 0)
             return why_absent(settings_.file,
                               reader->is_damaged() ? reader->fault() : "it ends before the head of a recording does");
+        if (reader->is_strange()) return why_absent(settings_.file, "it is of another program: it has no frames of V8");
         note_ = note_on(*reader, plan.is_over());
         return {};
     }
 
-    void read_piece(Recording& reader, ReplayPlan& plan) {
+    void read_piece(RecordingReader& reader, ReplayPlan& plan) {
         auto batch = std::make_shared<Batch>();
         while (const auto item = reader.next()) {
             const auto* const frame = std::get_if<RecordedFrame>(&*item);
@@ -161,7 +158,7 @@ private:
         shared_->state = State::playing;
         shared_->error = note_;
         shared_->kept_back = kept_back_before_;
-        add(shared_->kept_back, plan.kept_back());
+        add_kept_back(shared_->kept_back, plan.kept_back());
         if (!batch->entries.empty()) {
             shared_->changed.wait(lock, [&] { return shared_->is_stopping || shared_->waiting < read_ahead; });
             shared_->waiting += batch->weight();
@@ -171,7 +168,7 @@ private:
     }
 
     // Of what is played until there is no more of it.
-    LinkError note_on(const Recording& reader, bool is_over) const {
+    LinkError note_on(const RecordingReader& reader, bool is_over) const {
         if (is_over) return {};
         const std::string where = std::to_string(reader.position());
         std::string what;

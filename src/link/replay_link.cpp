@@ -15,13 +15,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int most_in_a_turn = 64;      // frames, then others have their turn
-constexpr Duration look_again = 1ms;    // at links that have not taken all
-constexpr Duration patience = 5s;       // with a link that takes nothing
-constexpr Duration late = 200ms;        // what is so late is not made up for
+constexpr int most_in_a_turn = 64;                      // frames, then others have their turn
+constexpr Duration before_links_are_looked_at = 1ms;    // at links that have not taken all
+constexpr Duration patience_with_links = 5s;            // with a link that takes nothing
+constexpr Duration too_late = 200ms;                    // what is so late is not made up for
 constexpr Duration dry_for = 500ms;
 
-std::int64_t number(std::uint64_t count) { return static_cast<std::int64_t>(count); }
+std::int64_t count_of(std::uint64_t count) { return static_cast<std::int64_t>(count); }
 
 }    // namespace
 
@@ -60,7 +60,7 @@ void ReplayLink::look() {
 
 void ReplayLink::step() {
     for (int i = 0; i < most_in_a_turn; ++i) {
-        if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + look_again);
+        if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + before_links_are_looked_at);
         if (!say_next()) return;
         context_.host.flush();    // one that waits for its turn beside others may leave behind them
     }
@@ -76,7 +76,7 @@ bool ReplayLink::say_next() {
     if (!std::exchange(has_begun_, true)) begun_at_ = now;
     const TimePoint due = begun_at_ + frame->due;
     if (due > now) return due_.set(due), false;
-    if (now - due > late) begun_at_ = now - frame->due;
+    if (now - due > too_late) begun_at_ = now - frame->due;
     position_ = frame->due;
     say(*frame);
     file_.take();
@@ -98,7 +98,7 @@ bool ReplayLink::must_wait(TimePoint now) {
         return false;
     }
     if (!waits_since_) waits_since_ = now;
-    if (now - *waits_since_ < patience) return true;
+    if (now - *waits_since_ < patience_with_links) return true;
     stuck_ |= busy;
     waits_since_.reset();
     return false;
@@ -139,9 +139,9 @@ LinkFacts ReplayLink::facts() const {
                        : is_up_ ? "playing"
                                 : "waiting"},
             {"position_s", std::chrono::duration_cast<std::chrono::seconds>(position_).count()},
-            {"kept_back_of_hosts", number(kept.of_hosts)},
-            {"kept_back_commands", number(kept.commands)},
-            {"kept_back_tunnels", number(kept.tunnels)}};
+            {"kept_back_of_hosts", count_of(kept.of_hosts)},
+            {"kept_back_commands", count_of(kept.commands)},
+            {"kept_back_tunnels", count_of(kept.tunnels)}};
 }
 
 LinkError ReplayLink::trouble() const {
@@ -157,17 +157,17 @@ namespace {
 
 using namespace key_rows;
 
-constexpr std::uint64_t fastest = 1'000'000, longest = 365 * day;
+constexpr std::uint64_t fastest_rate = 1'000'000, longest_part = 365 * day;
 
 constexpr Key<LinkSettings> replay_keys[] = {
     text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path, "the recording; waited for while it is not there") |
         as("FILE") | needed,
-    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, fastest,
+    decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, fastest_rate,
                                                         "so many times as fast as it was; 0: as fast as the links take it"),
     boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "at its end, from its begin"),
-    duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, longest,
+    duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, longest_part,
                                                          "begins so long behind its first frame (default: with that)"),
-    duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, longest,
+    duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, longest_part,
                                                        "ends so long behind its first frame (default: with its last)"),
     words<own<ReplaySettings>, &ReplaySettings::links>("links", 1, max_name,
                                                        "of the links that were recorded, these (default: all)"),
@@ -175,7 +175,7 @@ constexpr Key<LinkSettings> replay_keys[] = {
         "commands", "also what hosts said and what commands or changes a vehicle: the vehicles of this gateway do it"),
 };
 
-void validate(const LinkSettings& link, LinkFaults& faults) {
+void validate_replay(const LinkSettings& link, LinkFaults& faults) {
     const auto& replay = link.as<ReplaySettings>();
     if (replay.from && replay.to && *replay.from >= *replay.to)
         faults.error("to", "'to' must be later than 'from': nothing is between them");
@@ -196,7 +196,7 @@ constinit const LinkKind replay_kind{
     .settings = [] { return KindSettings{ReplaySettings{}}; },
     .make = make_link_of<ReplayLink>,
     .usual_name = [](const LinkSettings& link) { return std::filesystem::path{link.as<ReplaySettings>().file}.stem().string(); },
-    .validate = validate,
+    .validate = validate_replay,
 };
 
 }    // namespace anogate

@@ -51,6 +51,7 @@ std::span<const Subcommand> subcommands() noexcept {
         {"info", "Shows what a recording holds", add_info},
         {"convert", "Makes tables or lines of JSON of a recording", add_convert},
         {"replay", "Says again by a link what devices said in a recording", add_replay},
+        {"plot-udp", "Sends what frames say to the plotter PlotJuggler", add_plot_udp},
         {"web", "Shows how to reach it in a browser or from a program elsewhere; makes a certificate for that", add_web},
     }};
     return all;

@@ -57,6 +57,7 @@ Run add_decode(Options& options);
 Run add_encode(Options& options);
 Run add_messages(Options& options);
 Run add_monitor(Options& options);
+Run add_plot_udp(Options& options);
 Run add_ports(Options& options);
 Run add_record(Options& options);
 Run add_recordings(Options& options);

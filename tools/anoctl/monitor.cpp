@@ -3,12 +3,11 @@
 #include "frame_printer.hpp"
 #include "gateway.hpp"
 #include "own_link.hpp"
+#include "wanted_frames.hpp"
 #include "watch.hpp"
 
-#include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
 
-#include <bitset>
 #include <cstdint>
 #include <memory>
 #include <ostream>
@@ -22,23 +21,15 @@ namespace {
 
 using namespace anogate;
 
-using IdSet = std::bitset<256>;
-
-struct Filter {
-    IdSet ids, from, to;
-
-    bool takes(ano::FrameView frame) const { return ids[frame.id()] && from[frame.source()] && to[frame.destination()]; }
-};
-
-/// Shows what it takes and the filter wants, until it is enough.
+/// Shows of what it takes what is wanted, until it is enough.
 class Shown final : public FrameTaker {
 public:
-    Shown(const Filter& filter, std::uint64_t count, Streams& streams, const FrameOptions& frames)
-        : filter_{filter}, left_{count}, streams_{streams}, printer_{streams, frames} {}
+    Shown(const WantedFrames& wanted, std::uint64_t count, Streams& streams, const FrameOptions& frames)
+        : wanted_{wanted}, left_{count}, streams_{streams}, printer_{streams, frames} {}
 
     bool take(ano::FrameView frame, const Passage& passage) override {
         ++seen;
-        if (!filter_.takes(frame)) return true;
+        if (!wanted_.takes(frame)) return true;
         printer_.print(frame, passage);
         ++shown;
         return left_ == 0 || --left_ > 0;
@@ -49,7 +40,7 @@ public:
     std::uint64_t seen = 0, shown = 0;
 
 private:
-    const Filter filter_;
+    const WantedFrames wanted_;
     std::uint64_t left_;    // 0: no end
     Streams& streams_;
     FramePrinter printer_;
@@ -66,8 +57,9 @@ struct MonitorOptions {
         if (link.empty()) return attach(streams);
         if (!links.empty() || !directions.empty())
             throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
-        const Filter filter{ids_of(ids), addresses_of("--from", from), addresses_of("--to", to)};
-        Shown shown{filter, count, streams,
+        Shown shown{{ids, from, to},
+                    count,
+                    streams,
                     as_said_of(link_settings_of(link, "a link of the gateway, by its name: monitor --link"))};
         const std::uint64_t skipped = listen(link, shown, streams, "monitor");
         streams.out.flush();
@@ -91,23 +83,6 @@ private:
         if (!options.encoding && settings.text_encoding() == TextEncoding::gbk) options.encoding = ano::Encoding::gbk;
         if (!options.value_type_7) options.value_type_7 = settings.meaning_of_type_7();
         return options;
-    }
-    static IdSet ids_of(const std::vector<std::string>& words) {
-        if (words.empty()) return IdSet{}.set();
-        IdSet set;
-        for (const std::string& word : words) set.set(message_id_of(word, "--id: "));
-        return set;
-    }
-    static IdSet addresses_of(const char* option, const std::vector<std::string>& words) {
-        if (words.empty()) return IdSet{}.set();
-        IdSet set;
-        for (const std::string& word : words) {
-            const auto address = ano::address_called(word);
-            if (const auto* fault = std::get_if<ano::JsonFault>(&address))
-                throw UsageError{std::string{option} + ": " + fault->what};
-            set.set(std::get<std::uint8_t>(address));
-        }
-        return set;
     }
 };
 

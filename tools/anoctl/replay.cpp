@@ -34,10 +34,10 @@ using anogate::RecordedFrame;
 
 constexpr auto look_again = std::chrono::milliseconds{
     10};    // at what tells no event: a link that comes up, a queue that gets empty
-constexpr auto look_soon = std::chrono::milliseconds{1};    // at a queue, where the link is to be kept busy
-constexpr auto patience = std::chrono::seconds{5};          // with a link that takes nothing
-constexpr auto time_to_leave = std::chrono::seconds{2};     // for the last frames
-constexpr int most_at_once = 64;                            // frames: then the link is looked after
+constexpr auto look_soon = std::chrono::milliseconds{1};        // at a queue, where the link is to be kept busy
+constexpr auto patience_with_link = std::chrono::seconds{5};    // with a link that takes nothing
+constexpr auto time_to_leave = std::chrono::seconds{2};         // for the last frames
+constexpr int most_at_once = 64;                                // frames: then the link is looked after
 
 class Replayer final : public FrameTaker {
 public:
@@ -98,7 +98,7 @@ private:
         const auto now = Clock::now();
         if (link_.waiting() == 0) waits_since_.reset();
         else if (!waits_since_) waits_since_ = now;
-        return waits_since_ && now - *waits_since_ < patience;
+        return waits_since_ && now - *waits_since_ < patience_with_link;
     }
 
     std::optional<RecordedFrame> next_wanted() {

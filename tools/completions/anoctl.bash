@@ -14,7 +14,7 @@ _anoctl_links() {
         kind=$prev cur=
     else
         compopt -o nospace 2>/dev/null
-        _anoctl_words 'serial: udp-listen: udp: can: pty: sim:'
+        _anoctl_words 'serial: udp-listen: udp: can: pty: sim: replay:'
         return
     fi
     case $kind in
@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay plot-udp web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay plot-udp web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -127,6 +127,14 @@ _anoctl() {
         'convert --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'convert --config') _anoctl_files; return ;;
         'replay --rate') :; return ;;
+        'plot-udp --id') _anoctl_messages; return ;;
+        'plot-udp --from') _anoctl_addresses; return ;;
+        'plot-udp --to') _anoctl_addresses; return ;;
+        'plot-udp --link') _anoctl_link_names; return ;;
+        'plot-udp --direction') _anoctl_words 'in out dropped'; return ;;
+        'plot-udp --control') _anoctl_files; return ;;
+        'plot-udp --encoding') _anoctl_words 'utf8 gbk'; return ;;
+        'plot-udp --config') _anoctl_files; return ;;
         'web --into') :; return ;;
         'web --control') _anoctl_files; return ;;
     esac
@@ -155,6 +163,7 @@ _anoctl() {
         'info') options='--all --json -h --help'; operands='_anoctl_files' ;;
         'convert') options='--id --encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
+        'plot-udp') options='--id --from --to --link --direction --control --encoding --config -h --help'; operands='_anoctl_links' ;;
         'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi

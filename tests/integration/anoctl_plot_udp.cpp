@@ -1,0 +1,87 @@
+// `anoctl plot-udp` as PlotJuggler hears it.
+#include <support/bytes.hpp>
+#include <support/process.hpp>
+#include <support/pty_device.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+const Bytes text = frame(0xDC, 0xFF, 0xA0, {1, 'a', 'b'});
+
+class AnoctlPlotUdp : public testing::Test {
+protected:
+    std::string there() const { return plotter.local().text(); }
+    /// Sends `bytes` until something is plotted; all that was by then.
+    template <class Send>
+    std::vector<json> plotted(Send send) {
+        std::vector<json> all;
+        EXPECT_TRUE(wait_until([&] {
+            send();
+            for (const Bytes& datagram : plotter.datagrams()) all.push_back(json::parse(datagram));
+            return !all.empty();
+        }));
+        return all;
+    }
+
+    TempDir dir;
+    UdpPeer plotter;
+};
+
+TEST_F(AnoctlPlotUdp, says_the_numbers_of_a_gateways_frames_by_link_address_and_message) {
+    const std::string socket = dir / "control.sock";
+    UdpPeer device, ground;
+    Daemon gateway{ANOGATED, socket, {device.link("fc"), ground.link("ground")}};
+    ASSERT_TRUE(gateway.until_answers()) << gateway.output();
+    Process plot{ANOCTL, {"plot-udp", there(), "--control", socket, "--from", "0xDC"}};
+    const auto all = plotted([&] {
+        device.send(gateway.port("fc"), wind);
+        device.send(gateway.port("fc"), text);
+        device.send(gateway.port("fc"), euler);
+    });
+    for (const json& one : all) {
+        EXPECT_EQ(one.size(), 2u) << one;
+        EXPECT_GT(one["timestamp"], 1.6e9);
+        EXPECT_EQ(one["fc"]["0xDC"].size(), 1u) << one;
+        if (one["fc"]["0xDC"].contains("euler")) {
+            EXPECT_DOUBLE_EQ(one["fc"]["0xDC"]["euler"]["rol"], 1.23);
+        }
+        EXPECT_FALSE(one["fc"].contains("0xDD")) << one;
+    }
+    plot.signal(SIGINT);
+    EXPECT_EQ(plot.wait(), 0) << plot.output();
+    EXPECT_NE(plot.output().find(" sent to " + there()), std::string::npos) << plot.output();
+}
+
+TEST_F(AnoctlPlotUdp, needs_no_gateway_for_a_link_of_its_own) {
+    PtyDevice device{dir / "tty"};
+    Process plot{ANOCTL, {"plot-udp", there(), "serial:" + device.path(), "--id", "euler"}};
+    ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
+    const auto all = plotted([&] {
+        device.write(wind);
+        device.write(euler);
+    });
+    EXPECT_DOUBLE_EQ(all[0][device.path()]["0xDC"]["euler"]["rol"], 1.23) << all[0];
+}
+
+TEST_F(AnoctlPlotUdp, refuses_what_is_no_address) {
+    for (const char* wrong : {"localhost:9870", "127.0.0.1", "127.0.0.1:0"}) {
+        Process plot{ANOCTL, {"plot-udp", wrong}};
+        EXPECT_EQ(plot.wait(), 2);
+        EXPECT_NE(plot.output().find("is not an IP address and a port"), std::string::npos) << plot.output();
+    }
+}
+
+}    // namespace

@@ -1,0 +1,45 @@
+#include "plot_json.hpp"
+
+#include <ano/hex.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <utility>
+
+namespace anoctl {
+namespace {
+
+using ano::Json;
+
+bool is_plotted(const Json& value) { return value.is_number() || value.is_boolean(); }
+
+// Nothing is left of what has no numbers; a list stays one, so that its elements keep their places.
+Json numbers_of(const Json& value) {
+    if (is_plotted(value)) return value;
+    if (!value.is_structured()) return {};
+    Json kept = value.is_array() ? Json::array() : Json::object();
+    bool has_any = false;
+    for (const auto& [name, inner] : value.items()) {
+        Json numbers = numbers_of(inner);
+        has_any = has_any || !numbers.is_null();
+        if (value.is_array()) kept.push_back(std::move(numbers));
+        else if (!numbers.is_null()) kept[name] = std::move(numbers);
+    }
+    return has_any ? kept : Json{};
+}
+
+}    // namespace
+
+std::string plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options) {
+    const Json said = ano::frame_to_json(frame, options);
+    const auto fields = said.find("fields");
+    if (fields == said.end()) return {};
+    Json numbers = numbers_of(*fields);
+    if (numbers.is_null()) return {};
+    const std::string name = said.value("name", ano::hex_byte(frame.id()));
+    Json plot{{"timestamp", time}};
+    plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name] = std::move(numbers);
+    return plot.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}    // namespace anoctl

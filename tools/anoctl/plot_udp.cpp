@@ -1,0 +1,128 @@
+// anoctl plot-udp IP:PORT: the frames of a gateway, or of a link of our own, for PlotJuggler's UDP server.
+#include "anoctl.hpp"
+#include "counted.hpp"
+#include "frame_printer.hpp"
+#include "gateway.hpp"
+#include "own_link.hpp"
+#include "plot_json.hpp"
+#include "say.hpp"
+#include "wanted_frames.hpp"
+#include "watch.hpp"
+
+#include <ano_json/text.hpp>
+#include <link/errors.hpp>
+#include <link/ip_socket.hpp>
+
+#include <cerrno>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace anoctl {
+namespace {
+
+using namespace anogate;
+
+class Plotted final : public FrameTaker {
+public:
+    Plotted(const Endpoint& to, const WantedFrames& wanted, const FrameOptions& frames)
+        : to_{to}, wanted_{wanted}, layouts_{frames.layouts()}, options_{frames.json_options(layouts_)} {
+        EndpointSpec any;
+        any.address = to.address.v6 ? *IpAddress::parse("::") : IpAddress::v4(0, 0, 0, 0);
+        auto opened = open_udp(any, false);
+        if (!opened) throw Failure{opened.error().text};
+        socket_ = std::move(*opened);
+    }
+
+    bool take(ano::FrameView frame, const Passage& passage) override {
+        if (!wanted_.takes(frame)) return true;
+        const std::string json = plot_json(frame, passage.link, passage.time, options_);
+        if (json.empty()) return true;
+        const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
+        const int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
+        if (error == 0) ++sent;
+        else ++not_sent;
+        if (error != 0) why = error_text(error);
+        return true;
+    }
+    bool flush() override { return true; }
+    void miss(std::uint64_t count, const std::string&, std::string_view) override { lost += count; }
+
+    void sum_up(Streams& streams) const {
+        std::string text = counted(sent, "frame") + " sent to " + to_.text();
+        if (not_sent > 0) text += "; " + std::to_string(not_sent) + " were not: " + why;
+        if (lost > 0) text += "; " + std::to_string(lost) + " were not told by the gateway, which had no room for them";
+        tell(streams, text);
+    }
+
+    std::uint64_t sent = 0, not_sent = 0, lost = 0;
+    std::string why;
+
+private:
+    const Endpoint to_;
+    const WantedFrames wanted_;
+    const ano::FlexibleLayouts layouts_;
+    const ano::JsonOptions options_;
+    UniqueFd socket_;
+};
+
+struct PlotOptions {
+    std::string to, link;
+    std::vector<std::string> ids, from, addresses, links, directions;
+    FrameOptions frames;
+    GatewayOptions gateway;
+
+    int run(Streams& streams) const {
+        const auto written = EndpointSpec::parse(to);
+        if (!written || written->port == 0)
+            throw UsageError{ano::in_quotes(to) +
+                             " is not an IP address and a port such as 127.0.0.1:9870; host names are not "
+                             "looked up"};
+        const auto there = endpoint_now(*written);
+        if (!there) throw Failure{no_interface(written->interface).text};
+        Plotted plotted{*there, {ids, from, addresses}, frames};
+        const std::string why = link.empty() ? watch_frames(gateway.socket(), query(), plotted)
+                                             : listen_at_link(plotted, streams);
+        plotted.sum_up(streams);
+        if (!why.empty()) throw Failure{why};
+        return fine;
+    }
+
+private:
+    std::string listen_at_link(Plotted& plotted, Streams& streams) const {
+        if (!links.empty() || !directions.empty())
+            throw UsageError{"--link and --direction are for the frames of a gateway: without a LINK"};
+        listen(link, plotted, streams, "plot-udp");
+        return {};
+    }
+    std::string query() const {
+        return filter_words("id", ids) + filter_words("from", from) + filter_words("to", addresses) +
+               filter_words("link", links) + (directions.empty() ? "&direction=in" : filter_words("direction", directions));
+    }
+};
+
+}    // namespace
+
+Run add_plot_udp(Options& options) {
+    const auto self = std::make_shared<PlotOptions>();
+    options.push_back(
+        {"to", &self->to, "IP:PORT", "Where PlotJuggler's UDP Server listens, with the protocol json: 127.0.0.1:9870", true});
+    options.push_back(
+        {"link", &self->link, "LINK", "A link to listen at, as for monitor; without it, the frames of the gateway that runs"});
+    options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
+    options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
+    options.push_back({"--to", &self->addresses, "ADDRESS...", "Only to these addresses"});
+    options.push_back({"--link", &self->links, "LINK...", "Of the gateway: only by these links, by name"});
+    options.push_back({"--direction", &self->directions, "in|out|dropped...",
+                       "Of the gateway: only what comes, leaves or is dropped (default: in)"});
+    GatewayOptions::add(options, self->gateway);
+    FrameOptions::add_encoding(options, self->frames);
+    options.push_back(
+        {"--config", &self->frames.config, "FILE", "A gateway's configuration, for its layouts of flexible messages"});
+    return [self](Streams& streams) { return self->run(streams); };
+}
+
+}    // namespace anoctl
