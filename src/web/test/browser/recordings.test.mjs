@@ -26,7 +26,8 @@ test("one is begun by a name, ended, taken home and deleted", async () => {
   assert.equal(size, (await all(page)).recordings[0].bytes);
   assert.deepEqual(readdirSync(folderIn(here.gateway.folder)).filter((one) => !one.startsWith(".")), [name]);
   await press(page, "Delete…");
-  await page.keyboard.press("Escape"); // asked first
+  await page.waitForSelector(".recordings .confirm button:focus"); // asked first
+  await page.keyboard.press("Escape");
   assert.equal((await all(page)).recordings.length, 1);
   await press(page, "Delete…");
   await confirm(page);
