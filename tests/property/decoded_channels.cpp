@@ -228,4 +228,19 @@ TEST(DecodedChannels, cdr_takes_no_memory_once_it_has_seen_a_message) {
     EXPECT_EQ(support::allocations, before);
 }
 
+TEST(DecodedChannels, names_beyond_the_last_channel_take_no_memory) {
+    DecodedChannels decoded{DecodedEncoding::cdr};
+    const Bytes frame = support::frame(5, 6, 0x06, Bytes(5));
+    anogate::RecordedFrame record = passed(frame);
+    for (std::size_t i = 0; i < DecodedChannels::max_channels; ++i) {
+        const std::string link = "link " + std::to_string(i);
+        record.link = link;
+        ASSERT_EQ(decoded.decode(record).size(), 1u);
+    }
+    record.link = "a name that nobody had before it";
+    const std::uint64_t before = support::allocations;
+    EXPECT_TRUE(decoded.decode(record).empty());
+    EXPECT_EQ(support::allocations, before);
+}
+
 }    // namespace

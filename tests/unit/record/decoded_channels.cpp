@@ -137,7 +137,9 @@ TEST(DecodedChannels, there_are_no_more_than_so_many) {
     EXPECT_EQ(decoded.channels().size(), DecodedChannels::max_channels);
     EXPECT_FALSE(decoded.decode(passed(euler, "link 0")).empty());
     EXPECT_TRUE(decoded.decode(passed(euler, "link 4999")).empty());
+    EXPECT_TRUE(decoded.decode(passed(support::frame(0xDC, 0xFE, 0x06, {0, 0, 0, 0, 0}), "link 0")).empty());
     EXPECT_TRUE(decoded.decode(passed(support::frame(0x05, 0xFE, 0x06, {0, 0, 0, 0, 0}), "link 0")).empty());
+    EXPECT_EQ(decoded.channels().size(), DecodedChannels::max_channels);
 }
 
 TEST(DecodedChannels, json_has_what_decode_shows_of_the_fields) {
