@@ -1,6 +1,6 @@
 #!/bin/bash
 # Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link;
-# gateway and device < managed < daemon; ano_json < ros < record; gateway < record < anoctl.
+# gateway and device < managed < daemon; ano_json < ros < record; gateway < record < daemon, anoctl.
 # Two headers of ours include Asio, one source libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each
 # program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
