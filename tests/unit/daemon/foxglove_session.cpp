@@ -155,7 +155,8 @@ TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
     for (const FirstFrame& first : found.first_frames())
         for (const FoundChannel& one : first.found()) told[one.channel->topic] = one.kind.link;
     const auto advertised = channels();
-    for (const auto& [topic, link] : told) {
+    for (auto one = told.rbegin(); one != told.rend(); ++one) {    // the one that was found last is shown first
+        const auto& [topic, link] = *one;
         ASSERT_TRUE(advertised.contains(topic)) << topic;
         if (!topic.ends_with("/euler")) continue;
         subscribe(1, advertised.at(topic).at("id"));
