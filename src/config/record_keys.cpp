@@ -10,7 +10,7 @@ namespace anogate {
 namespace {
 
 using namespace key_rows;
-using R = RecordSettings;
+using Rec = RecordSettings;
 
 constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
@@ -39,35 +39,35 @@ std::string put_limit(const KeyFacts&, Value value, RecordSettings& record) {
 
 constexpr std::uint64_t most_age = 3650 * day, most_in_memory = 3600 * second;
 
-constexpr Key<R> record_rows[] = {
-    boolean<&R::start>("start", "it records from the start on; no: when it is asked to"),
-    text<&R::folder>("folder", 0, max_path,
-                     "where the files go; made when missing (default: /var/lib/anogate/recordings, for users "
-                     "~/.local/state/anogate/recordings)") |
+constexpr Key<Rec> record_rows[] = {
+    boolean<&Rec::start>("start", "it records from the start on; no: when it is asked to"),
+    text<&Rec::folder>("folder", 0, max_path,
+                       "where the files go; made when missing (default: /var/lib/anogate/recordings, for users "
+                       "~/.local/state/anogate/recordings)") |
         as("PATH"),
-    choice<&R::format>("format", "pcapng|mcap", "what the files are"),
-    Key<R>{{.name = "direction",
-            .form = Form::texts,
-            .help = "what is recorded: in, out, dropped (default: in)",
-            .least = 1,
-            .most = max_name,
-            .stands_for = "[in|out|dropped...]"},
-           get_direction,
-           put_direction},
-    frames<&R::ids>("id", "only these frames are recorded"),
-    senders<&R::from>("from", "only from these addresses"),
-    senders<&R::to>("to", "only to these addresses"),
-    row<&R::links>({.name = "link", .form = Form::names, .help = "only by these links", .least = 1, .most = max_name}),
-    Key<R>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
-           get_limit,
-           put_limit},
-    size<&R::rotate_size>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
-    duration<&R::rotate_time>("rotate.time", second, most_age, "and one that is so old (default: never)"),
-    size<&R::keep_size>("keep.size", "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
-    duration<&R::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
-    size<&R::keep_free>("keep.free", "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
-    size<&R::free>("free", "while fewer bytes of the disk are free, nothing is written"),
-    duration<&R::keep_last>(
+    choice<&Rec::format>("format", "pcapng|mcap", "what the files are"),
+    Key<Rec>{{.name = "direction",
+              .form = Form::texts,
+              .help = "what is recorded: in, out, dropped (default: in)",
+              .least = 1,
+              .most = max_name,
+              .stands_for = "[in|out|dropped...]"},
+             get_direction,
+             put_direction},
+    frames<&Rec::ids>("id", "only these frames are recorded"),
+    senders<&Rec::from>("from", "only from these addresses"),
+    senders<&Rec::to>("to", "only to these addresses"),
+    row<&Rec::links>({.name = "link", .form = Form::names, .help = "only by these links", .least = 1, .most = max_name}),
+    Key<Rec>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
+             get_limit,
+             put_limit},
+    size<&Rec::rotate_size>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
+    duration<&Rec::rotate_time>("rotate.time", second, most_age, "and one that is so old (default: never)"),
+    size<&Rec::keep_size>("keep.size", "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
+    duration<&Rec::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
+    size<&Rec::keep_free>("keep.free", "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
+    size<&Rec::free>("free", "while fewer bytes of the disk are free, nothing is written"),
+    duration<&Rec::keep_last>(
         "keep_last", second, most_in_memory,
         "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "
         "fault, and when a link is lost (default: none)"),

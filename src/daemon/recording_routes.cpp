@@ -23,7 +23,7 @@ using http::Request;
 constexpr std::string_view filters[] = {"from", "to", "id", "link", "direction"};
 constexpr double most_seconds = 30.0 * 24 * 3600;
 
-struct Wanted {
+struct WantedRecording {
     AskedRecording recording;
     bool is_last = false;
     std::optional<RecordingFormat> format;
@@ -88,7 +88,7 @@ public:
         return {};
     }
 
-    Wanted wanted;
+    WantedRecording wanted;
 
 private:
     Fault read_name(const Json& value) {
@@ -134,7 +134,7 @@ private:
     bool has_direction_ = false, has_time_ = false;
 };
 
-std::variant<Wanted, Fault> read_body(const Request& request, const Gateway& gateway) {
+std::variant<WantedRecording, Fault> read_body(const Request& request, const Gateway& gateway) {
     BodyReader reader;
     Json body = Json::object();
     if (!request.body.empty()) body = Json::parse(request.body, nullptr, false);
@@ -150,7 +150,7 @@ std::variant<Wanted, Fault> read_body(const Request& request, const Gateway& gat
 http::Response begin(Recordings& recordings, const Request& request) {
     auto read = read_body(request, recordings.gateway());
     if (const auto* fault = std::get_if<Fault>(&read)) return http::error(422, *fault);
-    Wanted& wanted = std::get<Wanted>(read);
+    WantedRecording& wanted = std::get<WantedRecording>(read);
     if (wanted.is_last) return recordings.save_last(std::move(wanted.recording.name), wanted.format);
     wanted.recording.format = wanted.format.value_or(recordings.usual_format());
     return recordings.begin(std::move(wanted.recording));

@@ -12,8 +12,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t piece_size = 256 * 1024;    // is read at once
-constexpr std::size_t part_size = 64 * 1024;      // goes between two turns of the loop
+constexpr std::size_t piece_size = 256 * 1024;     // is read at once
+constexpr std::size_t size_of_part = 64 * 1024;    // goes between two turns of the loop
 
 // Stops short where the file does not go on, or can't be read.
 std::string read_piece(int fd, std::uint64_t at, std::size_t size) {
@@ -37,7 +37,7 @@ public:
     void start(std::function<void()> wake) override { wake_ = std::move(wake); }
     Next next(std::string& into) override {
         if (given_ < piece_.size()) {
-            into.assign(piece_, given_, part_size);
+            into.assign(piece_, given_, size_of_part);
             given_ += into.size();
             return given_ == piece_.size() && left_ == 0 ? Next::end : Next::part;
         }

@@ -17,7 +17,7 @@ std::optional<std::uint64_t> number_of(std::string_view text) {
     return error == std::errc::result_out_of_range ? UINT64_MAX : number;
 }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_spaces(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
     return text;
@@ -28,7 +28,7 @@ std::string_view trimmed(std::string_view text) {
 Range wanted_range(std::string_view header, std::uint64_t size) {
     const Range whole{Range::Kind::whole, 0, size}, outside{Range::Kind::outside, 0, 0};
     if (!header.starts_with(unit)) return whole;
-    const std::string_view words = trimmed(header.substr(unit.size()));
+    const std::string_view words = without_spaces(header.substr(unit.size()));
     const std::size_t dash = words.find('-');
     if (dash == words.npos || words.find(',') != words.npos) return whole;
     const std::string_view from = words.substr(0, dash), to = words.substr(dash + 1);

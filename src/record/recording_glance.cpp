@@ -15,17 +15,17 @@ using namespace pcapng;
 constexpr std::size_t block_ends = 12;    // type, and the length twice
 
 template <class T>
-T number_at(std::string_view bytes, std::size_t at) {
+T loaded_at(std::string_view bytes, std::size_t at) {
     return ano::load<T>(reinterpret_cast<const std::uint8_t*>(bytes.data()) + at);
 }
 
 /// The block that ends where `bytes` do, taken off; nothing: none does.
 std::optional<std::string_view> take_last_block(std::string_view& bytes) {
     if (bytes.size() < block_ends) return std::nullopt;
-    const auto size = number_at<std::uint32_t>(bytes, bytes.size() - 4);
+    const auto size = loaded_at<std::uint32_t>(bytes, bytes.size() - 4);
     if (size < block_ends || size % 4 != 0 || size > bytes.size()) return std::nullopt;
     const std::string_view block = bytes.substr(bytes.size() - size);
-    if (number_at<std::uint32_t>(block, 4) != size) return std::nullopt;
+    if (loaded_at<std::uint32_t>(block, 4) != size) return std::nullopt;
     bytes.remove_suffix(size);
     return block;
 }
@@ -35,10 +35,10 @@ std::uint64_t frames_of(std::string_view block) {
     std::string_view options = block.substr(8, block.size() - block_ends);
     options.remove_prefix(options.size() < 12 ? options.size() : 12);    // interface and time
     while (options.size() >= 4) {
-        const auto code = number_at<std::uint16_t>(options, 0), size = number_at<std::uint16_t>(options, 2);
+        const auto code = loaded_at<std::uint16_t>(options, 0), size = loaded_at<std::uint16_t>(options, 2);
         const std::size_t whole = 4 + (std::size_t{size} + 3) / 4 * 4;
         if (code == opt_end || whole > options.size()) break;
-        if (code == isb_ifrecv && size == sizeof(std::uint64_t)) return number_at<std::uint64_t>(options, 4);
+        if (code == isb_ifrecv && size == sizeof(std::uint64_t)) return loaded_at<std::uint64_t>(options, 4);
         options.remove_prefix(whole);
     }
     return 0;
@@ -53,7 +53,7 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     if (reader.position() > 0) glance.head = reader.head();
     std::uint64_t frames = 0;
     while (const auto block = take_last_block(last)) {
-        if (number_at<std::uint32_t>(*block, 0) != interface_statistics) break;
+        if (loaded_at<std::uint32_t>(*block, 0) != interface_statistics) break;
         glance.is_ended = true;
         frames += frames_of(*block);
     }
@@ -74,7 +74,7 @@ public:
     template <class T>
     T number() noexcept {
         const std::string_view taken = bytes(sizeof(T));
-        return taken.empty() ? T{} : number_at<T>(taken, 0);
+        return taken.empty() ? T{} : loaded_at<T>(taken, 0);
     }
     std::string_view bytes(std::uint64_t size) noexcept {
         if (size > rest_.size()) rest_ = {};

@@ -29,7 +29,7 @@ namespace {
 namespace http = anogate::http;
 using ano::Json;
 
-constexpr std::uint64_t piece = 8 * 1024 * 1024;    // of a file, that is asked for at once
+constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // of a file, that is asked for at once
 
 std::string size_of(double bytes) {
     constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
@@ -176,7 +176,7 @@ private:
         http::Request request;
         request.method = "GET";
         request.target = path();
-        request.headers.push_back({"Range", "bytes=" + std::to_string(at) + "-" + std::to_string(at + piece - 1)});
+        request.headers.push_back({"Range", "bytes=" + std::to_string(at) + "-" + std::to_string(at + bytes_at_once - 1)});
         if (!tag.empty()) request.headers.push_back({"If-Range", tag});
         http::Outcome outcome = http::ask(gateway.socket(), std::move(request));
         if (!outcome.fault.empty()) throw Failure{outcome.fault};

@@ -1,5 +1,7 @@
 #include <daemon/control_door.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/recording_routes.hpp>
+#include <daemon/recordings.hpp>
 #include <daemon/reload.hpp>
 #include <daemon/reload_routes.hpp>
 #include <daemon/routes.hpp>
@@ -37,9 +39,11 @@ TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
     anogate::asio::io_context io;
     anogate::Gateway gateway{io, {}};
     anogate::Reload reload{io, gateway, {}, [] { return anogate::ReadConfig{}; }, {}};
+    anogate::Recordings recordings{gateway, {}};
     anogate::ControlDoor door{io, {}};
     anogate::add_routes(door.routes(), gateway);
     anogate::add_reload_routes(door.routes(), reload);
+    anogate::add_recording_routes(door.routes(), recordings);
     door.add_login_route();
     is_current("tools/man/anogate-api.7", api_page(door.routes().rows()));
 }
