@@ -106,7 +106,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
         swapped_ = magic == __builtin_bswap32(byte_order_magic);
         if (!swapped_ && magic != byte_order_magic) return damage("the byte order of a section is not told"), std::nullopt;
     } else if (!begun_) {
-        return damage("it is no pcapng file"), std::nullopt;
+        return damage("it is neither pcapng nor MCAP"), std::nullopt;
     }
     const std::size_t size = u32(rest, 4);
     if (size < (type == section_header ? smallest_section_header : smallest_block) || size % 4 != 0)

@@ -1,13 +1,8 @@
 // What a pcapng file holds, whoever wrote or saved it, in either byte order. No I/O.
 //
-// Flow:    PcapngReader reader;
-//          for (each piece of the file) { reader.give(piece); while (const auto item = reader.next()) ...; }
-//          if (reader.is_damaged()) ...
-//
-// Of a file that was cut, all that is whole before the cut is given. Nothing in a file makes it take more memory than its largest block,
-// max_block, and the names of its links.
+// Nothing in a file makes it take more memory than its largest block, max_block, and the names of its links.
 #pragma once
-#include <record/recording.hpp>
+#include <record/recording_reader.hpp>
 
 #include <array>
 #include <cstddef>
@@ -20,31 +15,23 @@
 
 namespace anogate {
 
-class PcapngReader {
+class PcapngReader final : public RecordingReader {
 public:
     static constexpr std::size_t max_block = 16 * 1024 * 1024;
     static constexpr std::size_t max_interfaces = 65536;
 
-    /// The next bytes of the file.
-    void give(std::string_view bytes);
-    /// Nothing: all that is whole was given, or the file is damaged. Valid until the next call.
-    std::optional<Recorded> next();
+    void give(std::string_view bytes) override;
+    std::optional<Recorded> next() override;
 
-    /// Nothing more is read behind position().
-    bool is_damaged() const noexcept { return fault_ != nullptr; }
-    /// In a clause; only when it is damaged.
-    const char* fault() const noexcept { return fault_; }
-    /// How many bytes of the file were understood.
-    std::uint64_t position() const noexcept { return position_; }
-    /// Bytes behind position(): the begin of a block whose end is not there.
-    std::size_t unfinished() const noexcept { return buffer_.size() - at_; }
+    RecordingFormat format() const noexcept override { return RecordingFormat::pcapng; }
+    const char* fault() const noexcept override { return fault_; }
+    std::uint64_t position() const noexcept override { return position_; }
+    std::size_t unfinished() const noexcept override { return buffer_.size() - at_; }
 
     /// Of the last section that began.
-    const RecordingHead& head() const noexcept { return head_; }
-    /// What tells that the recording was ended came behind the last frame.
-    bool has_end() const noexcept { return has_end_; }
-    /// Packets that are no whole frame: of another program, or damaged.
-    std::uint64_t foreign() const noexcept { return foreign_; }
+    const RecordingHead& head() const noexcept override { return head_; }
+    bool has_end() const noexcept override { return has_end_; }
+    std::uint64_t foreign() const noexcept override { return foreign_; }
 
 private:
     using Bytes = std::span<const std::uint8_t>;

@@ -62,15 +62,6 @@ private:
     std::string bytes_;
 };
 
-// Never half a character.
-std::string_view text_that_fits(std::string_view text) {
-    text = text.substr(0, text.find('\0'));
-    if (text.size() <= PcapngWriter::max_text) return text;
-    std::size_t size = PcapngWriter::max_text;
-    while (size > 0 && (static_cast<std::uint8_t>(text[size]) & 0xC0) == 0x80) --size;
-    return text.substr(0, size);
-}
-
 std::uint32_t flags_of(const RecordedFrame& frame) {
     if (frame.direction != Direction::dropped) return frame.direction == Direction::in ? inbound : outbound;
     const bool came = std::any_of(std::begin(receive_counters), std::end(receive_counters),

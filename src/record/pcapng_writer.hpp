@@ -17,9 +17,6 @@ namespace anogate {
 
 class PcapngWriter final : public RecordingWriter {
 public:
-    /// Texts are cut behind so many bytes, and before a NUL.
-    static constexpr std::size_t max_text = 1024;
-
     /// Appends the head of the file to `out`.
     PcapngWriter(const RecordingHead& head, std::string& out);
 

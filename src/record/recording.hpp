@@ -3,6 +3,7 @@
 #include <ano/frame.hpp>
 #include <gateway/frame_record.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -38,6 +39,11 @@ struct RecordingHead {
     std::uint64_t time_ns = 0;
     std::uint64_t boottime_ns = 0;
 };
+
+/// Texts of a recording are cut behind so many bytes, and before a NUL.
+inline constexpr std::size_t max_recorded_text = 1024;
+/// What of it is recorded: never half a character.
+std::string_view text_that_fits(std::string_view text) noexcept;
 
 /// Seconds in whole microseconds, as the frames of a gateway have them in JSON.
 double json_seconds(std::uint64_t ns) noexcept;

@@ -1,3 +1,4 @@
+#include <record/mcap_repair.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/pcapng_writer.hpp>
 #include <record/recording_repair.hpp>
@@ -5,14 +6,6 @@
 #include <variant>
 
 namespace anogate {
-
-class RecordingRepair::Reading {
-public:
-    virtual ~Reading() = default;
-    virtual void give(std::string_view bytes) = 0;
-    virtual Result finish() = 0;
-};
-
 namespace {
 
 // The end tells how many frames each link has: the same writer, given the same frames, knows.
@@ -38,8 +31,14 @@ public:
         result.is_recording = reader_.position() > 0;
         result.is_whole = reader_.has_end() && reader_.unfinished() == 0 && !reader_.is_damaged();
         if (!result.is_recording || reader_.has_end()) return result;
-        if (!writer_) writer_ = std::make_unique<PcapngWriter>(reader_.head(), written_);
-        writer_->end(result.append);
+        if (ending_of_ != reader_.position()) {
+            ending_.clear();
+            std::string head;
+            PcapngWriter writer = writer_ ? *writer_ : PcapngWriter{reader_.head(), head};
+            writer.end(ending_);
+            ending_of_ = reader_.position();
+        }
+        result.append = ending_;
         return result;
     }
 
@@ -48,11 +47,16 @@ private:
     std::unique_ptr<PcapngWriter> writer_;
     std::string written_;
     std::uint64_t frames_ = 0;
+    std::string ending_;    // of the file that ends behind ending_of_ bytes
+    std::uint64_t ending_of_ = 0;
 };
 
 }    // namespace
 
-RecordingRepair::RecordingRepair(RecordingFormat) : reading_{std::make_unique<PcapngReading>()} {}
+RecordingRepair::RecordingRepair(RecordingFormat format) {
+    if (format == RecordingFormat::mcap) reading_ = std::make_unique<McapRepair>();
+    else reading_ = std::make_unique<PcapngReading>();
+}
 RecordingRepair::~RecordingRepair() = default;
 void RecordingRepair::give(std::string_view bytes) { reading_->give(bytes); }
 RecordingRepair::Result RecordingRepair::finish() { return reading_->finish(); }

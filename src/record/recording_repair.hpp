@@ -31,9 +31,16 @@ public:
 
     /// The next bytes of the file.
     void give(std::string_view bytes);
+    /// As if the file ended here; more may be given afterwards.
     Result finish();
 
-    class Reading;    // of one format
+    /// Of one format.
+    class Reading {
+    public:
+        virtual ~Reading() = default;
+        virtual void give(std::string_view bytes) = 0;
+        virtual Result finish() = 0;
+    };
 
 private:
     std::unique_ptr<Reading> reading_;

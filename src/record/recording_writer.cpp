@@ -1,3 +1,4 @@
+#include <record/mcap_writer.hpp>
 #include <record/pcapng_writer.hpp>
 #include <record/recording_writer.hpp>
 
@@ -20,7 +21,9 @@ std::optional<RecordingFormat> recording_format_of(std::string_view file) noexce
     return std::nullopt;
 }
 
-std::unique_ptr<RecordingWriter> make_recording_writer(RecordingFormat, const RecordingHead& head, std::string& out) {
+std::unique_ptr<RecordingWriter> make_recording_writer(RecordingFormat format, const RecordingHead& head, std::string& out,
+                                                       RecordingOptions options) {
+    if (format == RecordingFormat::mcap) return std::make_unique<McapWriter>(head, out, options);
     return std::make_unique<PcapngWriter>(head, out);
 }
 

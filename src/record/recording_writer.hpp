@@ -6,6 +6,7 @@
 //          writer->flush(bytes);               // now all that was written is in the bytes
 //          writer->end(bytes);                 // nothing is written behind it
 #pragma once
+#include <record/decoded_channels.hpp>
 #include <record/recording.hpp>
 
 #include <cstdint>
@@ -36,7 +37,14 @@ public:
     virtual void end(std::string& out) = 0;
 };
 
+/// Of MCAP: pcapng has frames alone, and packs nothing.
+struct RecordingOptions {
+    DecodedEncoding encoding = DecodedEncoding::cdr;    // of what frames say
+    bool packed = true;                                 // by zstd
+};
+
 /// Appends the head of the file to `out`.
-std::unique_ptr<RecordingWriter> make_recording_writer(RecordingFormat format, const RecordingHead& head, std::string& out);
+std::unique_ptr<RecordingWriter> make_recording_writer(RecordingFormat format, const RecordingHead& head, std::string& out,
+                                                       RecordingOptions options = {});
 
 }    // namespace anogate

@@ -2,8 +2,8 @@
 #pragma once
 #include "bytes.hpp"
 
-#include <record/pcapng_reader.hpp>
-#include <record/pcapng_writer.hpp>
+#include <record/recording_reader.hpp>
+#include <record/recording_writer.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -66,43 +66,55 @@ struct ReadRecording {
     std::size_t unfinished = 0;
 };
 
-/// Given `step` bytes at a time.
-inline ReadRecording read_pcapng(std::string_view file, std::size_t step = 4096) {
-    anogate::PcapngReader reader;
+/// Of any format, given `step` bytes at a time.
+inline ReadRecording read_recording(std::string_view file, std::size_t step = 4096) {
+    const auto reader = anogate::make_recording_reader(file);
     ReadRecording read;
     for (std::size_t at = 0; at < file.size(); at += step) {
-        reader.give(file.substr(at, step));
-        while (const auto item = reader.next()) read.items.push_back(kept(*item));
+        reader->give(file.substr(at, step));
+        while (const auto item = reader->next()) read.items.push_back(kept(*item));
     }
-    read.head = reader.head();
-    read.has_end = reader.has_end();
-    read.foreign = reader.foreign();
-    if (reader.is_damaged()) read.fault = reader.fault();
-    read.position = reader.position();
-    read.unfinished = reader.unfinished();
+    read.head = reader->head();
+    read.has_end = reader->has_end();
+    read.foreign = reader->foreign();
+    if (reader->is_damaged()) read.fault = reader->fault();
+    read.position = reader->position();
+    read.unfinished = reader->unfinished();
     return read;
 }
+inline ReadRecording read_pcapng(std::string_view file, std::size_t step = 4096) { return read_recording(file, step); }
 
-inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogate::RecordingHead& head, bool end = true) {
+/// `often`: it is flushed behind so many items; 0: never.
+inline std::string write_recording(anogate::RecordingFormat format, const std::vector<KeptItem>& items,
+                                   const anogate::RecordingHead& head, bool end = true, std::size_t often = 0) {
     std::string file;
-    anogate::PcapngWriter writer{head, file};
-    for (const KeptItem& item : items) {
-        if (item.frame.empty()) writer.write(anogate::RecordedLoss{item.lost, item.names});
-        else writer.write(frame_of(item), file);
+    const auto writer = anogate::make_recording_writer(format, head, file);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (items[i].frame.empty()) writer->write(anogate::RecordedLoss{items[i].lost, items[i].names});
+        else writer->write(frame_of(items[i]), file);
+        if (often > 0 && (i + 1) % often == 0) writer->flush(file);
     }
-    if (end) writer.end(file);
+    if (end) writer->end(file);
+    else writer->flush(file);
     return file;
+}
+inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogate::RecordingHead& head, bool end = true) {
+    return write_recording(anogate::RecordingFormat::pcapng, items, head, end);
 }
 
 /// Of any bytes: what is read does not depend on how they were cut into pieces; and what was read, recorded, is read as the same, and
 /// recorded again is the same bytes.
 inline bool holds_the_laws_of_recordings(std::string_view file) {
-    const ReadRecording read = read_pcapng(file), in_pieces = read_pcapng(file, 13);
+    const ReadRecording read = read_recording(file), in_pieces = read_recording(file, 13);
     if (read.items != in_pieces.items || read.fault != in_pieces.fault || read.position != in_pieces.position) return false;
     if (read.position > file.size()) return false;
-    const std::string recorded = write_pcapng(read.items, read.head);
-    const ReadRecording again = read_pcapng(recorded);
-    return again.fault.empty() && again.has_end && again.unfinished == 0 && write_pcapng(again.items, again.head) == recorded;
+    for (const auto format : {anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap}) {
+        const std::string recorded = write_recording(format, read.items, read.head);
+        const ReadRecording again = read_recording(recorded);
+        if (!again.fault.empty() || !again.has_end || again.unfinished != 0) return false;
+        if (write_recording(format, again.items, again.head) != recorded) return false;
+    }
+    return true;
 }
 
 }    // namespace support

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <record/pcapng_reader.hpp>
 #include <support/bytes.hpp>
 #include <support/recorded.hpp>
 
@@ -171,7 +172,7 @@ TEST(Pcapng, stops_at_a_block_that_is_none_and_says_why) {
     EXPECT_EQ(fault_behind(6, 13, 0), "a block has a length that no block has");
     EXPECT_EQ(fault_behind(6, PcapngReader::max_block + 4, 0), "a block is longer than 16 MiB");
     EXPECT_EQ(fault_behind(0x0BAD, 16, 20), "both lengths of a block differ");
-    EXPECT_EQ(read_pcapng("not a capture at all").fault, "it is no pcapng file");
+    EXPECT_EQ(read_pcapng("not a capture at all").fault, "it is neither pcapng nor MCAP");
 }
 
 TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {

@@ -1,0 +1,150 @@
+// The numbers of MCAP (mcap.dev/spec), and where a recording has what it holds.
+//
+//   a frame                   a message of the channel /anogate/frames, as CDR with the schema below: log_time and publish_time are its
+//                             time since 1970, everything else stands in the message. It is CDR also where decoded messages are JSON
+//   loss                      a message of the channel /anogate/losses, in front of the frame behind it, with its time
+//   what frames say           a channel for each link, device and message, behind the frame it is of and with its time
+//   program, both clocks      the Metadata "anogate.recording" behind the Header
+//   what it comes to          the Metadata "anogate.summary" in front of DataEnd: links, messages, rates and losses for who reads the
+//                             summary alone
+//   the end                   Footer and magic: a file without them was not ended
+//
+// Everything else is as others have it: chunks, packed with zstd, a MessageIndex for each channel behind each, and a summary with
+// Statistics, ChunkIndex, MetadataIndex and SummaryOffset; every CRC is told.
+#pragma once
+#include <ano/wire.hpp>
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate::mcap {
+
+inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
+inline constexpr std::size_t record_head = 9;    // opcode and length
+inline constexpr std::size_t footer_size = record_head + 20;
+inline constexpr std::size_t max_chunk = 64 * 1024 * 1024;          // unpacked, bytes: of one that is read
+inline constexpr std::size_t max_record = max_chunk + 64 * 1024;    // bytes behind its head
+
+enum class Opcode : std::uint8_t {
+    header = 1,
+    footer,
+    schema,
+    channel,
+    message,
+    chunk,
+    message_index,
+    chunk_index,
+    attachment,
+    attachment_index,
+    statistics,
+    metadata,
+    metadata_index,
+    summary_offset,
+    data_end,
+};
+
+inline constexpr std::string_view frames_topic = "/anogate/frames";
+inline constexpr std::string_view losses_topic = "/anogate/losses";
+inline constexpr std::string_view head_name = "anogate.recording";    // program, time_ns, boottime_ns
+inline constexpr std::string_view counts_name = "anogate.summary";    // json
+
+template <std::unsigned_integral T>
+void put(std::string& out, T number) {
+    std::uint8_t bytes[sizeof number];
+    ano::store(bytes, number);
+    out.append(reinterpret_cast<const char*>(bytes), sizeof number);
+}
+
+/// Behind its length, four bytes.
+inline void put_text(std::string& out, std::string_view text) {
+    put(out, static_cast<std::uint32_t>(text.size()));
+    out += text;
+}
+
+/// The head of a record, whose length end_record() knows; returns what that wants.
+inline std::size_t begin_record(std::string& out, Opcode opcode) {
+    out += static_cast<char>(opcode);
+    put(out, std::uint64_t{0});
+    return out.size();
+}
+inline void end_record(std::string& out, std::size_t begun) {
+    ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + begun - 8, static_cast<std::uint64_t>(out.size() - begun));
+}
+
+/// Takes fields off the front of a record. What is not there is 0 or empty, and the record is bad from then on.
+class Fields {
+public:
+    explicit Fields(std::string_view body) noexcept : rest_{body} {}
+
+    template <std::unsigned_integral T>
+    T number() noexcept {
+        const std::string_view taken = bytes(sizeof(T));
+        return taken.empty() ? T{0} : ano::load<T>(reinterpret_cast<const std::uint8_t*>(taken.data()));
+    }
+    std::string_view bytes(std::uint64_t size) noexcept {
+        if (size > rest_.size()) {
+            bad_ = true;
+            rest_ = {};
+            return {};
+        }
+        const std::string_view taken = rest_.substr(0, static_cast<std::size_t>(size));
+        rest_.remove_prefix(taken.size());
+        return taken;
+    }
+    std::string_view text() noexcept { return bytes(number<std::uint32_t>()); }
+    std::string_view rest() const noexcept { return rest_; }
+    bool is_bad() const noexcept { return bad_; }
+
+private:
+    std::string_view rest_;
+    bool bad_ = false;
+};
+
+/// In the memory of what it was taken of.
+struct Record {
+    Opcode opcode;
+    std::string_view body;
+    std::string_view whole;    // with its head
+};
+
+/// The first record, taken off the front; nothing: it is not whole there.
+std::optional<Record> take_record(std::string_view& bytes) noexcept;
+
+struct Message {
+    std::uint16_t channel = 0;
+    std::uint32_t sequence = 0;
+    std::uint64_t log_time = 0, publish_time = 0;
+    std::string_view data;
+};
+std::optional<Message> message_of(std::string_view body) noexcept;
+void put_message(std::string& out, const Message& message);
+
+/// A schema's `text` in its `encoding`.
+struct SchemaRecord {
+    std::uint16_t id = 0;
+    std::string_view name, encoding, text;
+};
+void put_schema(std::string& out, const SchemaRecord& schema);
+
+struct ChannelRecord {
+    std::uint16_t id = 0, schema = 0;
+    std::string_view topic, encoding;
+};
+std::optional<ChannelRecord> channel_of(std::string_view body) noexcept;
+/// As the profile ros2 wants it, with the qualities of service left open.
+void put_channel(std::string& out, const ChannelRecord& channel);
+
+struct Pair {
+    std::string_view key, value;
+};
+void put_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs);
+std::string_view name_of_metadata(std::string_view body) noexcept;
+/// Empty where there is no such key.
+std::string_view metadata_at(std::string_view body, std::string_view key) noexcept;
+
+}    // namespace anogate::mcap

@@ -1,0 +1,51 @@
+// What an MCAP file holds of frames, whoever wrote or saved it. No I/O.
+//
+// What is read stands in the order of the file; indexes are not looked at. Nothing in a file makes it take more memory than its largest
+// record and the largest chunk, mcap::max_chunk.
+#pragma once
+#include <record/mcap_chunk.hpp>
+#include <record/mcap_items.hpp>
+#include <record/mcap_records.hpp>
+#include <record/recording_reader.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace anogate {
+
+namespace mcap {
+/// Of the Metadata mcap::head_name.
+RecordingHead recording_head_of(std::string_view metadata);
+}    // namespace mcap
+
+class McapReader final : public RecordingReader {
+public:
+    void give(std::string_view bytes) override;
+    std::optional<Recorded> next() override;
+
+    RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
+    const char* fault() const noexcept override { return records_.fault(); }
+    std::uint64_t position() const noexcept override { return records_.position(); }
+    std::size_t unfinished() const noexcept override { return records_.unfinished(); }
+
+    const RecordingHead& head() const noexcept override { return head_; }
+    bool has_end() const noexcept override { return records_.is_ended(); }
+    std::uint64_t foreign() const noexcept override { return items_.foreign(); }
+    bool is_strange() const noexcept override;
+
+private:
+    void take(const mcap::Record& record);
+    void take_outer(const mcap::Record& record);
+
+    mcap::Records records_;
+    mcap::ChunkOpener opener_;
+    mcap::Items items_;
+    RecordingHead head_;
+    bool has_head_ = false, is_data_over_ = false;
+    std::string chunk_;               // its records
+    std::string_view rest_;           // of them
+    std::optional<Recorded> item_;    // of the record that was read last
+};
+
+}    // namespace anogate

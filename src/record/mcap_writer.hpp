@@ -1,0 +1,54 @@
+// A recording as MCAP, which Foxglove, PlotJuggler and ROS 2 open: frames as they were, and what they say decoded. No I/O.
+//
+// What is written waits for its chunk: flush() ends it. Chunks of a second or more are packed well; the summary takes about 100 bytes of
+// memory for a chunk, and 10 for each of its channels, until the recording is ended.
+#pragma once
+#include <record/crc32.hpp>
+#include <record/decoded_channels.hpp>
+#include <record/mcap_chunk.hpp>
+#include <record/recording_counts.hpp>
+#include <record/recording_writer.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace anogate {
+
+class McapWriter final : public RecordingWriter {
+public:
+    /// A chunk of so many bytes is ended by itself; it may have one frame, and what that says, more.
+    static constexpr std::size_t enough = 1024 * 1024;
+
+    /// Appends the head of the file to `out`.
+    McapWriter(const RecordingHead& head, std::string& out, RecordingOptions options = {});
+
+    void write(const RecordedFrame& frame, std::string& out) override;
+    void write(const RecordedLoss& loss) override;
+    void flush(std::string& out) override;
+    void end(std::string& out) override;
+
+private:
+    void put_loss(std::uint64_t time_ns);
+    void put_decoded(const RecordedFrame& frame);
+    void define(std::uint16_t channel, std::string_view topic, const mcap::SchemaRecord& schema, std::string_view encoding);
+    void put(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
+    void append(std::string& out, std::string_view bytes);
+
+    DecodedEncoding encoding_;
+    DecodedChannels decoded_;
+    mcap::ChunkBuilder chunk_;
+    mcap::Summary summary_;
+    RecordingCounts counts_;
+    std::uint64_t position_ = 0;              // bytes of the file
+    Crc32 crc_;                               // of them
+    std::vector<std::uint32_t> sequences_;    // of the next message, by channel; 0: the channel was not told yet
+    std::vector<bool> schemas_;               // that were told
+    std::string lost_names_;
+    std::uint64_t lost_ = 0;          // not told yet
+    std::uint64_t last_ns_ = 0;       // of the frame before
+    std::string message_, record_;    // they keep their memory
+};
+
+}    // namespace anogate

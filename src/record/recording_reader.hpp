@@ -1,0 +1,48 @@
+// Reads a recording in one format or another. No I/O.
+//
+// Flow:    const auto reader = make_recording_reader(first_piece);    // which may be all there is yet, but not nothing
+//          for (each piece of the file) { reader->give(piece); while (const auto item = reader->next()) ...; }
+//          if (reader->is_damaged()) ...
+//
+// Of a file that was cut, all that is whole before the cut is given.
+#pragma once
+#include <record/recording_writer.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+namespace anogate {
+
+class RecordingReader {
+public:
+    virtual ~RecordingReader() = default;
+
+    /// The next bytes of the file.
+    virtual void give(std::string_view bytes) = 0;
+    /// Nothing: all that is whole was given, or the file is damaged. Valid until the next call.
+    virtual std::optional<Recorded> next() = 0;
+
+    virtual RecordingFormat format() const noexcept = 0;
+    /// In a clause, why nothing more is read behind position(); nullptr: it is not damaged.
+    virtual const char* fault() const noexcept = 0;
+    bool is_damaged() const noexcept { return fault() != nullptr; }
+    /// How many bytes of the file were understood.
+    virtual std::uint64_t position() const noexcept = 0;
+    /// Bytes behind position(): the begin of something whose end is not there.
+    virtual std::size_t unfinished() const noexcept = 0;
+
+    virtual const RecordingHead& head() const noexcept = 0;
+    /// What tells that the recording was ended came behind the last frame.
+    virtual bool has_end() const noexcept = 0;
+    /// Packets that are no whole frame: of another program, or damaged.
+    virtual std::uint64_t foreign() const noexcept = 0;
+    /// It is of the format, but nothing in it tells of frames: another program wrote it.
+    virtual bool is_strange() const noexcept { return false; }
+};
+
+/// By how the file begins.
+std::unique_ptr<RecordingReader> make_recording_reader(std::string_view begin);
+
+}    // namespace anogate

@@ -1,0 +1,390 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <record/crc32.hpp>
+#include <record/mcap_chunk.hpp>
+#include <record/mcap_items.hpp>
+#include <record/mcap_reader.hpp>
+#include <record/mcap_writer.hpp>
+#include <support/bytes.hpp>
+#include <support/recorded.hpp>
+
+namespace {
+
+using namespace anogate;
+using support::Bytes;
+using support::KeptItem;
+using support::read_recording;
+
+const RecordingHead head{"anoctl 0.1.0", 1'763'898'044'123'456'789, 1'234'567'890'123};
+const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
+const Bytes wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
+
+KeptItem came(const Bytes& frame, std::string link = "fc") {
+    KeptItem item;
+    item.time_ns = head.time_ns + 1;
+    item.boottime_ns = head.boottime_ns + 1;
+    item.link = std::move(link);
+    item.frame = frame;
+    return item;
+}
+
+KeptItem lost(std::uint64_t count, std::string names) {
+    KeptItem item;
+    item.lost = count;
+    item.names = std::move(names);
+    return item;
+}
+
+std::vector<KeptItem> a_bit_of_everything() {
+    KeptItem first = came(euler);
+    first.description = "serial /dev/ttyUSB0";
+    KeptItem sent = came(wind, "ground");
+    sent.direction = Direction::out;
+    sent.channel = 3;
+    sent.peer = "192.168.1.20:6000";
+    KeptItem dropped = sent;
+    dropped.direction = Direction::dropped;
+    dropped.cause = "limited";
+    dropped.description = "udp-listen 0.0.0.0:12333";
+    KeptItem other = sent;
+    other.channel = 255;
+    other.peer = "";
+    other.boottime_ns = 0;
+    other.time_ns -= 3'600'000'000'000;    // the clock was set back
+    return {first, sent, lost(7, "euler 4, power 3"), dropped, other, first, lost(2, "euler 2")};
+}
+
+std::string write_mcap(const std::vector<KeptItem>& items, bool end = true, std::size_t often = 0) {
+    return support::write_recording(RecordingFormat::mcap, items, head, end, often);
+}
+
+// Every record of a file, by its kind; without those in chunks.
+std::vector<mcap::Record> records_of(std::string_view file) {
+    std::vector<mcap::Record> all;
+    file.remove_prefix(mcap::magic.size());
+    while (const auto record = mcap::take_record(file)) all.push_back(*record);
+    EXPECT_EQ(file, mcap::magic);
+    return all;
+}
+
+std::vector<mcap::Record> records_of(std::string_view file, mcap::Opcode opcode) {
+    std::vector<mcap::Record> all = records_of(file);
+    std::erase_if(all, [&](const mcap::Record& record) { return record.opcode != opcode; });
+    return all;
+}
+
+std::uint64_t place_of(const std::string& file, const mcap::Record& record) {
+    return static_cast<std::uint64_t>(record.whole.data() - file.data());
+}
+
+TEST(Crc32, is_that_of_zip) {
+    EXPECT_EQ(crc32_of("123456789"), 0xCBF43926u);
+    EXPECT_EQ(crc32_of(""), 0u);
+    Crc32 crc;
+    for (const char c : std::string_view{"The quick brown fox jumps over the lazy dog"}) crc.add({&c, 1});
+    EXPECT_EQ(crc.value(), 0x414FA339u);
+    EXPECT_EQ(crc32_of("The quick brown fox jumps over the lazy dog"), 0x414FA339u);
+}
+
+TEST(Mcap, gives_back_all_that_was_written) {
+    const auto items = a_bit_of_everything();
+    for (const std::size_t often : {0u, 1u, 3u}) {
+        const auto read = read_recording(write_mcap(items, true, often), 5);
+        EXPECT_EQ(read.items, items);
+        EXPECT_EQ(read.head.program, head.program);
+        EXPECT_EQ(read.head.time_ns, head.time_ns);
+        EXPECT_EQ(read.head.boottime_ns, head.boottime_ns);
+        EXPECT_TRUE(read.has_end);
+        EXPECT_EQ(read.fault + std::to_string(read.unfinished), "0");
+        EXPECT_EQ(read.foreign, 0u);
+    }
+}
+
+TEST(Mcap, says_that_a_recording_was_not_ended) {
+    const auto read = read_recording(write_mcap({came(euler)}, false));
+    EXPECT_FALSE(read.has_end);
+    EXPECT_EQ(read.items.size(), 1u);
+    const auto none = read_recording(write_mcap({}));
+    EXPECT_TRUE(none.has_end);
+    EXPECT_EQ(none.fault, "");
+    EXPECT_TRUE(none.items.empty());
+}
+
+TEST(Mcap, what_was_flushed_is_read_of_a_file_that_ends_there) {
+    std::string file;
+    McapWriter writer{head, file};
+    const KeptItem item = came(euler);
+    for (std::size_t i = 1; i <= 5; ++i) {
+        writer.write(support::frame_of(item), file);
+        writer.flush(file);
+        EXPECT_EQ(read_recording(file).items.size(), i);
+    }
+    const std::size_t before = file.size();
+    writer.flush(file);
+    EXPECT_EQ(file.size(), before);    // nothing new
+}
+
+TEST(Mcap, gives_all_that_is_whole_before_a_cut_at_any_byte) {
+    const auto items = a_bit_of_everything();
+    const std::string file = write_mcap(items, true, 2);
+    std::vector<KeptItem> read;
+    McapReader reader;
+    for (std::size_t size = 1; size <= file.size(); ++size) {
+        reader.give(std::string_view{file}.substr(size - 1, 1));
+        while (const auto item = reader.next()) read.push_back(support::kept(*item));
+        ASSERT_FALSE(reader.is_damaged()) << size;
+        ASSERT_EQ(reader.position() + reader.unfinished(), size);
+        ASSERT_EQ(reader.has_end(), size == file.size());
+        ASSERT_LE(read.size(), items.size());
+        ASSERT_TRUE(std::equal(read.begin(), read.end(), items.begin())) << size;
+    }
+    EXPECT_EQ(read, items);
+}
+
+TEST(Mcap, a_chunk_is_ended_when_it_has_a_mebibyte) {
+    const Bytes large = support::frame(0xDC, 0xFE, 0xFB, Bytes(60000));
+    std::string file;
+    McapWriter writer{head, file};
+    const std::size_t begin = file.size();
+    const KeptItem item = came(large);
+    std::size_t frames = 0;
+    while (file.size() == begin) {
+        writer.write(support::frame_of(item), file);
+        ++frames;
+    }
+    EXPECT_LE(frames * large.size(), McapWriter::enough + 2 * large.size());
+    EXPECT_EQ(read_recording(file).items.size(), frames);
+}
+
+// As others find messages: summary, chunk index, message index.
+TEST(Mcap, its_indexes_lead_to_every_message) {
+    const auto items = a_bit_of_everything();
+    const std::string file = write_mcap(items, true, 2);
+    std::map<std::uint64_t, std::size_t> found;    // by log_time
+    mcap::ChunkOpener opener;
+    for (const auto& record : records_of(file, mcap::Opcode::chunk_index)) {
+        mcap::Fields fields{record.body};
+        const auto first = fields.number<std::uint64_t>(), last = fields.number<std::uint64_t>();
+        const auto at = fields.number<std::uint64_t>(), size = fields.number<std::uint64_t>();
+        mcap::Fields offsets{fields.text()};
+        const auto index_size = fields.number<std::uint64_t>();
+        EXPECT_EQ(fields.text(), "zstd");
+        std::string_view there = std::string_view{file}.substr(at, size);
+        const auto chunk = mcap::chunk_of(mcap::take_record(there)->body);
+        ASSERT_TRUE(chunk && there.empty());
+        EXPECT_EQ(chunk->records.size(), fields.number<std::uint64_t>());
+        EXPECT_EQ(chunk->unpacked_size, fields.number<std::uint64_t>());
+        EXPECT_EQ(chunk->first_time, first);
+        EXPECT_EQ(chunk->last_time, last);
+        EXPECT_LE(first, last);
+        std::string inner;
+        ASSERT_EQ(opener.open(*chunk, inner), nullptr);
+        std::uint64_t all_index_bytes = 0;
+        while (!offsets.rest().empty()) {
+            const auto channel = offsets.number<std::uint16_t>();
+            std::string_view behind = std::string_view{file}.substr(offsets.number<std::uint64_t>());
+            const auto index = mcap::take_record(behind);
+            ASSERT_TRUE(index && index->opcode == mcap::Opcode::message_index);
+            all_index_bytes += index->whole.size();
+            mcap::Fields entries{index->body};
+            EXPECT_EQ(entries.number<std::uint16_t>(), channel);
+            mcap::Fields entry{entries.text()};
+            while (!entry.rest().empty()) {
+                const auto time = entry.number<std::uint64_t>();
+                std::string_view message_at = std::string_view{inner}.substr(entry.number<std::uint64_t>());
+                const auto message = mcap::message_of(mcap::take_record(message_at)->body);
+                ASSERT_TRUE(message);
+                EXPECT_EQ(message->log_time, time);
+                EXPECT_EQ(message->channel, channel);
+                EXPECT_TRUE(first <= time && time <= last);
+                if (channel <= 2) ++found[time];
+            }
+        }
+        EXPECT_EQ(index_size, all_index_bytes);
+    }
+    EXPECT_EQ(found[head.time_ns + 1], 6u);    // with both losses: the last is told with the time of the frame before
+    EXPECT_EQ(found[head.time_ns + 1 - 3'600'000'000'000], 1u);
+}
+
+TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
+    const std::string file = write_mcap(a_bit_of_everything(), true, 2);
+    const mcap::Record end = records_of(file, mcap::Opcode::data_end).at(0),
+                       footer = records_of(file, mcap::Opcode::footer).at(0);
+    EXPECT_EQ(mcap::Fields{end.body}.number<std::uint32_t>(), crc32_of(std::string_view{file}.substr(0, place_of(file, end))));
+    mcap::Fields fields{footer.body};
+    const auto summary = fields.number<std::uint64_t>(), offsets = fields.number<std::uint64_t>();
+    EXPECT_EQ(summary, place_of(file, end) + end.whole.size());
+    EXPECT_EQ(offsets, place_of(file, records_of(file, mcap::Opcode::summary_offset).at(0)));
+    const std::size_t crc_at = file.size() - mcap::magic.size() - 4;
+    EXPECT_EQ(fields.number<std::uint32_t>(), crc32_of(std::string_view{file}.substr(summary, crc_at - summary)));
+    for (const auto& record : records_of(file, mcap::Opcode::summary_offset)) {
+        mcap::Fields group{record.body};
+        const auto kind = static_cast<mcap::Opcode>(group.number<std::uint8_t>());
+        std::string_view rest = std::string_view{file}.substr(group.number<std::uint64_t>(), group.number<std::uint64_t>());
+        std::size_t count = 0;
+        while (const auto one = mcap::take_record(rest)) count += one->opcode == kind;
+        EXPECT_TRUE(rest.empty());
+        EXPECT_EQ(count, records_of(file, kind).size());
+    }
+    for (const auto& record : records_of(file, mcap::Opcode::metadata_index)) {
+        mcap::Fields index{record.body};
+        std::string_view there = std::string_view{file}.substr(index.number<std::uint64_t>(), index.number<std::uint64_t>());
+        const auto metadata = mcap::take_record(there);
+        ASSERT_TRUE(metadata && there.empty());
+        EXPECT_EQ(mcap::name_of_metadata(metadata->body), index.text());
+    }
+}
+
+TEST(Mcap, counts_messages_that_are_no_whole_frame_and_goes_on) {
+    Bytes broken = euler;
+    broken.back() ^= 1;
+    const auto read = read_recording(write_mcap({came(broken), came(wind)}));
+    EXPECT_EQ(read.foreign, 1u);
+    ASSERT_EQ(read.items.size(), 1u);
+    EXPECT_EQ(read.items[0].frame, wind);
+}
+
+TEST(Mcap, says_what_it_does_not_read) {
+    EXPECT_EQ(read_recording("\x89PNG\r\n\x1A\n").fault, "it is no MCAP file");
+    EXPECT_EQ(read_recording("\x89MCAP1\r\n").fault, "it is of another version of MCAP");
+    const std::string file = write_mcap(a_bit_of_everything());
+    EXPECT_EQ(read_recording(file + "x").fault, "something stands behind its end");
+    std::string other_end = file;
+    other_end.back() = '\r';
+    EXPECT_EQ(read_recording(other_end).fault, "it does not end as an MCAP file does");
+    EXPECT_EQ(read_recording(write_mcap({came(euler)}, false) + std::string(100, '\0')).fault,
+              "it has a record of a kind that there is not");    // zeros: power was lost
+}
+
+std::string file_of(const std::string& records) { return std::string{mcap::magic} + records; }
+
+std::string chunk_record(std::string_view compression, std::string_view bytes, std::uint64_t size, std::uint32_t crc = 0) {
+    std::string record;
+    const std::size_t begun = mcap::begin_record(record, mcap::Opcode::chunk);
+    mcap::put(record, std::uint64_t{0});
+    mcap::put(record, std::uint64_t{0});
+    mcap::put(record, size);
+    mcap::put(record, crc);
+    mcap::put_text(record, compression);
+    mcap::put(record, static_cast<std::uint64_t>(bytes.size()));
+    record += bytes;
+    mcap::end_record(record, begun);
+    return record;
+}
+
+TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
+    const auto fault_of = [](const std::string& record) { return read_recording(file_of(record)).fault; };
+    std::string packed;
+    ZstdPacker{}.pack(std::string(1000, '\1'), packed);
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 999)), "a chunk can't be unpacked: what is in it is damaged");
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1001)), "a chunk can't be unpacked: what is in it is damaged");
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed.substr(0, packed.size() - 1), 1000)),
+              "a chunk can't be unpacked: what is in it is damaged");
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed + "x", 1000)), "a chunk can't be unpacked: what is in it is damaged");
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1000, 1)), "a chunk does not have the checksum that it tells");
+    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1000)), "a record in a chunk reaches over its end");
+    EXPECT_EQ(fault_of(chunk_record("", "abc", 4)), "a chunk does not have the length that it tells");
+    EXPECT_EQ(fault_of(chunk_record("", "abc", 3)), "a record in a chunk reaches over its end");
+    EXPECT_EQ(fault_of(chunk_record("zstd", "", ~std::uint64_t{0})), "a chunk is longer than 64 MiB");
+    EXPECT_NE(fault_of(chunk_record("lz4", "abc", 3)).find("mcap compress --compression zstd"), std::string::npos);
+    EXPECT_EQ(fault_of(chunk_record("br", "abc", 3)), "its chunks are packed by something that is not known here");
+    std::string endless;
+    mcap::put(endless, std::uint8_t{6});
+    mcap::put(endless, ~std::uint64_t{0});
+    EXPECT_EQ(fault_of(endless), "a record is longer than 64 MiB");
+}
+
+TEST(Mcap, a_bomb_takes_no_more_memory_than_a_chunk_may_have) {
+    std::string packed;
+    ZstdPacker{}.pack(std::string(mcap::max_chunk + 1000, '\0'), packed);
+    EXPECT_LT(packed.size(), 10000u);
+    std::string out;
+    EXPECT_FALSE(ZstdUnpacker{}.unpack(packed, 5000, out));
+    EXPECT_LE(out.capacity(), 2u * 1024 * 1024);
+}
+
+TEST(Mcap, a_chunk_in_a_chunk_is_nothing) {
+    const std::string inner = chunk_record("", "", 0);
+    const auto read = read_recording(file_of(chunk_record("", inner + inner, 2 * inner.size())));
+    EXPECT_EQ(read.fault, "");
+    EXPECT_TRUE(read.items.empty());
+}
+
+// As `mcap` and others save it: without chunks, with other numbers, with fields behind those that are known.
+TEST(Mcap, understands_what_others_saved) {
+    const KeptItem item = came(wind, "radio");
+    std::string data, file;
+    mcap::encode(support::frame_of(item), data);
+    const std::size_t header = mcap::begin_record(file, mcap::Opcode::header);
+    mcap::put_text(file, "");
+    mcap::put_text(file, "somebody");
+    file += "more";
+    mcap::end_record(file, header);
+    mcap::put_schema(file, {77, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text});
+    mcap::put_channel(file, {900, 77, mcap::frames_topic, "cdr"});
+    mcap::put_channel(file, {901, 77, "/other", "cdr"});
+    mcap::put_message(file, {901, 0, 1, 1, data});
+    mcap::put_message(file, {900, 0, item.time_ns, item.time_ns, data});
+    file += '\x90';    // of somebody's own
+    mcap::put(file, std::uint64_t{3});
+    file += "abc";
+    const auto read = read_recording(file_of(file));
+    EXPECT_EQ(read.fault, "");
+    EXPECT_EQ(read.items, std::vector<KeptItem>{item});
+}
+
+TEST(Mcap, tells_whether_anything_in_it_is_of_a_gateway) {
+    std::string records;
+    mcap::put_channel(records, {1, 0, "/camera", "cdr"});
+    mcap::put_message(records, {1, 0, 1, 1, "abc"});
+    McapReader strange;
+    strange.give(file_of(records));
+    EXPECT_FALSE(strange.next());
+    EXPECT_TRUE(strange.is_strange());
+    McapReader ours;
+    ours.give(write_mcap({}));
+    EXPECT_FALSE(ours.next());
+    EXPECT_FALSE(ours.is_strange());
+}
+
+TEST(Mcap, a_message_that_is_no_cdr_is_none) {
+    std::string good;
+    mcap::encode(support::frame_of(came(euler)), good);
+    const auto read_with = [](std::string_view data) {
+        mcap::Items items;
+        std::string channel;
+        mcap::put_channel(channel, {1, 1, mcap::frames_topic, "cdr"});
+        items.add_channel(channel.substr(mcap::record_head));
+        return items.item_of({1, 0, 1, 1, data}).has_value();
+    };
+    EXPECT_TRUE(read_with(good));
+    for (std::size_t size = 0; size < good.size(); ++size)
+        EXPECT_FALSE(read_with(std::string_view{good}.substr(0, size))) << size;
+    std::string big_endian = good;
+    big_endian[1] = 0;
+    EXPECT_FALSE(read_with(big_endian));
+    KeptItem out = came(euler);
+    out.direction = Direction::out;
+    std::string direction;
+    mcap::encode(support::frame_of(out), direction);
+    const auto differs = std::mismatch(good.begin(), good.end(), direction.begin()).second;
+    *differs = 3;
+    EXPECT_FALSE(read_with(direction));
+    for (std::size_t at = 4; at < good.size(); ++at) {
+        std::string long_text = good;
+        long_text[at] = '\xFF';
+        read_with(long_text);    // under the sanitizers
+    }
+}
+
+TEST(Mcap, long_texts_are_cut_between_characters) {
+    KeptItem item = came(euler, std::string(1023, 'x') + "温度");
+    EXPECT_EQ(read_recording(write_mcap({item})).items.at(0).link, std::string(1023, 'x'));
+}
+
+}    // namespace

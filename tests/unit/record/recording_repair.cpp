@@ -1,0 +1,184 @@
+// A recording that was cut, at any byte, is a whole one again.
+#include <record/recording_repair.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <support/bytes.hpp>
+#include <support/random.hpp>
+#include <support/recorded.hpp>
+
+namespace {
+
+using namespace anogate;
+using support::KeptItem;
+using support::read_recording;
+
+const RecordingHead head{"anogated 0.1.0", 1'763'898'044'123'456'789, 1'234'567'890'123};
+
+RecordingRepair::Result repair(RecordingFormat format, std::string_view file, std::size_t step = 4096) {
+    RecordingRepair repair{format};
+    for (std::size_t at = 0; at < file.size(); at += step) repair.give(file.substr(at, step));
+    return repair.finish();
+}
+
+std::string repaired(std::string_view file, const RecordingRepair::Result& result) {
+    return std::string{file.substr(0, result.keep)} + result.append;
+}
+
+std::vector<KeptItem> flight(std::size_t frames) {
+    std::vector<KeptItem> items;
+    for (std::size_t i = 0; i < frames; ++i) {
+        KeptItem item;
+        item.time_ns = head.time_ns + i * 1000;
+        item.boottime_ns = head.boottime_ns + i * 1000;
+        item.link = i % 3 == 0 ? "ground" : "fc";
+        item.description = "serial";
+        if (i % 5 == 4) {
+            item.direction = Direction::dropped;
+            item.cause = "limited";
+        }
+        item.frame = support::frame(0xDC, 0xFF, 0x03,
+                                    {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), 0, 0, 0, 0, 1});
+        items.push_back(item);
+        if (i % 7 == 3) {
+            KeptItem loss;
+            loss.lost = i;
+            loss.names = "euler " + std::to_string(i);
+            items.push_back(loss);
+        }
+    }
+    return items;
+}
+
+class Repair : public testing::TestWithParam<RecordingFormat> {};
+
+TEST_P(Repair, a_file_cut_at_any_byte_has_all_that_was_whole_before) {
+    const auto items = flight(40);
+    const std::string file = support::write_recording(GetParam(), items, head, true, 8);
+    const std::size_t head_size = support::write_recording(GetParam(), {}, head, false).size();
+    std::size_t most = 0;
+    RecordingRepair growing{GetParam()};
+    RecordingRepair::Result before;
+    for (std::size_t size = 0; size <= file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
+        const auto cut = std::string_view{file}.substr(0, size);
+        const auto result = growing.finish();
+        ASSERT_EQ(result.is_recording, size >= head_size) << size;
+        if (!result.is_recording) continue;
+        ASSERT_LE(result.keep, size);
+        if (result.keep == before.keep && result.append == before.append) continue;    // the same file
+        before = result;
+        const std::string made = repaired(cut, result);
+        const auto read = read_recording(made), whole = read_recording(cut);
+        ASSERT_EQ(read.fault, "") << size;
+        ASSERT_TRUE(read.has_end) << size;
+        ASSERT_EQ(read.unfinished, 0u) << size;
+        ASSERT_EQ(read.items, whole.items) << size;
+        ASSERT_GE(read.items.size(), most) << size;
+        most = read.items.size();
+        const auto again = repair(GetParam(), made);
+        ASSERT_TRUE(again.is_whole) << size;
+        ASSERT_EQ(again.keep, made.size()) << size;
+        ASSERT_EQ(again.append, "") << size;
+        ASSERT_EQ(again.frames, result.frames) << size;
+    }
+    EXPECT_EQ(most, items.size());
+    EXPECT_TRUE(repair(GetParam(), file).is_whole);
+}
+
+std::uint64_t frames_in(std::string_view file) {
+    const auto items = read_recording(file, 65536).items;
+    return static_cast<std::uint64_t>(
+        std::count_if(items.begin(), items.end(), [](const KeptItem& item) { return !item.frame.empty(); }));
+}
+
+TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
+    constexpr std::size_t mebibyte = 1024 * 1024, frames = 280, frame_size = 4000;
+    support::Random random{1};
+    auto items = flight(frames);
+    for (KeptItem& item : items) {
+        if (item.frame.empty()) continue;
+        support::Bytes data(frame_size);    // that can't be packed
+        for (auto& byte : data) byte = random.byte();
+        item.frame = support::frame(0xDC, 0xFF, 0xFB, data);
+    }
+    const std::string file = support::write_recording(GetParam(), items, head, true, 16);
+    ASSERT_GT(file.size(), mebibyte);
+    RecordingRepair growing{GetParam()};
+    std::size_t at = file.size() - mebibyte, files = 0;
+    growing.give(std::string_view{file}.substr(0, at));
+    RecordingRepair::Result before;
+    for (; at <= file.size(); ++at) {
+        const auto result = growing.finish();
+        ASSERT_TRUE(result.is_recording);
+        ASSERT_LE(result.keep, at);
+        ASSERT_TRUE(at < file.size() || result.is_whole);
+        if (result.keep != before.keep) {
+            ASSERT_GT(result.keep, before.keep);
+            ASSERT_GE(result.frames, before.frames);
+            if (++files % 8 == 1 || at + 5000 > file.size()) {    // to read it takes its time
+                const std::string made = repaired(file, result);
+                ASSERT_EQ(frames_in(made), result.frames) << at;
+                ASSERT_TRUE(repair(GetParam(), made, 65536).is_whole) << at;
+            }
+            before = result;
+        } else if (result.append != before.append) {
+            ASSERT_TRUE(result.is_whole || result.append.empty()) << at;    // within what ends it
+        }
+        if (at < file.size()) growing.give(std::string_view{file}.substr(at, 1));
+    }
+    EXPECT_EQ(before.frames, frames);
+    EXPECT_GT(files, 10u);
+}
+
+TEST_P(Repair, a_file_cut_behind_its_last_frame_is_the_same_bytes_again) {
+    const std::string file = support::write_recording(GetParam(), flight(40), head, true, 8);
+    const std::string unended = support::write_recording(GetParam(), flight(40), head, false, 8);
+    ASSERT_TRUE(file.starts_with(unended));
+    RecordingRepair growing{GetParam()};
+    growing.give(unended);
+    for (std::size_t size = unended.size(); size < file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
+        if (GetParam() == RecordingFormat::mcap) {
+            ASSERT_EQ(repaired(std::string_view{file}.substr(0, size), growing.finish()), file) << size;
+        }
+    }
+    EXPECT_EQ(repaired(unended, repair(GetParam(), unended)), file);
+}
+
+TEST_P(Repair, what_power_left_of_zeros_or_of_nonsense_is_cut_off) {
+    const auto items = flight(40);
+    const std::string file = support::write_recording(GetParam(), items, head, false, 8);
+    for (const std::string& rest : {std::string(5000, '\0'), std::string(5000, '\xA5'), file.substr(file.size() / 2)}) {
+        const std::string damaged = file + rest;
+        const auto read = read_recording(repaired(damaged, repair(GetParam(), damaged)));
+        EXPECT_EQ(read.fault, "");
+        EXPECT_TRUE(read.has_end);
+        ASSERT_GE(read.items.size(), items.size());
+        EXPECT_TRUE(std::equal(items.begin(), items.end(), read.items.begin()));
+    }
+}
+
+TEST_P(Repair, what_is_given_in_pieces_comes_to_the_same) {
+    const std::string file = support::write_recording(GetParam(), flight(40), head, true, 8);
+    const auto cut = std::string_view{file}.substr(0, file.size() * 2 / 3);
+    const auto whole = repair(GetParam(), cut, cut.size()), pieces = repair(GetParam(), cut, 7);
+    EXPECT_EQ(whole.keep, pieces.keep);
+    EXPECT_EQ(whole.append, pieces.append);
+    EXPECT_EQ(whole.frames, pieces.frames);
+}
+
+TEST_P(Repair, what_is_no_recording_stays_as_it_is) {
+    for (const std::string file : {"", "text", "\x89MCAP0\r\n", "\x0A\x0D\x0D\x0A"}) {
+        EXPECT_FALSE(repair(GetParam(), file).is_recording);
+    }
+}
+
+std::string name_of(const testing::TestParamInfo<RecordingFormat>& info) { return std::string{text(info.param)}; }
+
+INSTANTIATE_TEST_SUITE_P(Of, Repair, testing::Values(RecordingFormat::pcapng, RecordingFormat::mcap), name_of);
+
+}    // namespace
