@@ -1,7 +1,7 @@
 #!/bin/bash
 # Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link;
 # gateway and device < managed < daemon; ano_json < ros < record; gateway < record < anoctl.
-# Two headers of ours include Asio, one source libgpiod, one libpng, sources of src/http alone Beast, two of them OpenSSL, one source of each
+# Two headers of ours include Asio, one source libgpiod, one libpng, one zstd, sources of src/http alone Beast, two of them OpenSSL, one source of each
 # program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -46,6 +46,7 @@ only_in 'src/http/(tls|certificate)\.cpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_]+\.cpp' 'boost/beast'
 only_in 'src/link/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
+only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'
