@@ -210,6 +210,45 @@ TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and
     EXPECT_EQ(told["lost"], lost);
 }
 
+class AnoctlRecordMcap : public AnoctlRecord {
+protected:
+    void SetUp() override {
+        AnoctlRecord::SetUp();
+        file = dir / "flight.mcap";
+    }
+};
+
+// Also what came last, when nothing comes behind it that would end its chunk.
+TEST_F(AnoctlRecordMcap, what_comes_stands_in_the_file_within_a_second_and_is_left_when_it_is_killed) {
+    Process recorder = record({});
+    ASSERT_TRUE(until_recorded(1)) << recorder.output();
+    const std::size_t before = items().size();
+    a.send(gateway.port("a"), wind);
+    ASSERT_TRUE(wait_until([&] { return !items().empty() && items().back().frame == wind; })) << before;
+    recorder.signal(SIGKILL);
+    recorder.wait();
+    EXPECT_EQ(items().back().frame, wind);
+    EXPECT_EQ(support::anoctl({"info", file}).exit, 0);
+}
+
+TEST_F(AnoctlRecordMcap, is_ended_with_an_index_and_a_summary) {
+    Process recorder = record({"--json"});
+    ASSERT_TRUE(until_recorded(3)) << recorder.output();
+    recorder.signal(SIGINT);
+    EXPECT_EQ(recorder.wait(), 0) << recorder.output();
+    const auto read = support::read_recording(text_of(file));
+    EXPECT_TRUE(read.has_end);
+    const json summary = json::parse(recorder.output());
+    EXPECT_EQ(summary["frames"], read.items.size());
+    EXPECT_EQ(summary["bytes"], std::filesystem::file_size(file));
+    EXPECT_EQ(json::parse(support::anoctl({"info", "--json", file}).out)["frames"], read.items.size());
+    for (const KeptItem& item : read.items) {
+        EXPECT_EQ(item.link, "a");
+        EXPECT_TRUE(item.channel.has_value());
+        EXPECT_NE(item.peer, "");
+    }
+}
+
 class AnoctlReplay : public testing::Test {
 protected:
     static KeptItem said(const Bytes& frame, std::uint64_t after_ns, anogate::Direction direction = anogate::Direction::in) {
@@ -243,6 +282,15 @@ TEST_F(AnoctlReplay, says_what_came_in_in_its_order) {
     EXPECT_EQ(replayed.wait(), 0) << replayed.output();
     EXPECT_EQ(peer.frames(), expected);
     EXPECT_NE(replayed.output().find("40 frames replayed\n"), std::string::npos) << replayed.output();
+}
+
+TEST_F(AnoctlReplay, says_what_came_in_of_mcap_as_well) {
+    const std::vector<KeptItem> items{said(euler, 0), said(wind, 1), said(euler, 2, anogate::Direction::out)};
+    const std::string file = dir.write("flight.mcap",
+                                       support::write_recording(anogate::RecordingFormat::mcap, items, {"anoctl 0.1.0"}));
+    Process replayed{ANOCTL, {"replay", file, peer.link("there")}};
+    EXPECT_EQ(replayed.wait(), 0) << replayed.output();
+    EXPECT_EQ(peer.frames(), (std::vector<Bytes>{euler, wind}));
 }
 
 TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) {

@@ -2,6 +2,7 @@
 #include "anoctl.hpp"
 #include "counted.hpp"
 #include "frame_printer.hpp"
+#include "message_encoding.hpp"
 #include "recording_input.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
@@ -10,7 +11,7 @@
 #include <ano/messages.hpp>
 #include <ano_json/text.hpp>
 #include <record/csv.hpp>
-#include <record/pcapng_writer.hpp>
+#include <record/recording_writer.hpp>
 
 #include <algorithm>
 #include <bitset>
@@ -137,31 +138,38 @@ private:
 };
 
 /// What of it is wanted, as a recording of its own: of all of it, the same bytes.
-class PcapngTarget final : public Target {
+class RecordingTarget final : public Target {
 public:
-    PcapngTarget(const std::string& out, bool force, Streams& streams) : to_{out, force, streams} {}
+    RecordingTarget(const std::string& out, bool force, anogate::RecordingFormat format, anogate::RecordingOptions options,
+                    Streams& streams)
+        : to_{out, force, streams}, format_{format}, options_{options} {}
 
     void take(const Recorded& item, const RecordingHead& head) override {
-        if (!writer_) writer_.emplace(head, to_.bytes);
+        if (!writer_) begin(head);
         if (const auto* loss = std::get_if<RecordedLoss>(&item)) writer_->write(*loss);
         else writer_->write(std::get<RecordedFrame>(item), to_.bytes);
         to_.write_if(batch);
     }
     void end() override {
-        if (!writer_) writer_.emplace(RecordingHead{"anoctl " ANOGATE_VERSION}, to_.bytes);
+        if (!writer_) begin(RecordingHead{"anoctl " ANOGATE_VERSION});
         writer_->end(to_.bytes);
         to_.write_if(0);
     }
     std::vector<std::string> files() const override { return {to_.path()}; }
 
 private:
+    void begin(const RecordingHead& head) { writer_ = anogate::make_recording_writer(format_, head, to_.bytes, options_); }
+
     Collected to_;
-    std::optional<anogate::PcapngWriter> writer_;
+    anogate::RecordingFormat format_;
+    anogate::RecordingOptions options_;
+    std::unique_ptr<anogate::RecordingWriter> writer_;
 };
 
 struct Convert {
     std::string file, out;
     std::vector<std::string> messages;
+    std::optional<anogate::DecodedEncoding> encoding;
     FrameOptions frames;
     bool force = false;
 
@@ -191,12 +199,18 @@ private:
         return messages.empty() ? wanted.set() : wanted;
     }
     std::unique_ptr<Target> make_target(const ano::JsonOptions& options, bool one, Streams& streams) const {
+        const auto format = anogate::recording_format_of(out);
+        if (encoding && format != anogate::RecordingFormat::mcap)
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
         if (out.ends_with(".csv") || (out == "-" && one && !frames.json))
             return std::make_unique<CsvTarget>(out, one, force, options, streams);
         if (out.ends_with(".ndjson") || out.ends_with(".jsonl") || out == "-")
             return std::make_unique<JsonTarget>(out, force, options, streams);
-        if (out.ends_with(".pcapng")) return std::make_unique<PcapngTarget>(out, force, streams);
-        throw UsageError{ano::in_quotes(out) + " ends neither in .csv nor in .ndjson or .pcapng"};
+        if (format)
+            return std::make_unique<RecordingTarget>(
+                out, force, *format,
+                anogate::RecordingOptions{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true}, streams);
+        throw UsageError{ano::in_quotes(out) + " ends neither in .csv nor in .ndjson, .pcapng or .mcap"};
     }
 };
 
@@ -205,13 +219,16 @@ private:
 Run add_convert(Options& options) {
     const auto self = std::make_shared<Convert>();
     options.push_back({"file", &self->file, "FILE", "A recording; - is standard input", true});
-    options.push_back({"out", &self->out, "OUT_FILE",
-                       "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
-                       "NAME.pcapng a part of the "
-                       "recording; - is standard output, in JSON, or as the table of the only message",
-                       true});
+    options.push_back(
+        {"out", &self->out, "OUT_FILE",
+         "NAME.csv makes a table of each message, NAME-euler.csv; NAME.ndjson is one JSON object a line, "
+         "NAME.pcapng or NAME.mcap a part of the recording; - is standard output, in JSON, or as the table of the only message",
+         true});
     options.push_back(
         {"--id", &self->messages, "ID...", "Only these messages, by name or id; a single one is the table OUT_FILE itself"});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over files that are there"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };

@@ -26,7 +26,7 @@ class FrameTaker {
 public:
     /// False: it wants no more.
     virtual bool take(ano::FrameView frame, const Passage& passage) = 0;
-    /// Behind the frames that came at once. False: nobody reads what it writes any more.
+    /// Behind the frames that came at once, and some times a second. False: nobody reads what it writes any more.
     virtual bool flush() = 0;
     /// A gateway had no room for `count` frames; `names` says of what messages, `json` is its own word.
     virtual void miss(std::uint64_t count, const std::string& names, std::string_view json) = 0;

@@ -3,6 +3,7 @@
 #include "counted.hpp"
 #include "gateway.hpp"
 #include "gateway_json.hpp"
+#include "message_encoding.hpp"
 #include "recording_output.hpp"
 #include "say.hpp"
 #include "table.hpp"
@@ -10,7 +11,7 @@
 
 #include <ano_json/text.hpp>
 #include <link/clocks.hpp>
-#include <record/pcapng_writer.hpp>
+#include <record/recording_writer.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -33,6 +34,8 @@ namespace {
 using ano::Clock;
 
 constexpr auto sync_time = std::chrono::seconds{1};    // what a loss of power costs at most
+constexpr Clock::duration chunk_time = std::chrono::milliseconds{
+    500};    // what a kill costs at most of MCAP: a short chunk is packed badly
 
 anogate::RecordingHead head_now() {
     const anogate::ClockReading clocks = anogate::read_clocks();
@@ -45,46 +48,53 @@ public:
     using Descriptions = std::map<std::string, std::string>;
 
     /// `descriptions`: what each link is, by its name.
-    Recorder(RecordingOutput& output, Descriptions descriptions)
-        : output_{output}, descriptions_{std::move(descriptions)}, writer_{head_now(), waiting_} {}
+    Recorder(RecordingOutput& output, Descriptions descriptions, anogate::RecordingFormat format,
+             anogate::RecordingOptions options)
+        : output_{output},
+          descriptions_{std::move(descriptions)},
+          writer_{anogate::make_recording_writer(format, head_now(), waiting_, options)},
+          flush_time_{format == anogate::RecordingFormat::mcap ? chunk_time : Clock::duration{}} {}
 
     bool take(ano::FrameView frame, const Passage& passage) override {
         const auto described = descriptions_.find(passage.link);
         const std::string_view description = described != descriptions_.end() ? std::string_view{described->second} : "";
-        writer_.write({.time_ns = passage.time_ns,
-                       .boottime_ns = passage.boottime_ns,
-                       .link = passage.link,
-                       .link_description = description,
-                       .direction = passage.direction == "in"    ? anogate::Direction::in
-                                    : passage.direction == "out" ? anogate::Direction::out
-                                                                 : anogate::Direction::dropped,
-                       .cause = passage.cause,
-                       .channel = passage.channel,
-                       .peer = passage.peer,
-                       .frame = frame},
-                      waiting_);
+        writer_->write({.time_ns = passage.time_ns,
+                        .boottime_ns = passage.boottime_ns,
+                        .link = passage.link,
+                        .link_description = description,
+                        .direction = passage.direction == "in"    ? anogate::Direction::in
+                                     : passage.direction == "out" ? anogate::Direction::out
+                                                                  : anogate::Direction::dropped,
+                        .cause = passage.cause,
+                        .channel = passage.channel,
+                        .peer = passage.peer,
+                        .frame = frame},
+                       waiting_);
         ++taken_;
         return true;
     }
-    /// A message of the gateway has some milliseconds of frames: more is never lost when this program is killed.
     bool flush() override {
-        if (waiting_.empty()) return output_.fault().empty();
-        output_.write(waiting_);
-        waiting_.clear();
-        if (output_.fault().empty()) frames = taken_;
-        if (const auto now = Clock::now(); now - synced_ >= sync_time) {
+        const auto now = Clock::now();
+        if (now - flushed_ >= flush_time_) {
+            writer_->flush(waiting_);
+            flushed_ = now;
+            flushed_frames_ = taken_;
+        }
+        write();
+        if (now - synced_ >= sync_time) {
             output_.sync();
             synced_ = now;
         }
         return output_.fault().empty();
     }
     void miss(std::uint64_t count, const std::string& names, std::string_view) override {
-        writer_.write(anogate::RecordedLoss{count, names});
+        writer_->write(anogate::RecordedLoss{count, names});
         lost += count;
     }
     void end() {
-        writer_.end(waiting_);
-        flush();
+        writer_->end(waiting_);
+        flushed_frames_ = taken_;
+        write();
         output_.sync();
     }
     double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
@@ -92,32 +102,47 @@ public:
     std::uint64_t frames = 0, lost = 0;
 
 private:
+    void write() {
+        if (waiting_.empty()) return;
+        output_.write(waiting_);
+        waiting_.clear();
+        if (output_.fault().empty()) frames = flushed_frames_;
+    }
+
     RecordingOutput& output_;
     Descriptions descriptions_;
     std::string waiting_;
-    anogate::PcapngWriter writer_;
-    std::uint64_t taken_ = 0;
+    std::unique_ptr<anogate::RecordingWriter> writer_;
+    std::uint64_t taken_ = 0, flushed_frames_ = 0;
     const ano::TimePoint began_ = Clock::now();
-    ano::TimePoint synced_ = began_;
+    ano::TimePoint synced_ = began_, flushed_ = began_;
+    const Clock::duration flush_time_;
 };
 
 struct Record {
     std::string file;
     std::vector<std::string> ids, from, to, links, directions;
+    std::optional<anogate::DecodedEncoding> encoding;
     std::optional<ano::Duration> time;
     bool force = false, json = false;
     GatewayOptions gateway;
 
     int run(Streams& streams) const {
-        for (const char* other : {".csv", ".json", ".ndjson", ".jsonl", ".mcap"})
+        for (const char* other : {".csv", ".json", ".ndjson", ".jsonl"})
             if (file.ends_with(other))
                 throw UsageError{
-                    file + ": record writes pcapng, as Wireshark reads it: name it .pcapng; anoctl convert makes others of it"};
+                    file +
+                    ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert "
+                    "makes others of it"};
+        const auto format = anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
+        if (encoding && format != anogate::RecordingFormat::mcap)
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
+        const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
         auto descriptions = described_links();    // before there is a file: it tells whether there is a gateway
         RecordingOutput output{file, force, streams};
-        Recorder recorder{output, std::move(descriptions)};
+        Recorder recorder{output, std::move(descriptions), format, options};
         std::string why;
         try {
             why = watch_frames(gateway.socket(), query(), recorder, time);
@@ -179,16 +204,20 @@ Run add_record(Options& options) {
         self->time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
         return {};
     };
-    options.push_back(
-        {"file", &self->file, "FILE",
-         "What is written, as pcapng: Wireshark opens it with the dissector of anoctl messages --lua; - is standard output",
-         true});
+    options.push_back({"file", &self->file, "FILE",
+                       "What is written: NAME.mcap as MCAP, for Foxglove, PlotJuggler and ROS 2; otherwise as pcapng, which "
+                       "Wireshark opens with the "
+                       "dissector of anoctl messages --lua; - is standard output",
+                       true});
     options.push_back({"--id", &self->ids, "ID...", "Only these messages, by name or id"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});
     options.push_back({"--link", &self->links, "LINK...", "Only by these links of the gateway, by name"});
     options.push_back({"--direction", &self->directions, "in|out|dropped...", "What comes, leaves or is dropped (default: in)"});
     options.push_back({"--seconds", Option::Read{read_seconds}, "N", "Ends after so long; otherwise Ctrl-C does"});
+    options.push_back({"--message-encoding",
+                       Option::Read{[self](const std::string& word) { return read_message_encoding(word, self->encoding); }},
+                       "cdr|json", "How MCAP has decoded messages: as ROS 2 does (cdr, the default), or as JSON"});
     options.push_back({"--force", &self->force, "", "Writes over a file that is there"});
     options.push_back({"--json", &self->json, "", "The summary as a JSON object"});
     GatewayOptions::add(options, self->gateway);

@@ -2,11 +2,17 @@
 
 #include "counted.hpp"
 
+#include <record/mcap_format.hpp>
+#include <record/mcap_index.hpp>
+
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace anoctl {
 namespace {
@@ -19,7 +25,8 @@ constexpr std::size_t piece = 256 * 1024;
 
 }    // namespace
 
-RecordingInput::RecordingInput(const std::string& path, Streams& streams) : path_{path}, fd_{-1}, room_(piece) {
+RecordingInput::RecordingInput(const std::string& path, Streams& streams)
+    : path_{path}, fd_{-1}, room_(piece), reader_{anogate::make_recording_reader({})} {
     if (path.empty()) throw UsageError{"a FILE has a name"};
     fd_ = path == "-" ? ::dup(streams.in) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
     if (fd_ < 0) fail_to_read(path);
@@ -33,29 +40,61 @@ bool RecordingInput::read() {
     do n = ::read(fd_, room_.data(), room_.size());
     while (n < 0 && errno == EINTR);
     if (n < 0) fail_to_read(path_);
-    reader_.give({room_.data(), static_cast<std::size_t>(n)});
+    const std::string_view bytes{room_.data(), static_cast<std::size_t>(n)};
+    if (size_ == 0 && n > 0) reader_ = anogate::make_recording_reader(bytes);
+    reader_->give(bytes);
     size_ += static_cast<std::size_t>(n);
     return n > 0;
 }
 
 std::optional<anogate::Recorded> RecordingInput::next() {
     do
-        if (const auto item = reader_.next()) return item;
+        if (const auto item = reader_->next()) return item;
     while (read());
-    if (reader_.position() > 0) return std::nullopt;
-    const char* const why = size_ == 0 ? "it is empty" : reader_.is_damaged() ? reader_.fault() : "it ends before its head does";
+    if (reader_->is_strange())
+        throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " +
+                      std::string{anogate::mcap::frames_topic} + ", and of others no frames can be made"};
+    if (reader_->position() > 0) return std::nullopt;
+    const char* const why = size_ == 0              ? "it is empty"
+                            : reader_->is_damaged() ? reader_->fault()
+                                                    : "it ends before its head does";
     throw Failure{path_ + ": " + why};
 }
 
 RecordingFacts RecordingInput::facts() const {
     RecordingFacts facts;
-    facts.head = reader_.head();
+    facts.format = reader_->format();
+    facts.head = reader_->head();
     facts.size = size_;
-    facts.read = reader_.position();
-    facts.has_end = reader_.has_end();
-    facts.foreign = reader_.foreign();
-    if (reader_.is_damaged()) facts.fault = reader_.fault();
+    facts.read = reader_->position();
+    facts.has_end = reader_->has_end();
+    facts.foreign = reader_->foreign();
+    if (reader_->is_damaged()) facts.fault = reader_->fault();
     return facts;
+}
+
+std::optional<IndexedRecording> read_index(const std::string& path) {
+    struct stat about {};
+    if (path == "-" || ::stat(path.c_str(), &about) != 0 || !S_ISREG(about.st_mode))
+        return std::nullopt;    // a pipe is not even opened: once is enough
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return std::nullopt;
+    const auto index = anogate::read_mcap_index(static_cast<std::uint64_t>(about.st_size),
+                                                [fd](std::uint64_t at, std::size_t size) {
+                                                    std::string bytes(size, '\0');
+                                                    const ssize_t n = ::pread(fd, bytes.data(), size, static_cast<off_t>(at));
+                                                    bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+                                                    return bytes;
+                                                });
+    ::close(fd);
+    if (!index) return std::nullopt;
+    IndexedRecording recording;
+    recording.facts.format = anogate::RecordingFormat::mcap;
+    recording.facts.head = index->head;
+    recording.facts.size = recording.facts.read = static_cast<std::uint64_t>(about.st_size);
+    recording.facts.has_end = true;
+    recording.counts = index->counts;
+    return recording;
 }
 
 RecordingFacts read_recording(const std::string& path, Streams& streams, const TakeRecorded& take) {

@@ -2,10 +2,12 @@
 #pragma once
 #include "anoctl.hpp"
 
-#include <record/pcapng_reader.hpp>
+#include <record/recording_counts.hpp>
+#include <record/recording_reader.hpp>
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@ namespace anoctl {
 
 /// What is known when all was read.
 struct RecordingFacts {
+    anogate::RecordingFormat format = anogate::RecordingFormat::pcapng;
     anogate::RecordingHead head;
     std::uint64_t size = 0;       // of the file, bytes
     std::uint64_t read = 0;       // of it, what was understood
@@ -25,7 +28,7 @@ struct RecordingFacts {
     std::vector<std::string> notes() const;
 };
 
-/// Item by item. "-" is standard input. A file that is still written is read as far as it goes.
+/// Item by item, of any format: how it begins tells. "-" is standard input. A file that is still written is read as far as it goes.
 class RecordingInput {
 public:
     /// Throws UsageError when it can't be read.
@@ -38,7 +41,7 @@ public:
     std::optional<anogate::Recorded> next();
     /// Of that which was read.
     RecordingFacts facts() const;
-    const anogate::RecordingHead& head() const noexcept { return reader_.head(); }
+    const anogate::RecordingHead& head() const noexcept { return reader_->head(); }
 
 private:
     bool read();
@@ -46,9 +49,17 @@ private:
     std::string path_;
     int fd_;
     std::vector<char> room_;
-    anogate::PcapngReader reader_;
+    std::unique_ptr<anogate::RecordingReader>
+        reader_;    // by what was read first; until then there is one that was given nothing
     std::uint64_t size_ = 0;
 };
+
+/// What the index of a recording tells, where it has one and is a file that can be read anywhere; otherwise all of it has to be read.
+struct IndexedRecording {
+    RecordingFacts facts;
+    anogate::RecordingCounts counts;
+};
+std::optional<IndexedRecording> read_index(const std::string& path);
 
 /// Gives each item to `take`, with the head of the recording that it is of, and reads to the end.
 using TakeRecorded = std::function<void(const anogate::Recorded& item, const anogate::RecordingHead& head)>;

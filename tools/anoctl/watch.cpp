@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <optional>
@@ -23,6 +24,8 @@ namespace asio = anogate::asio;
 namespace http = anogate::http;
 using anogate::FrameRecord;
 using Told = nlohmann::json;
+
+constexpr auto flush_time = std::chrono::milliseconds{250};
 
 // The names of numbers that the gateway told.
 class Names {
@@ -53,6 +56,7 @@ public:
             timer.expires_after(*time);
             timer.async_wait(stop);
         }
+        tick();
         http::Request request;
         request.method = "GET";
         request.target = "/frames?format=binary" + query;
@@ -123,6 +127,16 @@ private:
         }
     }
 
+    // What waits is written also when nothing comes any more.
+    void tick() {
+        tick_.expires_after(flush_time);
+        tick_.async_wait([this](anogate::error_code ec) {
+            if (ec || done_) return;
+            if (!taker_.flush()) return finish();
+            tick();
+        });
+    }
+
     void finish() {
         done_ = true;
         io_.stop();
@@ -132,6 +146,7 @@ private:
     Names links_, peers_, causes_;
     bool done_ = false;
     asio::io_context io_{1};
+    asio::steady_timer tick_{io_};
     http::Client client_;
     std::optional<http::Outcome> outcome_;
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <record/mcap_format.hpp>
 #include <support/anoctl.hpp>
 #include <support/files.hpp>
 #include <support/recorded.hpp>
@@ -92,7 +93,7 @@ TEST(Info, says_what_is_no_recording) {
     EXPECT_NE(anoctl({"info", "-"}, "").err.find("it is empty"), std::string::npos);
     const auto text = anoctl({"info", folder.write("a.txt", "no capture, but more than enough text")});
     EXPECT_EQ(text.exit, 1);
-    EXPECT_NE(text.err.find("it is no pcapng file"), std::string::npos);
+    EXPECT_NE(text.err.find("it is neither pcapng nor MCAP"), std::string::npos);
     EXPECT_EQ(anoctl({"info", folder.path().string()}).exit, 2);
 }
 
@@ -181,6 +182,76 @@ TEST(Record, refuses_what_can_not_be_meant) {
     EXPECT_EQ(anoctl({"record", "-", "--control", nobody}, {}, true).exit, 2);
     EXPECT_EQ(anoctl({"record", folder / "a.pcapng", "--control", nobody}).exit, 1);
     EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left where there was nothing to record
+}
+
+TEST(Convert, makes_mcap_and_the_same_pcapng_of_it_again) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "flight.mcap"}).exit, 0);
+    const auto read = support::read_recording(text_of(folder / "flight.mcap"));
+    EXPECT_EQ(read.items, support::read_recording(flight()).items);
+    EXPECT_TRUE(read.has_end);
+    EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", folder / "again.pcapng"}).exit, 0);
+    EXPECT_EQ(text_of(folder / "again.pcapng"), flight());
+    EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", folder / "again.mcap"}).exit, 0);
+    EXPECT_EQ(text_of(folder / "again.mcap"), text_of(folder / "flight.mcap"));
+    EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", "-"}).out, anoctl({"convert", file, "-"}).out);
+}
+
+TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--message-encoding", "json"}).exit, 0);
+    EXPECT_NE(text_of(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not packed
+    EXPECT_EQ(text_of(folder / "a.mcap").find("ros2msg", text_of(folder / "a.mcap").find("jsonschema")), std::string::npos);
+    EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--message-encoding", "xml"}).exit, 2);
+    const auto other = anoctl({"convert", file, folder / "b.pcapng", "--message-encoding", "cdr"});
+    EXPECT_EQ(other.exit, 2);
+    EXPECT_NE(other.err.find("name OUT_FILE .mcap"), std::string::npos) << other.err;
+}
+
+TEST(Info, says_of_mcap_by_its_index_what_it_says_of_all_of_it) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight()), mcap = folder / "flight.mcap";
+    ASSERT_EQ(anoctl({"convert", file, mcap}).exit, 0);
+    const auto said = anoctl({"info", mcap});
+    EXPECT_EQ(said.exit, 0);
+    EXPECT_NE(said.out.find("mcap of anoctl 0.1.0"), std::string::npos) << said.out;
+    EXPECT_NE(said.out.find("4 frames in 2.0 s"), std::string::npos) << said.out;
+    EXPECT_EQ(anoctl({"info", mcap, "--all"}).out, said.out);
+    json indexed = json::parse(anoctl({"info", "--json", mcap}).out),
+         of_pcapng = json::parse(anoctl({"info", "--json", file}).out);
+    EXPECT_EQ(indexed["format"], "mcap");
+    for (const char* key : {"file", "format", "bytes"}) indexed.erase(key), of_pcapng.erase(key);
+    EXPECT_EQ(indexed, of_pcapng);
+}
+
+TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
+    const support::TempDir folder;
+    ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), folder / "flight.mcap"}).exit, 0);
+    const std::string whole = text_of(folder / "flight.mcap");
+    const auto cut = anoctl({"info", folder.write("cut.mcap", whole.substr(0, whole.size() - 100))});
+    EXPECT_EQ(cut.exit, 0) << cut.err;
+    EXPECT_NE(cut.out.find("4 frames in 2.0 s"), std::string::npos) << cut.out;
+    EXPECT_NE(cut.out.find("cut off: the last "), std::string::npos) << cut.out;
+    std::string damaged = whole;
+    damaged[damaged.find("zstd") + 20] ^= 1;
+    const auto by_index = anoctl({"info", folder.write("damaged.mcap", damaged)});
+    EXPECT_EQ(by_index.exit, 0);
+    const auto all = anoctl({"info", "--all", folder / "damaged.mcap"});
+    EXPECT_EQ(all.exit, 1);
+    EXPECT_NE(all.out.find("damaged behind byte "), std::string::npos) << all.out;
+}
+
+TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {
+    const support::TempDir folder;
+    std::string file{anogate::mcap::magic};
+    anogate::mcap::put_channel(file, {1, 0, "/camera", "cdr"});
+    anogate::mcap::put_message(file, {1, 0, 1, 1, "abc"});
+    const auto said = anoctl({"info", folder.write("other.mcap", file)});
+    EXPECT_EQ(said.exit, 1);
+    EXPECT_NE(said.err.find("it is an MCAP file, but not of a gateway: it has no channel /anogate/frames"), std::string::npos)
+        << said.err;
 }
 
 }    // namespace

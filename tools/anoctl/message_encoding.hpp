@@ -1,0 +1,22 @@
+// The option --message-encoding: how MCAP has decoded messages.
+#pragma once
+#include <record/decoded_channels.hpp>
+
+#include <ano_json/text.hpp>
+
+#include <optional>
+#include <string>
+
+namespace anoctl {
+
+/// Empty, or why `word` is none.
+inline std::string read_message_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
+    for (const auto known : {anogate::DecodedEncoding::cdr, anogate::DecodedEncoding::json}) {
+        if (word != text(known)) continue;
+        encoding = known;
+        return {};
+    }
+    return ano::in_quotes(word) + " is neither cdr nor json";
+}
+
+}    // namespace anoctl
