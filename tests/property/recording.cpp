@@ -54,8 +54,10 @@ std::vector<KeptItem> as_read(const std::vector<KeptItem>& items) {
     return all;
 }
 
-TEST(Recording, recorded_and_read_and_recorded_again_is_the_same_bytes) {
-    for (std::uint64_t seed = 0; seed < support::trials(500); ++seed) {
+class Recording : public testing::TestWithParam<anogate::RecordingFormat> {};
+
+TEST_P(Recording, recorded_and_read_and_recorded_again_is_the_same_bytes) {
+    for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
         std::vector<KeptItem> items;
         for (unsigned i = random.below(30u); i > 0; --i) items.push_back(random_item(random));
@@ -65,21 +67,22 @@ TEST(Recording, recorded_and_read_and_recorded_again_is_the_same_bytes) {
         if (!ended) items.push_back(random_item(random)), items.back() = random_item(random);
         while (!ended && !items.empty() && items.back().frame.empty())
             items.pop_back();    // told with the next frame, or at the end
-        const std::string file = support::write_pcapng(items, head, ended);
-        const auto read = support::read_pcapng(file, 1 + random.below(5000u));
+        const std::string file = support::write_recording(GetParam(), items, head, ended);
+        const auto read = support::read_recording(file, 1 + random.below(5000u));
         ASSERT_EQ(read.fault, "") << seed;
         ASSERT_EQ(read.items, as_read(items)) << seed;
         ASSERT_EQ(read.has_end, ended) << seed;
-        ASSERT_EQ(support::write_pcapng(read.items, read.head, ended), file) << seed;
+        ASSERT_EQ(support::write_recording(GetParam(), read.items, read.head, ended), file) << seed;
     }
 }
 
-TEST(Recording, any_bytes_are_read_without_harm) {
+TEST_P(Recording, any_bytes_are_read_without_harm) {
     std::vector<std::string> seeds;
-    for (const auto& entry : std::filesystem::directory_iterator{support::source_file("tests/fuzz/corpus/pcapng")})
+    const std::string corpus = "tests/fuzz/corpus/" + std::string{text(GetParam())};
+    for (const auto& entry : std::filesystem::directory_iterator{support::source_file(corpus)})
         seeds.push_back(support::text_of(entry.path()));
     ASSERT_FALSE(seeds.empty());
-    for (std::uint64_t seed = 0; seed < support::trials(4000); ++seed) {
+    for (std::uint64_t seed = 0; seed < support::trials(1000); ++seed) {
         Random random{seed};
         std::string file = seeds[random.below(seeds.size())];
         for (unsigned i = 1 + random.below(4u); i > 0 && !file.empty(); --i) {
@@ -90,5 +93,10 @@ TEST(Recording, any_bytes_are_read_without_harm) {
         ASSERT_TRUE(support::holds_the_laws_of_recordings(file)) << seed;
     }
 }
+
+std::string name_of(const testing::TestParamInfo<anogate::RecordingFormat>& info) { return std::string{text(info.param)}; }
+
+INSTANTIATE_TEST_SUITE_P(Of, Recording, testing::Values(anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap),
+                         name_of);
 
 }    // namespace
