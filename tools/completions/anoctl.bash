@@ -119,10 +119,10 @@ _anoctl() {
         'record --link') _anoctl_link_names; return ;;
         'record --direction') _anoctl_words 'in out dropped'; return ;;
         'record --seconds') :; return ;;
-        'record --encoding') _anoctl_words 'cdr json'; return ;;
+        'record --message-encoding') _anoctl_words 'cdr json'; return ;;
         'record --control') _anoctl_files; return ;;
         'convert --id') _anoctl_messages; return ;;
-        'convert --encoding') _anoctl_words 'cdr json'; return ;;
+        'convert --message-encoding') _anoctl_words 'cdr json'; return ;;
         'convert --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'convert --value-type-7') _anoctl_words 'f32 u64'; return ;;
         'convert --config') _anoctl_files; return ;;
@@ -159,9 +159,9 @@ _anoctl() {
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;
-        'record') options='--id --from --to --link --direction --seconds --encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
+        'record') options='--id --from --to --link --direction --seconds --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
         'info') options='--all --json -h --help'; operands='_anoctl_files' ;;
-        'convert') options='--id --encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
+        'convert') options='--id --message-encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
         'plot-udp') options='--id --from --to --link --direction --control --encoding --config -h --help'; operands='_anoctl_links' ;;
         'web') options='--open --make-certificate --into --control --json -h --help'; operands=':' ;;

@@ -182,7 +182,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from record' -l to -x -a 'power_un
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l link -x -a '(__anoctl_known links)' -d 'Only by these links of the gateway, by name'
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l direction -x -a 'in out dropped' -d 'What comes, leaves or is dropped '
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l seconds -x -d 'Ends after so long'
-complete -c anoctl -n '__fish_seen_subcommand_from record' -l encoding -x -a 'cdr json' -d 'How MCAP has decoded messages'
+complete -c anoctl -n '__fish_seen_subcommand_from record' -l message-encoding -x -a 'cdr json' -d 'How MCAP has decoded messages'
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l force -d 'Writes over a file that is there'
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l json -d 'The summary as a JSON object'
 complete -c anoctl -n '__fish_seen_subcommand_from record' -l control -r -F -d 'The control socket of the gateway, where it is not the usual one'
@@ -193,7 +193,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from info' -l json -d 'One JSON ob
 complete -c anoctl -n '__fish_seen_subcommand_from info' -s h -l help -d 'Says what there is, and exits'
 complete -c anoctl -n '__fish_seen_subcommand_from info' -F
 complete -c anoctl -n '__fish_seen_subcommand_from convert' -l id -x -a 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind' -d 'Only these messages, by name or id'
-complete -c anoctl -n '__fish_seen_subcommand_from convert' -l encoding -x -a 'cdr json' -d 'How MCAP has decoded messages'
+complete -c anoctl -n '__fish_seen_subcommand_from convert' -l message-encoding -x -a 'cdr json' -d 'How MCAP has decoded messages'
 complete -c anoctl -n '__fish_seen_subcommand_from convert' -l force -d 'Writes over files that are there'
 complete -c anoctl -n '__fish_seen_subcommand_from convert' -l json -d 'One JSON object a line'
 complete -c anoctl -n '__fish_seen_subcommand_from convert' -l encoding -x -a 'utf8 gbk' -d 'What text on the wire is written in '

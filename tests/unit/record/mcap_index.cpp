@@ -88,6 +88,14 @@ TEST(McapIndex, is_none_where_a_byte_of_the_summary_is_another) {
     }
 }
 
+TEST(McapIndex, is_none_where_the_counts_are_not_those_of_the_statistics) {
+    std::string file = support::write_recording(RecordingFormat::mcap, flight(5), head);
+    const std::size_t frames = file.find("{\"frames\":5,");
+    ASSERT_NE(frames, std::string::npos);
+    file[file.find('5', frames)] = '4';
+    EXPECT_FALSE(read_index(file).index);
+}
+
 TEST(McapIndex, is_none_where_the_file_can_not_be_read) {
     EXPECT_FALSE(read_mcap_index(1 << 30, [](std::uint64_t, std::size_t) { return std::string{}; }));
     EXPECT_FALSE(read_mcap_index(~std::uint64_t{0}, [](std::uint64_t, std::size_t size) { return std::string(size, '\xFF'); }));
