@@ -14,17 +14,17 @@
 namespace anogate {
 namespace {
 
-RecordingHead head_now() {
+RecordingHead head_of_file() {
     const ClockReading clocks = read_clocks();
     return {"anogated " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
             static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count())};
 }
 
-std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
+std::string_view recorded_name(const std::vector<std::string>& names, std::size_t number) {
     return number < names.size() ? std::string_view{names[number]} : std::string_view{};
 }
 
-std::string names_of(const LostFrames& lost) {
+std::string names_of_lost(const LostFrames& lost) {
     std::string text;
     for (unsigned n = 0; n < lost.by_id.size(); ++n) {
         if (lost.by_id[n] == 0) continue;
@@ -36,7 +36,7 @@ std::string names_of(const LostFrames& lost) {
     return text;
 }
 
-std::string megabytes(std::uint64_t bytes) {
+std::string room_text(std::uint64_t bytes) {
     char text[32];
     std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / 1e6);
     return text;
@@ -63,7 +63,7 @@ void DiskWriter::take(RecorderItem item) {
 
 void DiskWriter::encode(const RecorderItem& item) {
     if (item.names) names_ = item.names;
-    if (item.lost) writer_->write(RecordedLoss{item.lost->count, names_of(*item.lost)});
+    if (item.lost) writer_->write(RecordedLoss{item.lost->count, names_of_lost(*item.lost)});
     if (!item.batch) return;
     const RecordedNames& names = *names_;
     const auto causes = frame_causes();
@@ -72,14 +72,14 @@ void DiskWriter::encode(const RecorderItem& item) {
         const bool is_dropped = record->direction == Direction::dropped && record->cause < causes.size();
         RecordedFrame frame{.time_ns = record->time_ns,
                             .boottime_ns = record->boottime_ns,
-                            .link = name_at(names.links, record->link),
-                            .link_description = name_at(names.kinds, record->link),
+                            .link = recorded_name(names.links, record->link),
+                            .link_description = recorded_name(names.kinds, record->link),
                             .direction = record->direction,
                             .cause = is_dropped ? causes[record->cause] : std::string_view{},
                             .frame = record->frame};
         if (record->channel != FrameRecord::no_channel) {
             frame.channel = record->channel;
-            frame.peer = name_at(names.peers, record->channel);
+            frame.peer = recorded_name(names.peers, record->channel);
         }
         writer_->write(frame, waiting_);
         ++waiting_frames_;
@@ -147,7 +147,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
     safe_size_ = 0;
     frames_before_ = safe_frames_;
     names_ = safe_names_;
-    writer_ = make_recording_writer(settings_.format, head_now(), waiting_);
+    writer_ = make_recording_writer(settings_.format, head_of_file(), waiting_);
     for (const RecorderItem& item : unsafe_) encode(item);
     writer_->flush(waiting_);
     return write(now);
@@ -163,7 +163,7 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     progress_.is_busy();
     if (!free || *free >= settings_.keep_free + room_between_looks + 4 * much) return {};
     look_for_room_at_ = now;
-    return settings_.folder + ": only " + megabytes(*free) + " of the disk are free, and " + megabytes(settings_.keep_free) +
+    return settings_.folder + ": only " + room_text(*free) + " of the disk are free, and " + room_text(settings_.keep_free) +
            " stay so";
 }
 

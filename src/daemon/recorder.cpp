@@ -16,12 +16,12 @@
 namespace anogate {
 namespace {
 
-constexpr std::chrono::milliseconds patience_at_the_end{500};
-constexpr ano::Duration silent_for = std::chrono::milliseconds{750};    // a disk that is told of
+constexpr std::chrono::milliseconds recorder_patience{500};
+constexpr ano::Duration silence_told = std::chrono::milliseconds{750};    // a disk that is told of
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
-constexpr ano::Duration slack = std::chrono::milliseconds{50};
+constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
-std::shared_ptr<const RecordedNames> names_of(const WatchTables& tables, const Gateway& gateway) {
+std::shared_ptr<const RecordedNames> recorded_names(const WatchTables& tables, const Gateway& gateway) {
     auto names = std::make_shared<RecordedNames>();
     names->links = tables.links;
     names->peers = tables.peers;
@@ -81,7 +81,7 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
       on_change_{std::move(on_change)},
       thread_{std::make_shared<RecorderThread>(settings_)},
       said_{gateway.io()},
-      beat_{gateway.alarms(), [this] { beat(); }, slack} {
+      beat_{gateway.alarms(), [this] { beat(); }, beat_slack} {
     news_.error = RecorderThread::start(thread_);
     if (!news_.error.empty()) {
         is_ended_ = true;
@@ -121,7 +121,7 @@ bool Recorder::Impl::give_next() {
         lost_ += lost->count;
         item.lost = std::make_shared<const LostFrames>(*lost);
     } else {
-        item.names = names_of(*std::get<WatchQueue::Tables>(*next), gateway_);
+        item.names = recorded_names(*std::get<WatchQueue::Tables>(*next), gateway_);
     }
     const std::uint64_t frames = watches_ ? 0 : item.frames();    // which the last of them may have no place for
     if (!thread_->give(std::move(item))) lost_ += frames;
@@ -134,7 +134,7 @@ void Recorder::Impl::end() {
     watches_ = false;
     while (give_next()) {}    // 1 MiB at most
     thread_->end();
-    ends_at_ = Clock::now() + patience_at_the_end;
+    ends_at_ = Clock::now() + recorder_patience;
     beat_.set(Clock::now() + beat_time);
 }
 
@@ -161,8 +161,7 @@ void Recorder::Impl::look() {
 // While something is under way.
 void Recorder::Impl::beat() {
     const ano::Duration silence = thread_->silence(Clock::now());
-    if (const bool was_silent = std::exchange(is_silent_, silence >= silent_for); was_silent != is_silent_) tell();
-    if (watches_) give();
+    if (const bool was_silent = std::exchange(is_silent_, silence >= silence_told); was_silent != is_silent_) tell();
     if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || !watches_) beat_.set(Clock::now() + beat_time);
     else beat_.cancel();
 }

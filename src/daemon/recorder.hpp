@@ -41,7 +41,7 @@ public:
     /// Begins. `gateway` and `watch` outlive it. `on_change` is called from the loop when an error comes or goes, a file begins or
     /// ends, and when all is ended.
     Recorder(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change);
-    /// Ends it at once: what waits is lost after 500 ms.
+    /// Ends it at once: what waits is lost after 500 ms. It does not wait where the disk is known to hang, or 500 ms after end().
     ~Recorder();
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;

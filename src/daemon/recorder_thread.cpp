@@ -18,14 +18,14 @@
 namespace anogate {
 namespace {
 
-constexpr int collects = 200;               // ms: what comes meanwhile is written together
-constexpr int deep_sleep = 1000;            // ms: as often the disk is looked at while nothing comes
-constexpr std::size_t much = 512 * 1024;    // bytes that are not waited with
+constexpr int collecting = 200;                    // ms: what comes meanwhile is written together
+constexpr int deep_sleep = 1000;                   // ms: as often the disk is looked at while nothing comes
+constexpr std::size_t much_queued = 512 * 1024;    // bytes that are not waited with
 constexpr int nice_of_thread = 5;
 
-UniqueFd make_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
+UniqueFd recorder_event() { return UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}; }
 
-bool wait_for(int event, int most) {
+bool wait_for_event(int event, int most) {
     pollfd one{event, POLLIN, 0};
     return ::poll(&one, 1, most) > 0;
 }
@@ -44,9 +44,9 @@ void stand_behind_the_loop() {
 }    // namespace
 
 std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
-    self->wake_ = make_event();
-    self->said_ = make_event();
-    self->ended_ = make_event();
+    self->wake_ = recorder_event();
+    self->said_ = recorder_event();
+    self->ended_ = recorder_event();
     if (!self->wake_ || !self->said_ || !self->ended_) return error_text("the recorder has no descriptor", errno);
     try {
         std::thread{[self] {
@@ -72,7 +72,7 @@ bool RecorderThread::give(RecorderItem item) {
     const std::size_t before = queued_.fetch_add(bytes);
     items_.push(std::move(item));
     const bool is_first = sleeps_deep_.exchange(false);
-    if (is_first || (before < much && before + bytes >= much)) wake();
+    if (is_first || (before < much_queued && before + bytes >= much_queued)) wake();
     return true;
 }
 
@@ -87,7 +87,7 @@ void RecorderThread::abandon() {
 }
 
 bool RecorderThread::wait_for_end(std::chrono::milliseconds most) const {
-    return wait_for(ended_.get(), static_cast<int>(most.count()));
+    return wait_for_event(ended_.get(), static_cast<int>(most.count()));
 }
 
 ano::Duration RecorderThread::silence(ano::TimePoint now) const noexcept {
@@ -137,10 +137,10 @@ void RecorderThread::sleep(const DiskWriter& disk) {
     if (!disk.has_work()) {
         sleeps_deep_ = true;
         if (!items_.empty()) sleeps_deep_ = false;    // it came meanwhile, and who gave it may not have seen that
-        else wait_for(wake_.get(), deep_sleep);
+        else wait_for_event(wake_.get(), deep_sleep);
         sleeps_deep_ = false;
     } else {
-        wait_for(wake_.get(), collects);
+        wait_for_event(wake_.get(), collecting);
     }
     eventfd_t count = 0;
     ::eventfd_read(wake_.get(), &count);

@@ -1,0 +1,412 @@
+// The recorder of a gateway: frames by the loop, files by its thread, and a disk that is well, full, read-only, or hangs.
+#include <daemon/frame_watch.hpp>
+#include <daemon/recorder.hpp>
+#include <daemon/thread_queue.hpp>
+#include <record/recording_repair.hpp>
+
+#include <support/failing_disk.hpp>
+#include <support/recorded_files.hpp>
+#include <support/running_gateway.hpp>
+#include <support/small_disk.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+using support::Bytes;
+using support::failing_disk;
+
+TEST(ThreadQueue, is_for_two_threads) {
+    ThreadQueue<std::shared_ptr<int>> queue{8};
+    constexpr int all = 20'000;
+    std::thread other{[&] {
+        for (int n = 0; n < all;) {
+            if (queue.push(std::make_shared<int>(n))) ++n;
+            else std::this_thread::yield();
+        }
+    }};
+    for (int n = 0; n < all;) {
+        const auto item = queue.pop();
+        if (!item) {
+            std::this_thread::yield();
+            continue;
+        }
+        ASSERT_EQ(**item, n);
+        ++n;
+    }
+    other.join();
+}
+
+/// A numbered frame with more bytes.
+Bytes large(int number) {
+    Bytes data(1000, 0x55);
+    for (int i = 0; i < 4; ++i) data[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> 8 * i);
+    return support::frame(0xDC, 0xFF, 0xF1, data);
+}
+
+class RecorderTest : public testing::Test {
+protected:
+    RecorderTest() {
+        settings.folder = dir / "recordings";
+        settings.name = "flight";
+        settings.keep_free = 0;
+        settings.filter.directions = {true, false, false};
+    }
+    void SetUp() override { ASSERT_TRUE(gateway.until_up("a") && gateway.until_up("b")); }
+
+    Recorder& start() {
+        recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] { ++changes; });
+        EXPECT_TRUE(gateway.until([&] { return !recorder->report().file.empty() || !recorder->report().error.empty(); }));
+        return *recorder;
+    }
+    /// Frames that come, several with each datagram.
+    void send(int frames, bool are_large = false) {
+        for (const int end = sent + frames; sent < end;) {
+            Bytes datagram;
+            for (int i = 0; i < 30 && sent < end; ++i, ++sent)
+                datagram = support::operator+(std::move(datagram), are_large ? large(sent) : support::numbered(0xDC, 0xFF, sent));
+            a.send(gateway.port("a"), datagram);
+            ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == static_cast<std::uint64_t>(sent); }));
+        }
+    }
+    bool until_ended() {
+        return gateway.until([&] { return recorder->report().is_ended; });
+    }
+    bool until_written(int frames) {
+        return gateway.until([&] { return recorder->report().frames == static_cast<std::uint64_t>(frames); });
+    }
+    bool until_error(const std::string& text, ano::Duration limit = support::patience) {
+        return gateway.until([&] { return recorder->report().error.find(text) != std::string::npos; }, limit);
+    }
+    bool until_well() {
+        return gateway.until([&] { return recorder->report().error.empty(); });
+    }
+    support::RecordedFiles files() const { return support::recorded_files(settings.folder, settings.name); }
+
+    const support::TempDir dir;
+    const support::WellAgain well_again{};
+    support::UdpPeer a, b;
+    support::RunningGateway gateway{support::settings_of_texts({a.link("a"), b.link("b")})};
+    FrameWatch watch{gateway.gateway()};
+    RecorderSettings settings;
+    std::unique_ptr<Recorder> recorder;
+    int sent = 0;
+    int changes = 0;
+};
+using RecorderOfGateway = RecorderTest;
+
+TEST_F(RecorderOfGateway, has_all_that_came_until_it_was_ended) {
+    start();
+    send(500);
+    recorder->end();
+    send(100);
+    ASSERT_TRUE(until_ended());
+    const auto written = files();
+    EXPECT_EQ(written.numbers, support::numbers_to(500));
+    EXPECT_TRUE(written.are_whole());
+    ASSERT_FALSE(written.files.at(0).items.empty());
+    const support::KeptItem& first = written.files[0].items.front();
+    EXPECT_EQ(first.link + " " + first.description, "a udp");
+    EXPECT_NE(first.peer, "");
+    const RecorderReport report = recorder->report();
+    EXPECT_EQ(report.file, settings.folder + "/flight.pcapng");
+    EXPECT_EQ(report.frames, 500u);
+    EXPECT_EQ(report.files, 1u);
+    EXPECT_EQ(report.bytes, fs::file_size(report.file));
+    EXPECT_EQ(report.not_written, 0u);
+    EXPECT_EQ(report.error, "");
+    EXPECT_TRUE(gateway.until([&] { return changes >= 2; })) << "a file began, and all is ended";
+}
+
+TEST_F(RecorderOfGateway, a_frame_is_in_the_file_within_a_moment_and_without_an_end) {
+    start();
+    send(1);
+    ASSERT_TRUE(until_written(1));
+    EXPECT_EQ(files().numbers, support::numbers_to(1));
+    EXPECT_FALSE(files().are_whole());
+}
+
+TEST_F(RecorderOfGateway, loses_nothing_when_the_next_file_begins) {
+    settings.rotate_bytes = 50'000;
+    start();
+    send(12'000);
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(12'000));
+    EXPECT_TRUE(files().are_whole());
+    EXPECT_GE(files().files.size(), 2u);
+    EXPECT_EQ(recorder->report().files, files().files.size());
+}
+
+TEST_F(RecorderOfGateway, may_be_destroyed_by_what_it_calls_at_the_end) {
+    recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] {
+        if (recorder->report().is_ended) recorder.reset();
+    });
+    send(10);
+    recorder->end();
+    EXPECT_TRUE(gateway.until([&] { return !recorder; }));
+    EXPECT_EQ(files().numbers, support::numbers_to(10));
+}
+
+TEST_F(RecorderOfGateway, that_is_destroyed_has_written_what_waited) {
+    start();
+    send(200);
+    recorder.reset();
+    EXPECT_EQ(files().numbers, support::numbers_to(200));
+    EXPECT_TRUE(files().are_whole());
+}
+
+TEST_F(RecorderOfGateway, its_thread_stands_behind_the_loop_and_leaves_it_the_signals) {
+    start();
+    std::string found;
+    for (const auto& task : fs::directory_iterator{"/proc/self/task"}) {
+        if (support::text_of(task.path() / "comm") != "recorder\n") continue;
+        found = support::text_of(task.path() / "status");
+        EXPECT_GE(::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoi(task.path().filename().string()))), 5);
+    }
+    const auto at = found.find("SigBlk:");
+    ASSERT_NE(at, std::string::npos);
+    const auto blocked = std::stoull(found.substr(at + 7), nullptr, 16);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGXFSZ}) EXPECT_TRUE(blocked >> (signal - 1) & 1) << signal;
+}
+
+TEST_F(RecorderOfGateway, a_disk_that_hangs_is_told_within_a_second_and_holds_up_no_frame) {
+    start();
+    send(30);
+    ASSERT_TRUE(until_written(30));
+    failing_disk.hangs = true;
+    const auto begin = ano::Clock::now();
+    const int changes_before = changes;
+    send(30);
+    ASSERT_TRUE(until_error("the disk has taken nothing for 1 s", 5s));
+    EXPECT_LT(ano::Clock::now() - begin, 2s) << "a second, and what a busy machine needs";
+    EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
+    b.forget();
+    send(60);
+    EXPECT_TRUE(gateway.until([&] { return !b.heard().empty(); }));
+    failing_disk.hangs = false;
+    ASSERT_TRUE(until_well());
+    ASSERT_TRUE(until_written(120)) << recorder->report().frames;
+    EXPECT_EQ(files().numbers, support::numbers_to(120));
+    EXPECT_EQ(recorder->report().not_written, 0u);
+}
+
+TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_told_in_the_file) {
+    start();
+    failing_disk.hangs = true;
+    send(25'000, true);    // 25 MB, where 17 MiB have room
+    const std::uint64_t lost = recorder->report().not_written;
+    EXPECT_GT(lost, 5000u);
+    EXPECT_LT(lost, 10'000u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(until_written(sent - static_cast<int>(lost))) << recorder->report().frames << " " << lost;
+    send(300, true);
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    const auto written = files();
+    EXPECT_EQ(written.lost, lost);
+    EXPECT_EQ(written.names, "flexible1 " + std::to_string(lost));
+    EXPECT_EQ(recorder->report().not_written, lost);
+    EXPECT_EQ(recorder->report().frames, static_cast<std::uint64_t>(sent) - lost);
+    EXPECT_TRUE(written.are_whole());
+    std::vector<int> wanted = support::numbers_to(sent);    // one stretch is missing
+    const auto gap = wanted.begin() + (sent - 300 - static_cast<int>(lost));
+    wanted.erase(gap, gap + static_cast<int>(lost));
+    EXPECT_EQ(written.numbers, wanted);
+}
+
+TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
+    start();
+    failing_disk.hangs = true;
+    send(30);
+    ASSERT_TRUE(gateway.until([&] { return failing_disk.hanging > 0; }));
+    auto begin = ano::Clock::now();
+    recorder.reset();
+    EXPECT_LT(ano::Clock::now() - begin, 1s);
+    EXPECT_GE(ano::Clock::now() - begin, 400ms) << "it might have been slow";
+    start();
+    ASSERT_TRUE(until_error("the disk has taken nothing"));
+    begin = ano::Clock::now();
+    recorder.reset();
+    EXPECT_LT(ano::Clock::now() - begin, 200ms) << "it is known to hang";
+    start();
+    recorder->end();
+    ASSERT_TRUE(until_error("the disk has taken nothing"));
+    EXPECT_FALSE(recorder->report().is_ended);
+    recorder.reset();
+    EXPECT_LT(gateway.stop(), 2s);
+    failing_disk.hangs = false;
+    EXPECT_TRUE(support::wait_until([&] {
+        const auto left = files();
+        return left.are_whole() && left.files.size() == 3;
+    })) << "who was left behind ends the file";
+}
+
+TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written_when_there_is_room) {
+    fs::create_directories(settings.folder);
+    const support::SmallDisk disk{settings.folder, "64m"};
+    if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
+    start();
+    send(30);
+    ASSERT_TRUE(until_written(30));
+    {
+        std::ofstream filler{settings.folder + "/filler"};
+        while (filler << std::string(65536, '.') << std::flush) {}
+        filler.clear();
+        while (filler << std::string(512, '.') << std::flush) {}    // the rest
+    }
+    const auto begin = ano::Clock::now();
+    const int changes_before = changes;
+    while (recorder->report().error.empty() && ano::Clock::now() - begin < 10s) send(30);
+    EXPECT_TRUE(until_error("flight.pcapng: No space left on device"));
+    EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
+    EXPECT_FALSE(files().numbers.empty());
+    EXPECT_EQ(files().files.at(0).unfinished, 0u) << "no half frame";
+    b.forget();
+    send(30);
+    EXPECT_TRUE(gateway.until([&] { return !b.heard().empty(); }));
+    fs::remove(settings.folder + "/filler");
+    ASSERT_TRUE(until_well());
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(sent));
+    EXPECT_EQ(files().files.size(), 1u);
+    EXPECT_TRUE(files().are_whole());
+    EXPECT_EQ(recorder->report().not_written, 0u);
+}
+
+TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
+    fs::create_directories(settings.folder);
+    const support::SmallDisk disk{settings.folder, "16m"};
+    if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
+    settings.keep_free = 8'000'000;
+    start();
+    while (recorder->report().error.empty() && sent < 20'000) send(300, true);
+    EXPECT_TRUE(until_error("of the disk are free, and 8.0 MB stay so"));
+    const std::string error = recorder->report().error;
+    send(3000, true);
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_GE(fs::space(settings.folder).available, settings.keep_free);
+    EXPECT_GT(recorder->report().frames, 1000u) << error;
+    EXPECT_EQ(recorder->report().frames + recorder->report().not_written, static_cast<std::uint64_t>(sent));
+    EXPECT_EQ(files().numbers, support::numbers_to(static_cast<int>(recorder->report().frames)));
+    EXPECT_TRUE(files().are_whole()) << "what was to stay free is enough to end it";
+}
+
+TEST_F(RecorderOfGateway, a_disk_that_can_only_be_read_is_told_and_asked_again) {
+    fs::create_directories(settings.folder);
+    const support::SmallDisk disk{settings.folder, "1m"};
+    if (!disk.why_not().empty() || !disk.read_only(true)) GTEST_SKIP() << disk.why_not();
+    start();
+    EXPECT_EQ(recorder->report().error, settings.folder + "/flight.pcapng: Read-only file system");
+    send(60);
+    ASSERT_TRUE(disk.read_only(false));
+    ASSERT_TRUE(until_well());
+    ASSERT_TRUE(until_written(60));
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(60));
+}
+
+TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_file) {
+    start();
+    send(30);
+    ASSERT_TRUE(until_written(30));
+    fs::remove_all(settings.folder);
+    ASSERT_TRUE(gateway.until([&] { return recorder->report().file == settings.folder + "/flight-2.pcapng"; }));
+    send(30);
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    const auto next = support::read_pcapng(support::text_of(settings.folder + "/flight-2.pcapng"));
+    ASSERT_FALSE(next.items.empty());
+    EXPECT_EQ(support::number_of(next.items.back().frame), 59);
+}
+
+/// A process with a gateway that records what comes to the port that it says.
+class OtherProcess {
+public:
+    explicit OtherProcess(const std::string& folder) {
+        int ends[2];
+        if (::pipe(ends) != 0 || (pid_ = ::fork()) < 0) throw std::runtime_error{"no process"};
+        if (pid_ == 0) record(folder, ends[1]);
+        ::close(ends[1]);
+        if (::read(ends[0], &port, sizeof port) != sizeof port) throw std::runtime_error{"it did not start"};
+        ::close(ends[0]);
+    }
+    ~OtherProcess() { kill(); }
+    OtherProcess(const OtherProcess&) = delete;
+    OtherProcess& operator=(const OtherProcess&) = delete;
+    void kill() {
+        if (pid_ <= 0) return;
+        ::kill(pid_, SIGKILL);
+        ::waitpid(std::exchange(pid_, 0), nullptr, 0);
+    }
+
+    std::uint16_t port = 0;
+
+private:
+    [[noreturn]] static void record(const std::string& folder, int tell) {
+        support::RunningGateway gateway{support::settings_of_texts({"udp-listen:127.0.0.1:0,name=a"})};
+        FrameWatch watch{gateway.gateway()};
+        RecorderSettings settings;
+        settings.folder = folder;
+        settings.name = "flight";
+        settings.keep_free = 0;
+        settings.filter.directions = {true, false, false};
+        const Recorder recorder{gateway.gateway(), watch, settings, [] {}};
+        gateway.until([&] { return gateway.up("a") && !recorder.report().file.empty(); });
+        const std::uint16_t port = gateway.port("a");
+        if (::write(tell, &port, sizeof port) == sizeof port) gateway.until([] { return false; }, 60s);
+        ::_exit(0);
+    }
+
+    pid_t pid_ = 0;
+};
+
+TEST(RecorderOfProcess, that_is_killed_has_all_but_the_last_second) {
+    const support::TempDir dir;
+    OtherProcess other{dir / "recordings"};
+    support::UdpPeer peer;
+    std::vector<ano::TimePoint> sent;
+    for (const auto end = ano::Clock::now() + 1500ms; ano::Clock::now() < end; std::this_thread::sleep_for(2ms)) {
+        peer.send(other.port, support::numbered(0xDC, 0xFF, static_cast<int>(sent.size())));
+        sent.push_back(ano::Clock::now());
+    }
+    const auto killed = ano::Clock::now();
+    other.kill();
+    const std::string path = dir / "recordings/flight.pcapng";
+    const auto written = support::recorded_files(dir / "recordings", "flight");
+    const auto must = std::count_if(sent.begin(), sent.end(), [&](auto at) { return at < killed - 1s; });
+    EXPECT_GT(must, 50);
+    EXPECT_GE(static_cast<std::ptrdiff_t>(written.numbers.size()), must);
+    EXPECT_EQ(written.numbers, support::numbers_to(static_cast<int>(written.numbers.size())));
+    RecordingRepair repair{RecordingFormat::pcapng};
+    repair.give(support::text_of(path));
+    const auto repaired = repair.finish();
+    EXPECT_TRUE(repaired.is_recording);
+    EXPECT_FALSE(repaired.is_whole);
+    EXPECT_GE(repaired.frames, written.numbers.size());
+}
+
+}    // namespace
