@@ -63,6 +63,10 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
       usual_folder_{std::move(usual_folder)},
       watch_{gateway},
       disk_{gateway.io()},
+      save_due_{gateway.alarms(),
+                [this] {
+                    if (memory_) save(save_as_, usual_format(), [](const http::Response&) {});
+                }},
       clock_{gateway.io(), [this] { watch_clock(); }} {
     gateway_.set_recording(this);
     settings_ = gateway_.settings().record.value_or(RecordSettings{});
@@ -121,6 +125,7 @@ void Recordings::remember() {
 
 void Recordings::stop() {
     if (std::exchange(is_stopped_, true)) return;
+    save_due_.cancel();
     ear_.reset();
     memory_.reset();
     end_by_ = Clock::now() + patience_at_the_end;

@@ -7,6 +7,7 @@
 #include <daemon/recorder.hpp>
 #include <daemon/recordings_folder.hpp>
 #include <daemon/ticker.hpp>
+#include <link/alarm.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -108,6 +109,8 @@ private:
     std::unique_ptr<FaultEar> ear_;
     std::optional<TimePoint> saved_at_;    // by itself, the last time
     std::string last_saved_, save_fault_;
+    std::string save_as_;    // when it is due:
+    Alarm save_due_;
     std::optional<std::uint64_t> free_;
     Ticker clock_;
     unsigned ticks_ = 0;

@@ -2,7 +2,6 @@
 #include <daemon/answer_json.hpp>
 #include <daemon/running_recording.hpp>
 #include <daemon/served_file.hpp>
-#include <link/asio.hpp>
 #include <link/clocks.hpp>
 
 #include <spdlog/spdlog.h>
@@ -237,7 +236,7 @@ http::Response Recordings::last(std::optional<RecordingFormat> format) {
 
 void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 
-// Of what comes again and again, the first is told; it is not saved while a link is taken down within a call of its own.
+// Of what comes again and again, the first counts. What came just before is in memory when the batch that it is in has ended.
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
@@ -246,10 +245,8 @@ void Recordings::save_for(std::string_view why) {
         return;
     }
     saved_at_ = now;
-    asio::post(gateway_.io(),
-               [this, name = name_by_time(since_1970()) + "-" + std::string{why}, alive = std::weak_ptr<bool>{is_alive_}] {
-                   if (!alive.expired() && memory_ && !is_stopped_) save(name, usual_format(), [](const http::Response&) {});
-               });
+    save_as_ = name_by_time(since_1970()) + "-" + std::string{why};
+    save_due_.set(now + 2 * FrameWatch::batch_time);
 }
 
 void Recordings::save(const std::string& name, RecordingFormat format, Say say) {
