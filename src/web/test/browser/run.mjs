@@ -12,11 +12,25 @@ const given = process.argv.slice(2);
 const files = given.length > 0 ? given : readdirSync(here).filter((name) => name.endsWith(".test.mjs")).map((name) => join(here, name));
 if (given.length === 0 && existsSync(shots)) for (const name of readdirSync(shots)) if (name.endsWith(".png")) rmSync(join(shots, name));
 
-const browser = await launchBrowser();
-const tests = spawn(process.execPath, ["--test", "--test-reporter=spec", "--test-concurrency=2", ...files], {
-  stdio: ["ignore", "inherit", "inherit"],
-  env: { ...process.env, ANOGATE_BROWSER: browser.wsEndpoint() },
-});
-process.exitCode = await new Promise((done) => tests.on("exit", (status) => done(status ?? 1)));
-await browser.close();
+/** Its exit status, and whether the browser was there to the end. */
+async function run() {
+  const browser = await launchBrowser();
+  let isThere = true;
+  browser.on("disconnected", () => { isThere = false; });
+  const tests = spawn(process.execPath, ["--test", "--test-reporter=spec", "--test-concurrency=2", ...files], {
+    stdio: ["ignore", "inherit", "inherit"],
+    env: { ...process.env, ANOGATE_BROWSER: browser.wsEndpoint() },
+  });
+  const status = await new Promise((done) => tests.on("exit", (code) => done(code ?? 1)));
+  const outcome = { status, isThere };
+  await browser.close().catch(() => undefined);
+  return outcome;
+}
+
+let { status, isThere } = await run();
+if (status !== 0 && !isThere) {
+  console.log("the browser ended in the middle, by itself: all once more");
+  ({ status } = await run());
+}
+process.exitCode = status;
 console.log(`pictures: ${shots}`);
