@@ -159,11 +159,12 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
     look_for_room_at_ = now + look_time;
     look_for_room_behind_ = size + room_between_looks;
-    const auto free = settings_.keep_free > 0 ? free_bytes(settings_.folder) : std::nullopt;
+    if (settings_.keep_free == 0) return {};
+    const std::uint64_t free = free_bytes(settings_.folder).value_or(UINT64_MAX);
     progress_.is_busy();
-    if (!free || *free >= settings_.keep_free + room_between_looks + 4 * much) return {};
+    if (free >= settings_.keep_free + room_between_looks + 4 * much) return {};
     look_for_room_at_ = now;
-    return settings_.folder + ": only " + room_text(*free) + " of the disk are free, and " + room_text(settings_.keep_free) +
+    return settings_.folder + ": only " + room_text(free) + " of the disk are free, and " + room_text(settings_.keep_free) +
            " stay so";
 }
 

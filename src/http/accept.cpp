@@ -1,4 +1,5 @@
 #include <http/accept.hpp>
+#include <http/without_spaces.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -6,12 +7,6 @@
 
 namespace anogate::http {
 namespace {
-
-std::string_view without_spaces(std::string_view word) {
-    const auto begin = word.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return {};
-    return word.substr(begin, word.find_last_not_of(" \t") - begin + 1);
-}
 
 /// Takes what stands before the next `separator` off the front of `rest`.
 std::string_view take(std::string_view& rest, char separator) {

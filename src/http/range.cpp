@@ -1,4 +1,5 @@
 #include <http/range.hpp>
+#include <http/without_spaces.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -15,12 +16,6 @@ std::optional<std::uint64_t> number_of(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (text.empty() || end != text.data() + text.size()) return std::nullopt;
     return error == std::errc::result_out_of_range ? UINT64_MAX : number;
-}
-
-std::string_view without_spaces(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    return text;
 }
 
 }    // namespace

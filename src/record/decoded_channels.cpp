@@ -13,8 +13,6 @@
 #include <vector>
 
 namespace anogate {
-namespace {
-
 /// A message, and where its schema is once it has one.
 struct KnownMessage {
     TableMessage message;
@@ -36,8 +34,6 @@ struct DecodedLink {
     std::string name;    // in topics
     std::array<std::unique_ptr<DecodedDevice>, 256> devices{};
 };
-
-}    // namespace
 
 struct DecodedChannels::State {
     DecodedEncoding encoding;

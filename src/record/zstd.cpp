@@ -12,15 +12,13 @@ constexpr int pack_level = 1;         // 400 MB/s and more: a recording must kee
 constexpr int longest_window = 26;    // 2^26 bytes: more than a chunk may have
 constexpr std::size_t unpack_step = 1024 * 1024;
 
-struct FreeZstd {
-    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-    void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
-};
-
 }    // namespace
 
 struct ZstdPacker::Context {
-    std::unique_ptr<ZSTD_CCtx, FreeZstd> zstd{ZSTD_createCCtx()};
+    struct Free {
+        void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+    };
+    std::unique_ptr<ZSTD_CCtx, Free> zstd{ZSTD_createCCtx()};
 };
 
 ZstdPacker::ZstdPacker() : context_{std::make_unique<Context>()} {
@@ -38,7 +36,10 @@ void ZstdPacker::pack(std::string_view bytes, std::string& out) {
 }
 
 struct ZstdUnpacker::Context {
-    std::unique_ptr<ZSTD_DCtx, FreeZstd> zstd{ZSTD_createDCtx()};
+    struct Free {
+        void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+    };
+    std::unique_ptr<ZSTD_DCtx, Free> zstd{ZSTD_createDCtx()};
 };
 
 ZstdUnpacker::ZstdUnpacker() : context_{std::make_unique<Context>()} {
