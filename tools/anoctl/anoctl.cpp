@@ -25,7 +25,7 @@
 namespace anoctl {
 
 std::span<const Subcommand> subcommands() noexcept {
-    static constexpr std::array<Subcommand, 26> all{{
+    static constexpr std::array<Subcommand, 27> all{{
         {"decode", "Shows the frames in bytes", add_decode},
         {"encode", "Makes a frame", add_encode},
         {"messages", "Shows the messages of the protocol", add_messages},
