@@ -189,8 +189,8 @@ TEST(DecodedChannels, names_of_flexible_values_make_definitions_of_ros) {
         EXPECT_EQ(support::decoded_cdr(cdr.schemas()[0].text, messages[0].data).size(), fields.size()) << seed;
         const auto objects = json.decode(passed(frame));
         ASSERT_EQ(objects.size(), 1u) << seed;
-        EXPECT_NO_THROW(static_cast<void>(Json::parse(objects[0].data))) << seed;
-        EXPECT_NO_THROW(static_cast<void>(Json::parse(json.schemas()[0].text))) << seed;
+        EXPECT_TRUE(Json::accept(objects[0].data)) << seed;
+        EXPECT_TRUE(Json::accept(json.schemas()[0].text)) << seed;
     }
 }
 

@@ -63,7 +63,9 @@ TEST(RecordingGlance, of_one_cut_anywhere_neither_fails_nor_takes_it_for_whole) 
     for (std::size_t size = 0; size <= whole.size(); ++size) {
         const std::string cut = whole.substr(0, size);
         const RecordingGlance seen = glance(cut);
-        if (size < frames_alone.size()) EXPECT_FALSE(seen.is_ended) << size;
+        if (size < frames_alone.size()) {
+            EXPECT_FALSE(seen.is_ended) << size;
+        }
     }
 }
 
