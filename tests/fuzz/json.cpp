@@ -14,19 +14,19 @@
 namespace {
 
 using namespace ano;
-using Bytes = std::vector<std::uint8_t>;
+using FrameBytes = std::vector<std::uint8_t>;
 
 void must(bool law) {
     if (!law) std::abort();
 }
 
-void survives(const Bytes& bytes) {
+void survives(const FrameBytes& bytes) {
     const auto frame = frame_at(bytes);
     must(frame.has_value());
     for (const Encoding encoding : {Encoding::utf8, Encoding::gbk, Encoding::automatic}) {
         const Json read = Json::parse(frame_to_json(*frame, {nullptr, encoding}).dump());
         const auto again = frame_from_json(read);
-        must(std::holds_alternative<Bytes>(again) && std::get<Bytes>(again) == bytes);
+        must(std::holds_alternative<FrameBytes>(again) && std::get<FrameBytes>(again) == bytes);
     }
 }
 
@@ -35,7 +35,7 @@ void survives(const Bytes& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t size) {
     if (size == 0) return 0;
     if (input[0] != '{' && input[0] != '[') {
-        Bytes bytes(overhead + size - 1);
+        FrameBytes bytes(overhead + size - 1);
         if (encode(bytes, 0xDC, 0xFE, input[0], {input + 1, size - 1}) == bytes.size()) survives(bytes);
         return 0;
     }
@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t siz
         must(!fault->what.empty() && fault->what.find('\n') == std::string::npos);
         must(from_utf8(fault->what, Encoding::utf8).has_value());
     } else {
-        survives(std::get<Bytes>(made));
+        survives(std::get<FrameBytes>(made));
     }
     return 0;
 }
