@@ -198,18 +198,14 @@ TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {
 }
 
 KeptFrames kept_frames(std::size_t frames) {
-    WatchTables tables;
-    tables.links = {"fc"};
-    tables.peers = {"", "192.168.1.20:6000"};
+    const auto names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "192.168.1.20:6000"}});
     std::string batch;
     for (std::size_t i = 0; i < frames; ++i)
         append(batch, {1'000'000'000 + i, 500 + i, 0, Direction::in, 0, 1, ano::FrameView{euler}});
     KeptFrames kept;
     kept.head = {"anogated 0.1.0", 7, 8};
-    kept.descriptions = {{"fc", "serial"}};
-    kept.parts.push_back(
-        {std::make_shared<const std::string>(batch), std::make_shared<const WatchTables>(tables), {}, {}, frames});
-    kept.parts.push_back({nullptr, kept.parts[0].tables, RecordedLoss{5, {}}, "euler 5", 0});
+    kept.parts.push_back({std::make_shared<const std::string>(batch), names, {}, {}, frames});
+    kept.parts.push_back({nullptr, names, RecordedLoss{5, {}}, "euler 5", 0});
     kept.parts.push_back(kept.parts[0]);
     return kept;
 }
