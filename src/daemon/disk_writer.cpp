@@ -1,8 +1,4 @@
-#include <ano/hex.hpp>
-#include <ano/messages.hpp>
 #include <daemon/disk_writer.hpp>
-#include <gateway/frame_record.hpp>
-#include <link/clocks.hpp>
 #include <link/errors.hpp>
 
 #include <algorithm>
@@ -13,28 +9,6 @@
 
 namespace anogate {
 namespace {
-
-RecordingHead head_of_file() {
-    const ClockReading clocks = read_clocks();
-    return {"anogated " ANOGATE_VERSION, static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.real}.count()),
-            static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count())};
-}
-
-std::string_view recorded_name(const std::vector<std::string>& names, std::size_t number) {
-    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
-}
-
-std::string names_of_lost(const LostFrames& lost) {
-    std::string text;
-    for (unsigned n = 0; n < lost.by_id.size(); ++n) {
-        if (lost.by_id[n] == 0) continue;
-        const ano::Message* message = ano::find_message(static_cast<std::uint8_t>(n));
-        if (!text.empty()) text += ", ";
-        text.append(message ? std::string{message->name} : ano::hex_byte(static_cast<std::uint8_t>(n)));
-        text.append(" ").append(std::to_string(lost.by_id[n]));
-    }
-    return text;
-}
 
 std::string room_text(std::uint64_t bytes) {
     char text[32];
@@ -49,12 +23,7 @@ bool is_of_the_file(int error) noexcept {
 
 }    // namespace
 
-std::uint64_t RecorderItem::frames() const noexcept {
-    std::uint64_t count = 0;
-    if (!batch) return count;
-    for (std::string_view rest = *batch; take_record(rest);) ++count;
-    return count;
-}
+std::uint64_t RecorderItem::frames() const noexcept { return batch ? count_of_records(*batch) : 0; }
 
 void DiskWriter::take(RecorderItem item) {
     encode(item);
@@ -63,25 +32,11 @@ void DiskWriter::take(RecorderItem item) {
 
 void DiskWriter::encode(const RecorderItem& item) {
     if (item.names) names_ = item.names;
-    if (item.lost) writer_->write(RecordedLoss{item.lost->count, names_of_lost(*item.lost)});
+    if (item.lost) writer_->write(RecordedLoss{item.lost->count, loss_names(*item.lost)});
     if (!item.batch) return;
-    const RecordedNames& names = *names_;
-    const auto causes = frame_causes();
     std::string_view rest = *item.batch;
     while (const auto record = take_record(rest)) {
-        const bool is_dropped = record->direction == Direction::dropped && record->cause < causes.size();
-        RecordedFrame frame{.time_ns = record->time_ns,
-                            .boottime_ns = record->boottime_ns,
-                            .link = recorded_name(names.links, record->link),
-                            .link_description = recorded_name(names.kinds, record->link),
-                            .direction = record->direction,
-                            .cause = is_dropped ? causes[record->cause] : std::string_view{},
-                            .frame = record->frame};
-        if (record->channel != FrameRecord::no_channel) {
-            frame.channel = record->channel;
-            frame.peer = recorded_name(names.peers, record->channel);
-        }
-        writer_->write(frame, waiting_);
+        writer_->write(as_recorded(*record, *names_), waiting_);
         ++waiting_frames_;
     }
 }
@@ -147,7 +102,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
     safe_size_ = 0;
     frames_before_ = safe_frames_;
     names_ = safe_names_;
-    writer_ = make_recording_writer(settings_.format, head_of_file(), waiting_);
+    writer_ = make_recording_writer(settings_.format, recording_head(), waiting_);
     for (const RecorderItem& item : unsafe_) encode(item);
     writer_->flush(waiting_);
     return write(now);

@@ -7,6 +7,7 @@
 #include <daemon/recorder.hpp>
 #include <daemon/recording_file.hpp>
 #include <daemon/watch_queue.hpp>
+#include <daemon/watched_record.hpp>
 #include <record/rotation.hpp>
 
 #include <atomic>
@@ -15,15 +16,8 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace anogate {
-
-/// What the numbers in records mean, by number.
-struct RecordedNames {
-    std::vector<std::string> links, kinds;    // of the links
-    std::vector<std::string> peers;           // of the channels
-};
 
 /// One of these is there.
 struct RecorderItem {

@@ -1,7 +1,7 @@
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
 #include <daemon/foxglove_session.hpp>
-#include <daemon/raw_frames.hpp>
+#include <record/mcap_items.hpp>
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace {
 
 using foxglove::Level;
 
-// Channels of the protocol: the whole frames, and behind it what they say.
+// Channels of the protocol: the whole frames, as a recording in MCAP has them, and behind it what they say.
 constexpr std::uint32_t raw_channel = 1, first_decoded = 2;
 
 constexpr std::string_view own_messages = "ano_msgs/";    // before the names of their schemas
@@ -162,7 +162,10 @@ void FoxgloveSession::learn(const FirstFrame& first) {
 }
 
 void FoxgloveSession::show(const RecordedFrame& frame) {
-    if (by_channel_.contains(raw_channel)) send_on(raw_channel, frame.time_ns, raw_frame(frame));
+    if (by_channel_.contains(raw_channel)) {
+        mcap::encode(frame, raw_);
+        send_on(raw_channel, frame.time_ns, raw_);
+    }
     if (frame.direction != Direction::in || !wanted_.contains(kind_of(frame))) return;
     for (const DecodedMessage& message : decoded_.decode(frame))
         send_on(static_cast<std::uint32_t>(number_of(message)) + first_decoded, frame.time_ns, message.data);
@@ -217,9 +220,9 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
 
 std::optional<FoxgloveSession::Message> FoxgloveSession::next_channels() {
     std::vector<foxglove::Channel> channels;
-    const DecodedSchema& raw = raw_frame_schema();
     if (!std::exchange(raw_is_told_, true))
-        channels.push_back({raw_channel, raw_frame_topic, text(DecodedEncoding::cdr), raw.name, raw.text, raw.encoding});
+        channels.push_back({raw_channel, mcap::frames_topic, text(DecodedEncoding::cdr), mcap::frame_schema_name,
+                            mcap::frame_schema_text, "ros2msg"});
     std::size_t size = 0;
     while (told_channels_ < channels_.size() && size < part_size) {
         const DecodedChannel& channel = *channels_[told_channels_].channel;

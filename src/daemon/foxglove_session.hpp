@@ -108,6 +108,7 @@ private:
     std::map<std::uint32_t, std::uint32_t> by_id_;         // the other way
     bool wants_others_ = false;
     bool raw_is_told_ = false;
+    std::string raw_;                  // the last whole frame, as its message; keeps its memory
     std::size_t told_channels_ = 0;    // of channels_
     std::deque<Message> messages_;
     std::deque<std::string> statuses_;

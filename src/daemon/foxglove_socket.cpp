@@ -1,6 +1,7 @@
 #include <daemon/foxglove_socket.hpp>
 #include <daemon/foxglove_streams.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/watched_record.hpp>
 
 #include <memory>
 #include <utility>
@@ -12,25 +13,7 @@ namespace {
 constexpr std::size_t messages_a_turn = 16 * 1024;    // bytes, that are made between two turns of the loop
 constexpr int records_a_turn = 512;                   // of which nothing may come
 
-std::string_view known_name(const std::vector<std::string>& names, std::size_t number) {
-    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
-}
-
 }    // namespace
-
-RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables) {
-    RecordedFrame recorded{.link = known_name(tables.links, record.link), .frame = record.frame};
-    recorded.time_ns = record.time_ns;
-    recorded.boottime_ns = record.boottime_ns;
-    recorded.direction = record.direction;
-    if (record.direction == Direction::dropped && record.cause < frame_causes().size())
-        recorded.cause = frame_causes()[record.cause];
-    if (record.channel != FrameRecord::no_channel) {
-        recorded.channel = record.channel;
-        recorded.peer = known_name(tables.peers, record.channel);
-    }
-    return recorded;
-}
 
 FoxgloveSocket::FoxgloveSocket(FoxgloveStreams& streams, unsigned number, std::string_view subprotocol, DecodedEncoding encoding)
     : streams_{streams},

@@ -13,9 +13,6 @@ namespace anogate {
 
 class FoxgloveStreams;
 
-/// A frame that was watched, as a recording has it. Valid as long as both.
-RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables);
-
 /// He is given more when he has taken what there was: what his messages cost to make, he pays.
 class FoxgloveSocket final : public http::WebSocketUser, private Watcher {
 public:

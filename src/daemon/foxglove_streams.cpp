@@ -2,6 +2,7 @@
 #include <daemon/foxglove_socket.hpp>
 #include <daemon/foxglove_streams.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/watched_record.hpp>
 #include <devices/device_service.hpp>
 #include <devices/parameter_works.hpp>
 #include <link/clocks.hpp>

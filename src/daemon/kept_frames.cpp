@@ -1,11 +1,7 @@
-#include <ano/hex.hpp>
-#include <ano/messages.hpp>
 #include <ano/typed.hpp>
-#include <config/link_kind.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/kept_frames.hpp>
 #include <device/device.hpp>
-#include <link/clocks.hpp>
 
 #include <utility>
 #include <variant>
@@ -16,38 +12,7 @@ namespace {
 constexpr std::size_t cost_of_part = 256;    // beside the records: what holds them, twice over
 constexpr std::size_t bytes_at_once = 16 * 1024;
 
-std::uint64_t count_of(std::string_view records) noexcept {
-    std::uint64_t count = 0;
-    while (take_record(records)) ++count;
-    return count;
-}
-
-std::string_view name_numbered(const std::vector<std::string>& names, std::size_t number) {
-    return number < names.size() ? std::string_view{names[number]} : std::string_view{};
-}
-
-std::uint64_t in_nanoseconds(ano::Duration time) {
-    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count());
-}
-
 }    // namespace
-
-RecordingHead recording_head() {
-    const ClockReading clocks = read_clocks();
-    return {"anogated " ANOGATE_VERSION, in_nanoseconds(clocks.real), in_nanoseconds(clocks.boot)};
-}
-
-std::string loss_names(const LostFrames& lost) {
-    std::string names;
-    for (unsigned n = 0; n < lost.by_id.size(); ++n) {
-        if (lost.by_id[n] == 0) continue;
-        const auto id = static_cast<std::uint8_t>(n);
-        const ano::Message* message = ano::find_message(id);
-        names += (names.empty() ? "" : ", ") + (message ? std::string{message->name} : ano::hex_byte(id)) + " " +
-                 std::to_string(lost.by_id[n]);
-    }
-    return names;
-}
 
 std::uint64_t KeptFrames::frames() const noexcept {
     std::uint64_t count = 0;
@@ -67,7 +32,7 @@ bool KeptFramesWriting::next(std::string& into) {
             rest_ = part.batch ? std::string_view{*part.batch} : std::string_view{};
         }
         while (const auto record = take_record(rest_)) {
-            write(*record, part, into);
+            writer_->write(as_recorded(*record, *part.names), into);
             if (into.size() - begin >= bytes_at_once) return true;
         }
         part = {};    // what is written need not be held
@@ -76,23 +41,6 @@ bool KeptFramesWriting::next(std::string& into) {
     }
     writer_->end(into);
     return false;
-}
-
-void KeptFramesWriting::write(const FrameRecord& record, const FramesPart& part, std::string& into) {
-    const std::string_view link = name_numbered(part.tables->links, record.link);
-    const auto described = frames_.descriptions.find(link);
-    const auto causes = frame_causes();
-    const bool has_channel = record.channel != FrameRecord::no_channel;
-    writer_->write({.time_ns = record.time_ns,
-                    .boottime_ns = record.boottime_ns,
-                    .link = link,
-                    .link_description = described != frames_.descriptions.end() ? std::string_view{described->second} : "",
-                    .direction = record.direction,
-                    .cause = record.cause < causes.size() ? causes[record.cause] : std::string_view{},
-                    .channel = has_channel ? std::optional{record.channel} : std::nullopt,
-                    .peer = has_channel ? name_numbered(part.tables->peers, record.channel) : std::string_view{},
-                    .frame = record.frame},
-                   into);
 }
 
 FrameMemory::FrameMemory(Gateway& gateway, FrameWatch& watch, const FrameFilterSettings& filter, ano::Duration span)
@@ -106,15 +54,15 @@ void FrameMemory::more() {
     const TimePoint now = Clock::now();
     while (auto item = queue.next(now)) {
         if (auto* tables = std::get_if<WatchQueue::Tables>(&*item)) {
-            tables_ = std::move(*tables);
+            names_ = std::make_shared<const RecordedNames>(recorded_names(**tables, gateway_));
         } else if (const auto* lost = std::get_if<LostFrames>(&*item)) {
             lost_.count += lost->count;
             lost_names_ = loss_names(*lost);
         } else {
             auto& batch = std::get<WatchQueue::Batch>(*item);
             const std::size_t cost = batch->capacity() + lost_names_.size() + cost_of_part;
-            const std::uint64_t frames = count_of(*batch);
-            ring_.push({std::move(batch), tables_, std::exchange(lost_, {}), std::exchange(lost_names_, {}), frames}, cost, now);
+            const std::uint64_t frames = count_of_records(*batch);
+            ring_.push({std::move(batch), names_, std::exchange(lost_, {}), std::exchange(lost_names_, {}), frames}, cost, now);
         }
     }
 }
@@ -123,8 +71,6 @@ KeptFrames FrameMemory::frames() {
     ring_.forget_until(Clock::now());
     KeptFrames all;
     all.head = recording_head();
-    for (const LinkState& state : gateway_.links())
-        all.descriptions.emplace(state.link->name(), std::string{state.link->settings().kind->name});
     for (const auto& kept : ring_.items()) all.parts.push_back(kept.item);
     return all;
 }

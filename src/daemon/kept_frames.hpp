@@ -1,12 +1,12 @@
 // The frames of the last while, in memory (keep_last), and how they become a recording.
 #pragma once
 #include <daemon/frame_watch.hpp>
+#include <daemon/watched_record.hpp>
 #include <record/recording_writer.hpp>
 #include <record/ring.hpp>
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,10 +14,10 @@
 
 namespace anogate {
 
-/// Records as the watchers of a gateway got them, and what their numbers meant. Nothing of it changes any more: it may go to a thread.
+/// Records as a watcher of the gateway got them, and what their numbers meant. Nothing of it changes any more: it may go to a thread.
 struct FramesPart {
     WatchQueue::Batch batch;
-    WatchQueue::Tables tables;
+    std::shared_ptr<const RecordedNames> names;
     RecordedLoss lost{};    // before the batch; its names are in:
     std::string lost_names{};
     std::uint64_t frames = 0;
@@ -25,7 +25,6 @@ struct FramesPart {
 
 struct KeptFrames {
     std::vector<FramesPart> parts;
-    std::map<std::string, std::string, std::less<>> descriptions;    // of links, by name: "serial"
     RecordingHead head;
 
     std::uint64_t frames() const noexcept;
@@ -40,8 +39,6 @@ public:
     bool next(std::string& into);
 
 private:
-    void write(const FrameRecord& record, const FramesPart& part, std::string& into);
-
     KeptFrames frames_;
     RecordingFormat format_;
     std::unique_ptr<RecordingWriter> writer_;    // nullptr: nothing is written yet
@@ -49,11 +46,6 @@ private:
     std::string_view rest_;    // of its batch
     bool in_part_ = false;
 };
-
-/// What the gateway says of itself now: for the head of a recording.
-RecordingHead recording_head();
-/// "euler 120, inertial 120"
-std::string loss_names(const LostFrames& lost);
 
 /// Watches, and remembers. No frame is copied for it alone, and none allocated.
 class FrameMemory final : private Watcher {
@@ -79,7 +71,7 @@ private:
     Gateway& gateway_;
     FrameWatch& watch_;
     Ring<FramesPart> ring_;
-    WatchQueue::Tables tables_;
+    std::shared_ptr<const RecordedNames> names_;
     RecordedLoss lost_{};
     std::string lost_names_;
 };

@@ -1,4 +1,3 @@
-#include <config/link_kind.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/recorder.hpp>
@@ -20,17 +19,6 @@ constexpr std::chrono::milliseconds recorder_patience{500};
 constexpr ano::Duration silence_told = std::chrono::milliseconds{750};    // a disk that is told of
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
-
-std::shared_ptr<const RecordedNames> recorded_names(const WatchTables& tables, const Gateway& gateway) {
-    auto names = std::make_shared<RecordedNames>();
-    names->links = tables.links;
-    names->peers = tables.peers;
-    names->kinds.resize(tables.links.size());
-    for (const LinkState& state : gateway.links())
-        if (const std::size_t number = index(state.link->id()); number < names->kinds.size())
-            names->kinds[number] = state.link->settings().kind->name;
-    return names;
-}
 
 std::string silence_text(ano::Duration silence) {
     const auto seconds = std::max<std::int64_t>(1, std::chrono::duration_cast<std::chrono::seconds>(silence).count());
@@ -121,7 +109,7 @@ bool Recorder::Impl::give_next() {
         lost_ += lost->count;
         item.lost = std::make_shared<const LostFrames>(*lost);
     } else {
-        item.names = recorded_names(*std::get<WatchQueue::Tables>(*next), gateway_);
+        item.names = std::make_shared<const RecordedNames>(recorded_names(*std::get<WatchQueue::Tables>(*next), gateway_));
     }
     const std::uint64_t frames = watches_ ? 0 : item.frames();    // which the last of them may have no place for
     if (!thread_->give(std::move(item))) lost_ += frames;

@@ -2,6 +2,7 @@
 #include <daemon/recordings_folder.hpp>
 #include <daemon/served_file.hpp>
 #include <link/errors.hpp>
+#include <record/mcap_index.hpp>
 #include <record/recording_glance.hpp>
 #include <record/recording_repair.hpp>
 
@@ -24,6 +25,7 @@ namespace {
 constexpr std::size_t most_name = 100;
 constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
+constexpr std::size_t most_index = 4 * 1024 * 1024;      // bytes that are read of one file for a list
 constexpr std::string_view our_program = "anogated ";    // the version is behind it
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
@@ -116,6 +118,36 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     return recording;
 }
 
+// That of a very long one would take too much of the disk for a list.
+std::optional<std::uint64_t> frames_of_mcap(int folder, const FoundRecording& recording) {
+    const UniqueFd fd = open_regular(folder, recording.name, false);
+    if (!fd) return std::nullopt;
+    std::size_t left = most_index;
+    const auto index = read_mcap_index(recording.bytes, [&](std::uint64_t at, std::size_t size) {
+        if (size > left) return std::string{};
+        left -= size;
+        return read_at(fd.get(), at, size);
+    });
+    return index ? std::optional{index->counts.frames} : std::nullopt;
+}
+
+/// Of MCAP without the frames: they want more of each file.
+FolderView quick_view_of(const std::string& folder) {
+    FolderView view;
+    const UniqueFd at = opened_folder(folder);
+    if (!at && errno != ENOENT) view.error = error_text(folder, errno);
+    view.free = room_for(folder);
+    if (!at) return view;
+    for (const std::string& name : names_in(at.get())) {
+        if (const auto file = open_ours(at.get(), name)) view.files.push_back(found(name, *file));
+        else ++view.others;
+    }
+    std::sort(view.files.begin(), view.files.end(), [](const FoundRecording& a, const FoundRecording& b) {
+        return std::tie(b.changed, b.begun_ns, b.name) < std::tie(a.changed, a.begun_ns, a.name);
+    });
+    return view;
+}
+
 Refusal refusal_of_open(const std::string& name, int error) {
     if (error == ENOENT) return {404, "there is no recording " + name};
     if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
@@ -205,18 +237,11 @@ std::optional<std::uint64_t> room_for(const std::string& folder) {
 }
 
 FolderView view_of(const std::string& folder) {
-    FolderView view;
+    FolderView view = quick_view_of(folder);
     const UniqueFd at = opened_folder(folder);
-    if (!at && errno != ENOENT) view.error = error_text(folder, errno);
-    view.free = room_for(folder);
-    if (!at) return view;
-    for (const std::string& name : names_in(at.get())) {
-        if (const auto file = open_ours(at.get(), name)) view.files.push_back(found(name, *file));
-        else ++view.others;
-    }
-    std::sort(view.files.begin(), view.files.end(), [](const FoundRecording& a, const FoundRecording& b) {
-        return std::tie(b.changed, b.begun_ns, b.name) < std::tie(a.changed, a.begun_ns, a.name);
-    });
+    for (FoundRecording& file : view.files)
+        if (at && file.format == RecordingFormat::mcap && file.state == FoundRecording::State::ended)
+            file.frames = frames_of_mcap(at.get(), file);
     return view;
 }
 
@@ -262,7 +287,7 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
 
 std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, std::chrono::seconds now) {
     std::vector<std::string> gone;
-    const FolderView view = view_of(folder);
+    const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
         kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording});

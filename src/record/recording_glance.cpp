@@ -1,11 +1,8 @@
 #include <ano/wire.hpp>
+#include <record/mcap_reader.hpp>
 #include <record/pcapng_format.hpp>
 #include <record/pcapng_reader.hpp>
 #include <record/recording_glance.hpp>
-
-#include <algorithm>
-#include <charconv>
-#include <string>
 
 namespace anogate {
 namespace {
@@ -61,66 +58,27 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     return glance;
 }
 
-// Of MCAP only what says whose it is: the Metadata behind the Header, and the magic at both ends.
-constexpr std::string_view mcap_magic{"\x89MCAP0\r\n", 8};
-constexpr std::uint8_t mcap_header = 1, mcap_metadata = 12;
-constexpr std::string_view mcap_head_name = "anogate.recording";
-
-// Takes fields off the front; what is not there is 0 or empty.
-class GlanceFields {
-public:
-    explicit GlanceFields(std::string_view bytes) noexcept : rest_{bytes} {}
-
-    template <class T>
-    T number() noexcept {
-        const std::string_view taken = bytes(sizeof(T));
-        return taken.empty() ? T{} : loaded_at<T>(taken, 0);
-    }
-    std::string_view bytes(std::uint64_t size) noexcept {
-        if (size > rest_.size()) rest_ = {};
-        const std::string_view taken = rest_.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(size, rest_.size())));
-        rest_.remove_prefix(taken.size());
-        return taken;
-    }
-    std::string_view text() noexcept { return bytes(number<std::uint32_t>()); }
-    bool empty() const noexcept { return rest_.empty(); }
-
-private:
-    std::string_view rest_;
-};
-
-std::uint64_t decimal(std::string_view text) {
-    std::uint64_t number = 0;
-    std::from_chars(text.data(), text.data() + text.size(), number);
-    return number;
+// Whose it is stands behind the Header, where a program that saved it again need not have left it.
+RecordingHead head_of_mcap(std::string_view file) {
+    if (!file.starts_with(mcap::magic)) return {};
+    file.remove_prefix(mcap::magic.size());
+    const auto header = mcap::take_record(file), metadata = mcap::take_record(file);
+    const bool are_there = header && header->opcode == mcap::Opcode::header && metadata &&
+                           metadata->opcode == mcap::Opcode::metadata;
+    if (!are_there || mcap::name_of_metadata(metadata->body) != mcap::head_name) return {};
+    return mcap::recording_head_of(metadata->body);
 }
 
-RecordingHead head_of_mcap(std::string_view metadata) {
-    GlanceFields fields{metadata};
-    RecordingHead head;
-    if (fields.text() != mcap_head_name) return head;
-    GlanceFields pairs{fields.text()};
-    while (!pairs.empty()) {
-        const std::string_view key = pairs.text(), value = pairs.text();
-        if (key == "program") head.program = value;
-        else if (key == "time_ns") head.time_ns = decimal(value);
-        else if (key == "boottime_ns") head.boottime_ns = decimal(value);
-    }
-    return head;
+bool has_end_of_mcap(std::string_view last) {
+    constexpr std::size_t size = mcap::footer_size + mcap::magic.size();
+    if (last.size() < size || !last.ends_with(mcap::magic)) return false;
+    last.remove_prefix(last.size() - size);
+    const auto footer = mcap::take_record(last);
+    return footer && footer->opcode == mcap::Opcode::footer && last == mcap::magic;
 }
 
 RecordingGlance glance_at_mcap(std::string_view first, std::string_view last) {
-    RecordingGlance glance;
-    if (!first.starts_with(mcap_magic)) return glance;
-    GlanceFields file{first.substr(mcap_magic.size())};
-    for (int record = 0; record < 2; ++record) {
-        const auto opcode = file.number<std::uint8_t>();
-        const std::string_view body = file.bytes(file.number<std::uint64_t>());
-        if (opcode == mcap_metadata) glance.head = head_of_mcap(body);
-        if (opcode != mcap_header) break;
-    }
-    glance.is_ended = last.size() > mcap_magic.size() && last.ends_with(mcap_magic) && first.size() > 2 * mcap_magic.size();
-    return glance;
+    return {.head = head_of_mcap(first), .is_ended = has_end_of_mcap(last), .frames = std::nullopt};
 }
 
 }    // namespace

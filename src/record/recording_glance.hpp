@@ -12,7 +12,7 @@ namespace anogate {
 struct RecordingGlance {
     RecordingHead head;    // without a program: it is no recording, or not one of ours
     bool is_ended = false;
-    std::optional<std::uint64_t> frames;    // where its end tells
+    std::optional<std::uint64_t> frames;    // where its end tells; of MCAP read_mcap_index() does
 };
 
 /// So many bytes of each end are enough; a file that has fewer is given as both.

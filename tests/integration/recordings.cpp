@@ -1,14 +1,8 @@
 // What the gateway records itself: by its configuration, when asked, of the last while; and what it leaves alone.
-#include <support/asked.hpp>
-#include <support/bytes.hpp>
-#include <support/files.hpp>
-#include <support/numbered_frames.hpp>
-#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/recorded.hpp>
+#include <support/recording_gateway.hpp>
 #include <support/sanitized.hpp>
-#include <support/temp_dir.hpp>
-#include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -20,7 +14,6 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -34,77 +27,9 @@ using namespace support;
 using anogate::http::Answer;
 using nlohmann::json;
 
-const Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 
-class Recordings : public testing::Test {
-protected:
-    /// `record`: the section, with its comma in front; empty: none.
-    void start(const std::string& record = {}, const std::string& more = {}) {
-        write_config(record, more);
-        gateway = std::make_unique<Daemon>(ANOGATED, socket, std::vector<std::string>{"--config", dir / "anogate.json"});
-        ASSERT_TRUE(gateway->until_answers()) << gateway->output();
-    }
-    void write_config(const std::string& record, const std::string& more = {}) {
-        dir.write("anogate.json", R"({"links": [")" + a.link("a") + "\"" + more + "]" + record + "}");
-    }
-    Answer ask(const std::string& method, const std::string& target, const std::string& body = {}) const {
-        return asked(socket, method, target, body);
-    }
-    json get() const { return json::parse(ask("GET", "/recordings").body, nullptr, false); }
-    json begin(const json& body) const {
-        const Answer answer = ask("POST", "/recordings", body.dump());
-        EXPECT_EQ(answer.status, 200u) << answer.body;
-        return json::parse(answer.body, nullptr, false);
-    }
-    json end(const std::string& name) const {
-        const Answer answer = ask("POST", "/recordings/" + name + "/end");
-        EXPECT_EQ(answer.status, 200u) << answer.body;
-        return json::parse(answer.body, nullptr, false);
-    }
-    void refuses(unsigned status, const std::string& method, const std::string& target, const std::string& body,
-                 const std::string& words) const {
-        const Answer answer = ask(method, target, body);
-        EXPECT_EQ(answer.status, status) << answer.body;
-        EXPECT_NE(answer.body.find(words), std::string::npos) << answer.body;
-    }
-    void send(const Bytes& bytes = euler) { a.send(gateway->port("a"), bytes); }
-    /// Sends numbered frames, one by one, until the gateway has taken them.
-    void send_numbered(int count) {
-        const std::uint64_t before = gateway->count("a", "frames_in");
-        for (int i = 0; i < count; ++i) send(numbered(0xDC, 0xFF, sent_++));
-        ASSERT_TRUE(gateway->until(
-            [&](const json&) { return gateway->count("a", "frames_in") >= before + static_cast<std::uint64_t>(count); }));
-    }
-    bool until(const std::function<bool(const json&)>& holds) const {
-        return wait_until([&] { return holds(get()); });
-    }
-    /// The file in the folder of recordings.
-    std::string content(const std::string& name) const { return text_of(folder + "/" + name); }
-    std::vector<std::string> names() const {
-        std::vector<std::string> all;
-        std::error_code none;
-        for (const auto& entry : fs::directory_iterator{folder, none}) all.push_back(entry.path().filename());
-        std::sort(all.begin(), all.end());
-        return all;
-    }
-    void stop() {
-        gateway->signal(SIGTERM);
-        EXPECT_EQ(gateway->wait(), 0) << gateway->output();
-    }
-    json file_called(const std::string& name) const {
-        const json all = get();
-        for (const json& file : all.at("recordings"))
-            if (file.at("name") == name) return file;
-        return {};
-    }
-
-    TempDir dir;
-    std::string socket = dir / "control.sock", folder = socket + ".state/recordings";
-    UdpPeer a;
-    std::unique_ptr<Daemon> gateway;
-    int sent_ = 0;
-};
+using Recordings = RecordingGateway;
 
 TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     start();

@@ -91,6 +91,32 @@ TEST_F(Replay, says_what_came_in_in_its_order_and_then_that_it_is_at_its_end) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
+TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the_cut) {
+    std::vector<KeptItem> items;
+    Frames expected;
+    for (std::uint8_t i = 0; i < 100; ++i) {
+        expected.push_back(numbered(i));
+        items.push_back(said(expected.back(), i * 1ms, i % 2 == 0 ? "fc" : "radio"));
+    }
+    const auto replayed = [&](const std::string& bytes) {
+        return settings_of_texts({"replay:" + dir.write("flight.mcap", bytes), ground.link("ground")});
+    };
+    const auto format = anogate::RecordingFormat::mcap;
+    {
+        RunningGateway daemon{replayed(write_recording(format, items, {"anogate 0.1.0"}))};
+        EXPECT_EQ(all_heard(daemon, ground), expected);
+        EXPECT_EQ(daemon.link("flight")["error"], "");
+        EXPECT_EQ(daemon.link("flight")["channels"][1]["peer"], "radio");
+        EXPECT_TRUE(daemon.counters_add_up());
+    }
+    std::string cut = write_recording(format, items, {"anogate 0.1.0"}, false, 50);    // two chunks
+    cut.resize(write_recording(format, {items.begin(), items.begin() + 50}, {"anogate 0.1.0"}, false).size() + 40);
+    RunningGateway daemon{replayed(cut)};
+    expected.resize(50);
+    EXPECT_EQ(all_heard(daemon, ground), expected);
+    EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
+}
+
 TEST_F(Replay, keeps_the_distances_of_the_frames_and_is_as_much_faster_as_is_asked) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 200ms), said(numbered(2), 400ms)};
     const auto took = [&](const std::string& keys) {

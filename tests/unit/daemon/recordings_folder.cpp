@@ -25,7 +25,8 @@ using State = FoundRecording::State;
 
 const Bytes euler = support::frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 
-std::string recording(std::size_t frames, bool end = true, const std::string& program = "anogated 0.1.0") {
+std::string recording(std::size_t frames, bool end = true, const std::string& program = "anogated 0.1.0",
+                      RecordingFormat format = RecordingFormat::pcapng) {
     std::vector<support::KeptItem> items;
     for (std::size_t i = 0; i < frames; ++i) {
         support::KeptItem item;
@@ -34,7 +35,7 @@ std::string recording(std::size_t frames, bool end = true, const std::string& pr
         item.frame = euler;
         items.push_back(item);
     }
-    return support::write_pcapng(items, {program, 1763898044'000000000, 5}, end);
+    return support::write_recording(format, items, {program, 1763898044'000000000, 5}, end);
 }
 
 unsigned status_of(const std::optional<Refusal>& refusal) { return refusal ? refusal->status : 200; }
@@ -84,6 +85,22 @@ TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) 
             EXPECT_EQ(file.frames, 3u);
             EXPECT_EQ(file.begun_ns, 1763898044'000000000u);
         }
+    }
+}
+
+TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {
+    dir.write("flight.mcap", recording(300, true, "anogated 0.1.0", RecordingFormat::mcap));
+    dir.write("cut.mcap", recording(300, false, "anogated 0.1.0", RecordingFormat::mcap));
+    dir.write("foreign.mcap", recording(300, true, "mcap", RecordingFormat::mcap));
+    const FolderView view = view_of(folder);
+    EXPECT_EQ(view.others, 1u);
+    ASSERT_EQ(view.files.size(), 2u);
+    for (const FoundRecording& file : view.files) {
+        const bool is_whole = file.name == "flight.mcap";
+        EXPECT_EQ(file.state, is_whole ? State::ended : State::unfinished);
+        EXPECT_EQ(file.frames, is_whole ? std::optional<std::uint64_t>{300} : std::nullopt);
+        EXPECT_EQ(file.format, RecordingFormat::mcap);
+        EXPECT_EQ(file.begun_ns, 1763898044'000000000u);
     }
 }
 
@@ -198,18 +215,14 @@ TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {
 }
 
 KeptFrames kept_frames(std::size_t frames) {
-    WatchTables tables;
-    tables.links = {"fc"};
-    tables.peers = {"", "192.168.1.20:6000"};
+    const auto names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "192.168.1.20:6000"}});
     std::string batch;
     for (std::size_t i = 0; i < frames; ++i)
         append(batch, {1'000'000'000 + i, 500 + i, 0, Direction::in, 0, 1, ano::FrameView{euler}});
     KeptFrames kept;
     kept.head = {"anogated 0.1.0", 7, 8};
-    kept.descriptions = {{"fc", "serial"}};
-    kept.parts.push_back(
-        {std::make_shared<const std::string>(batch), std::make_shared<const WatchTables>(tables), {}, {}, frames});
-    kept.parts.push_back({nullptr, kept.parts[0].tables, RecordedLoss{5, {}}, "euler 5", 0});
+    kept.parts.push_back({std::make_shared<const std::string>(batch), names, {}, {}, frames});
+    kept.parts.push_back({nullptr, names, RecordedLoss{5, {}}, "euler 5", 0});
     kept.parts.push_back(kept.parts[0]);
     return kept;
 }

@@ -1,3 +1,5 @@
+#include <record/mcap_format.hpp>
+#include <record/mcap_writer.hpp>
 #include <record/recording_glance.hpp>
 #include <support/recorded.hpp>
 
@@ -5,7 +7,7 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 namespace anogate {
 namespace {
@@ -14,7 +16,7 @@ using support::Bytes;
 
 const RecordingHead head{"anogated 0.1.0", 1763898044123456789, 1234567890};
 
-std::string recording(std::size_t frames, bool end, std::size_t links = 2) {
+std::vector<support::KeptItem> items_of(std::size_t frames, std::size_t links) {
     std::vector<support::KeptItem> items;
     for (std::size_t i = 0; i < frames; ++i) {
         support::KeptItem item;
@@ -23,7 +25,11 @@ std::string recording(std::size_t frames, bool end, std::size_t links = 2) {
         item.frame = support::frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
         items.push_back(item);
     }
-    return support::write_pcapng(items, head, end);
+    return items;
+}
+
+std::string recording(std::size_t frames, bool end, std::size_t links = 2) {
+    return support::write_pcapng(items_of(frames, links), head, end);
 }
 
 RecordingGlance glance(const std::string& file, std::size_t size = glance_size) {
@@ -69,47 +75,46 @@ TEST(RecordingGlance, of_one_cut_anywhere_neither_fails_nor_takes_it_for_whole) 
     }
 }
 
-void put(std::string& out, std::uint64_t number, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) out += static_cast<char>(number >> 8 * i & 0xFF);
-}
-void put_text(std::string& out, std::string_view text) {
-    put(out, text.size(), 4);
-    out += text;
-}
-void put_record(std::string& out, std::uint8_t opcode, const std::string& body) {
-    out += static_cast<char>(opcode);
-    put(out, body.size(), 8);
-    out += body;
-}
-
-std::string mcap_begin(std::string_view program) {
-    std::string header, pairs, metadata, file{"\x89MCAP0\r\n", 8};
-    put_text(header, "ros2");
-    put_text(header, "library");
-    for (const auto& [key, value] : {std::pair<std::string_view, std::string_view>{"program", program},
-                                     {"time_ns", "1763898044123456789"},
-                                     {"boottime_ns", "5"}}) {
-        put_text(pairs, key);
-        put_text(pairs, value);
-    }
-    put_text(metadata, "anogate.recording");
-    put_text(metadata, pairs);
-    put_record(file, 1, header);
-    put_record(file, 12, metadata);
-    return file;
+RecordingGlance glance_at_mcap(const std::string& file) {
+    const std::string_view bytes = file;
+    return glance_at(RecordingFormat::mcap, bytes.substr(0, glance_size),
+                     bytes.substr(file.size() > glance_size ? file.size() - glance_size : 0));
 }
 
 TEST(RecordingGlance, knows_whose_an_mcap_file_is_and_whether_it_was_ended) {
-    const std::string begun = mcap_begin("anogated 0.1.0") + std::string(1000, 'x');
-    const auto seen = [](const std::string& file) { return glance_at(RecordingFormat::mcap, file, file); };
-    EXPECT_EQ(seen(begun).head.program, "anogated 0.1.0");
-    EXPECT_EQ(seen(begun).head.time_ns, 1763898044123456789u);
-    EXPECT_EQ(seen(begun).head.boottime_ns, 5u);
-    EXPECT_FALSE(seen(begun).is_ended);
-    EXPECT_TRUE(seen(begun + std::string{"\x89MCAP0\r\n", 8}).is_ended);
-    EXPECT_EQ(glance_at(RecordingFormat::pcapng, begun, begun).head.program, "");
-    for (std::size_t size = 0; size < mcap_begin("x").size(); ++size)
-        EXPECT_EQ(seen(begun.substr(0, size)).head.program, "") << size;
+    const auto items = items_of(300, 2);
+    const std::string begun = support::write_recording(RecordingFormat::mcap, items, head, false);
+    const std::string ended = support::write_recording(RecordingFormat::mcap, items, head);
+    for (const std::string& file : {begun, ended}) {
+        EXPECT_EQ(glance_at_mcap(file).head.program, head.program);
+        EXPECT_EQ(glance_at_mcap(file).head.time_ns, head.time_ns);
+        EXPECT_EQ(glance_at_mcap(file).head.boottime_ns, head.boottime_ns);
+        EXPECT_EQ(glance(file).head.program, "") << "it is no pcapng";
+    }
+    EXPECT_FALSE(glance_at_mcap(begun).is_ended);
+    EXPECT_TRUE(glance_at_mcap(ended).is_ended);
+    for (std::size_t size = 0; size < ended.size(); ++size) EXPECT_FALSE(glance_at_mcap(ended.substr(0, size)).is_ended) << size;
+    std::string empty;
+    const McapWriter writer{head, empty};
+    for (std::size_t size = 0; size < empty.size(); ++size)
+        EXPECT_EQ(glance_at_mcap(empty.substr(0, size)).head.program, "") << size;
+}
+
+// As the one that a program makes which filters recordings: it keeps their Metadata, but puts what it is itself in front.
+TEST(RecordingGlance, takes_an_mcap_file_that_another_program_saved_for_none_of_ours) {
+    std::string file{mcap::magic};
+    for (const std::string_view program : {"filter", "anogated 0.1.0"})
+        mcap::put_metadata(file, mcap::head_name, {{"program", program}});
+    EXPECT_EQ(glance_at_mcap(file).head.program, "") << "no Header is in front";
+    std::string ours;
+    const McapWriter writer{head, ours};
+    const std::string_view own = ours;
+    std::string_view rest = own.substr(mcap::magic.size());
+    ASSERT_TRUE(mcap::take_record(rest));
+    std::string saved{own.substr(0, own.size() - rest.size())};
+    mcap::put_metadata(saved, "filter", {{"program", "filter"}});
+    saved += rest;
+    EXPECT_EQ(glance_at_mcap(saved).head.program, "");
 }
 
 }    // namespace
