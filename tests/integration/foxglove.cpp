@@ -55,7 +55,8 @@ public:
     std::size_t shown(unsigned id) const {
         std::size_t count = 0;
         const std::string head = anogate::foxglove::message_data(id, 0, "").substr(0, 5);
-        for (const std::string& message : ear.messages()) if (message.starts_with(head)) ++count;
+        for (const std::string& message : ear.messages())
+            if (message.starts_with(head)) ++count;
         return count;
     }
 
