@@ -45,9 +45,9 @@ _anoctl_parameters() {
 _anoctl() {
     local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
     COMPREPLY=()
-    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay plot-udp web help --help --version'; return; fi
+    if ((COMP_CWORD == 1)); then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record recordings info convert replay plot-udp web help --help --version'; return; fi
     command=${COMP_WORDS[1]}
-    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record info convert replay plot-udp web'; return; fi
+    if [[ $command == help ]]; then _anoctl_words 'decode encode messages monitor ports status links routes metrics reload send devices param command waypoint flash calibrate log image top record recordings info convert replay plot-udp web'; return; fi
     case "$command $prev" in
         'decode --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'decode --value-type-7') _anoctl_words 'f32 u64'; return ;;
@@ -121,6 +121,14 @@ _anoctl() {
         'record --seconds') :; return ;;
         'record --message-encoding') _anoctl_words 'cdr json'; return ;;
         'record --control') _anoctl_files; return ;;
+        'recordings --format') _anoctl_words 'pcapng mcap'; return ;;
+        'recordings --id') _anoctl_messages; return ;;
+        'recordings --from') _anoctl_addresses; return ;;
+        'recordings --to') _anoctl_addresses; return ;;
+        'recordings --link') _anoctl_link_names; return ;;
+        'recordings --direction') _anoctl_words 'in out dropped'; return ;;
+        'recordings --seconds') :; return ;;
+        'recordings --control') _anoctl_files; return ;;
         'convert --id') _anoctl_messages; return ;;
         'convert --message-encoding') _anoctl_words 'cdr json'; return ;;
         'convert --encoding') _anoctl_words 'utf8 gbk'; return ;;
@@ -159,7 +167,8 @@ _anoctl() {
         'log') options='--device --link --control --encoding --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;
-        'record') options='--id --from --to --link --direction --seconds --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
+        'record') options='--id --from --to --link --direction --seconds --last --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
+        'recordings') options='--format --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;
         'info') options='--all --json -h --help'; operands='_anoctl_files' ;;
         'convert') options='--id --message-encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
