@@ -92,6 +92,14 @@ TEST(RecordingGlance, knows_whose_an_mcap_file_is_and_whether_it_was_ended) {
         EXPECT_EQ(glance(file).head.program, "") << "it is no pcapng";
     }
     EXPECT_FALSE(glance_at_mcap(begun).is_ended);
+    std::string with_frame = begun;
+    const std::size_t record = mcap::begin_record(with_frame, mcap::Opcode::message);
+    with_frame.append(20, 'x').append(mcap::magic);
+    EXPECT_FALSE(glance_at_mcap(with_frame).is_ended) << "a frame may have these bytes";
+    with_frame.resize(with_frame.size() - mcap::magic.size());
+    mcap::end_record(with_frame, record);
+    EXPECT_FALSE(glance_at_mcap(with_frame + std::string{mcap::magic}).is_ended) << "no Footer is in front";
+    EXPECT_FALSE(glance_at_mcap(ended.substr(0, ended.size() - 1) + "x").is_ended);
     EXPECT_TRUE(glance_at_mcap(ended).is_ended);
     for (std::size_t size = 0; size < ended.size(); ++size) EXPECT_FALSE(glance_at_mcap(ended.substr(0, size)).is_ended) << size;
     std::string empty;
