@@ -69,7 +69,8 @@ void CdrEncoder::write_field(const RosField& field) {
         return write_raw(std::get<ano::Bytes>(next()), size_of(field.type), count * size_of(field.type));
     if (field.shape == RosField::Shape::sequence) {
         // No more elements than there are values: the number came with them.
-        count = std::min<std::size_t>(number_of<std::uint32_t>(next()), values_.size());
+        count = number_of<std::uint32_t>(next());
+        count = std::min(count, values_.size());
         write(static_cast<std::uint32_t>(count));
     }
     for (std::size_t i = 0; i < count; ++i) write_one(field);

@@ -44,7 +44,8 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
     const json status = daemon.status();
     std::set<std::string> keys;
     for (const auto& [key, value] : status.items()) keys.insert(key);
-    EXPECT_EQ(keys, (std::set<std::string>{"gateway", "links", "routes", "conflicts", "tunnel", "gpio", "http"}));
+    EXPECT_EQ(keys,
+              (std::set<std::string>{"gateway", "links", "routes", "conflicts", "tunnel", "gpio", "http", "map", "recording"}));
     EXPECT_EQ(status.at("gateway").at("id"), 199);
     EXPECT_EQ(status.at("gateway").at("name"), "my gateway");
     EXPECT_TRUE(status.at("gateway").at("version").is_string());

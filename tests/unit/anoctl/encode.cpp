@@ -110,7 +110,7 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json"}).err,
               "anoctl: --json is for a command; the commands are decode, encode, messages, monitor, ports, status, links, "
               "routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, image, top, record, "
-              "info, convert, replay, plot-udp, web\n");
+              "recordings, info, convert, replay, plot-udp, web\n");
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: there is no command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 

@@ -106,14 +106,14 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
         ran.err,
         "anoctl: there is no command 'mesages' (did you mean 'messages'?); the commands are decode, encode, messages, monitor, "
         "ports, status, links, routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, image, "
-        "top, record, info, convert, replay, plot-udp, web\n");
+        "top, record, recordings, info, convert, replay, plot-udp, web\n");
     EXPECT_EQ(anoctl({"help"}).out, anoctl({"--help"}).out);
     EXPECT_EQ(anoctl({"help", "decode"}).out, anoctl({"decode", "--help"}).out);
     EXPECT_EQ(anoctl({}).exit, 2);
     EXPECT_EQ(anoctl({}).err,
               "anoctl: no command; the commands are decode, encode, messages, monitor, "
               "ports, status, links, routes, metrics, reload, send, devices, param, command, waypoint, flash, calibrate, log, "
-              "image, top, record, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
+              "image, top, record, recordings, info, convert, replay, plot-udp, web, and anoctl COMMAND --help says more\n");
 }
 
 }    // namespace

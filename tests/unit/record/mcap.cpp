@@ -225,7 +225,8 @@ TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
     for (const auto& record : records_of(file, mcap::Opcode::summary_offset)) {
         mcap::Fields group{record.body};
         const auto kind = static_cast<mcap::Opcode>(group.number<std::uint8_t>());
-        std::string_view rest = std::string_view{file}.substr(group.number<std::uint64_t>(), group.number<std::uint64_t>());
+        const auto at = group.number<std::uint64_t>(), size = group.number<std::uint64_t>();
+        std::string_view rest = std::string_view{file}.substr(at, size);
         std::size_t count = 0;
         while (const auto one = mcap::take_record(rest)) count += one->opcode == kind;
         EXPECT_TRUE(rest.empty());
@@ -233,7 +234,8 @@ TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
     }
     for (const auto& record : records_of(file, mcap::Opcode::metadata_index)) {
         mcap::Fields index{record.body};
-        std::string_view there = std::string_view{file}.substr(index.number<std::uint64_t>(), index.number<std::uint64_t>());
+        const auto at = index.number<std::uint64_t>(), size = index.number<std::uint64_t>();
+        std::string_view there = std::string_view{file}.substr(at, size);
         const auto metadata = mcap::take_record(there);
         ASSERT_TRUE(metadata && there.empty());
         EXPECT_EQ(mcap::name_of_metadata(metadata->body), index.text());
