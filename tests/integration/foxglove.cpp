@@ -214,7 +214,7 @@ TEST_F(Foxglove, nonsense_is_answered_and_too_much_ends_the_connection) {
     plotter.say({{"op", "setParameters"}, {"parameters", {{{"name", "a/220/X"}, {"value", 1}}}}});
     ASSERT_TRUE(until([&] { return plotter.said("status").size() == 3; }));
     for (const json& status : plotter.said("status")) EXPECT_EQ(status.at("level"), 2) << status;
-    for (unsigned i = 0; i < 10000; ++i) {
+    for (unsigned i = 0; i < 2000; ++i) {
         plotter.say({{"op", "subscribe"}, {"subscriptions", {{{"id", i}, {"channelId", 999}}}}});
         if (i % 200 == 0) door.gateway.run_for(1ms);
     }
