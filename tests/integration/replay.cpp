@@ -207,8 +207,9 @@ TEST_F(Replay, a_file_that_is_not_there_yet_is_waited_for) {
     ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "no_recording"; })) << daemon.status();
     EXPECT_EQ(daemon.link("flight")["state"], "waiting");
     dir.write("flight.pcapng", "this is no recording");
-    ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error"].get<std::string>().ends_with("it is neither pcapng nor MCAP"); }))
-        << daemon.status();
+    ASSERT_TRUE(daemon.until([&] {
+        return daemon.link("flight")["error"].get<std::string>().ends_with("it is neither pcapng nor MCAP");
+    })) << daemon.status();
     recording({said(numbered(0), 0s)});
     EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
 }
