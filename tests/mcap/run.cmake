@@ -1,26 +1,10 @@
-# Fetches the reader of MCAP, when that has changed, makes recordings, and reads them:
+# Makes recordings, and reads them by the reader of those who made MCAP:
 # cmake -DNODE=… -DNPM=… -DSOURCE=… -DMODULES=… -DFLIGHT=… -DMAKE_FLIGHT=… -P run.cmake
-# The source tree stays as it is.
-if(NOT NODE OR NOT NPM)
-  message(STATUS "the reader of MCAP is not here: it needs npm (apt install npm)")
+include(${CMAKE_CURRENT_LIST_DIR}/../support/npm_modules.cmake)
+fetch_modules(${SOURCE} ${MODULES})
+if(fault)
+  message(STATUS "the reader of MCAP is not here: ${fault}")
   return()
-endif()
-file(SHA256 ${SOURCE}/package-lock.json wanted)
-set(there "")
-if(EXISTS ${MODULES}/fetched)
-  file(READ ${MODULES}/fetched there)
-endif()
-if(NOT there STREQUAL wanted)
-  file(REMOVE_RECURSE ${MODULES})
-  file(COPY ${SOURCE}/package.json ${SOURCE}/package-lock.json ${SOURCE}/.npmrc DESTINATION ${MODULES})
-  execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error WORKING_DIRECTORY ${MODULES}
-    RESULT_VARIABLE result OUTPUT_VARIABLE log ERROR_VARIABLE log TIMEOUT 300)
-  if(NOT result EQUAL 0)
-    message(STATUS "${log}")
-    message(STATUS "the reader of MCAP is not here: npm can't fetch it")
-    return()
-  endif()
-  file(WRITE ${MODULES}/fetched ${wanted})
 endif()
 file(REMOVE_RECURSE ${FLIGHT})
 file(MAKE_DIRECTORY ${FLIGHT})

@@ -7,34 +7,21 @@
 #include <record/pcapng_reader.hpp>
 #include <support/bytes.hpp>
 #include <support/recorded.hpp>
+#include <support/recorded_items.hpp>
 
 namespace {
 
 using namespace anogate;
 using support::Bytes;
+using support::came;
 using support::KeptItem;
+using support::lost;
 using support::read_pcapng;
 using support::write_pcapng;
 
-const RecordingHead head{"anoctl 0.1.0", 1'763'898'044'123'456'789, 1'234'567'890'123};
-const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
-const Bytes wind = support::frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
-
-KeptItem came(const Bytes& frame, std::string link = "fc") {
-    KeptItem item;
-    item.time_ns = head.time_ns + 1;
-    item.boottime_ns = head.boottime_ns + 1;
-    item.link = std::move(link);
-    item.frame = frame;
-    return item;
-}
-
-KeptItem lost(std::uint64_t count, std::string names) {
-    KeptItem item;
-    item.lost = count;
-    item.names = std::move(names);
-    return item;
-}
+const RecordingHead& head = support::anoctl_head;
+const Bytes& euler = support::euler_frame;
+const Bytes& wind = support::wind_frame;
 
 std::vector<KeptItem> a_bit_of_everything() {
     KeptItem first = came(euler);
