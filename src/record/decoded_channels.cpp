@@ -2,6 +2,7 @@
 #include <record/decoded_channels.hpp>
 #include <ros/cdr_encoder.hpp>
 #include <ros/json_message.hpp>
+#include <ros/ros_json.hpp>
 #include <ros/ros_names.hpp>
 #include <ros/standard_messages.hpp>
 #include <ros/table_message.hpp>
@@ -22,13 +23,16 @@ struct KnownMessage {
 using ChannelNumber = std::optional<std::uint16_t>;    // nothing: it has none yet
 
 struct DecodedDevice {
-    explicit DecodedDevice(const std::string& name) : topic{'/' + name + '/'}, standard{name} {}
+    DecodedDevice(const std::string& name, ImageRows& images, std::uint64_t number)
+        : topic{'/' + name + '/'}, standard{name, &images, number} {}
 
     std::string topic;    // "/fc/device_5/"
     StandardMessages standard;
     std::array<ChannelNumber, 256> channels{};    // by the id of the message
     std::array<ChannelNumber, standard_topics> standard_channels{};
 };
+
+constexpr std::size_t most_standard = 2;    // that one frame makes
 
 struct DecodedLink {
     std::string name;    // in topics
@@ -44,13 +48,16 @@ struct DecodedChannels::State {
 
     std::array<std::unique_ptr<KnownMessage>, 256> known;
     std::map<const ano::FlexibleLayout*, KnownMessage> known_flexible;
+    ImageRows images;
+    std::uint64_t devices = 0;
     std::map<std::string, DecodedLink, std::less<>> links;
     std::set<std::string> link_names;
     std::map<const RosMessage*, std::size_t> standard_schemas;
     ValueList values;
     CdrEncoder encoder;
-    std::array<CdrEncoder, 2> standard_encoders;    // a frame makes no more
+    std::array<CdrEncoder, most_standard> standard_encoders;
     std::string json;
+    std::array<std::string, most_standard> standard_json;
 
     void decode(const RecordedFrame& frame);
     void decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device);
@@ -61,6 +68,7 @@ struct DecodedChannels::State {
     std::uint16_t add_channel(std::string topic, std::size_t schema);
     std::size_t add_schema(const RosMessage& type, std::string json_schema);
     std::string_view encode(const TableMessage& message, const ano::Reading& reading);
+    std::string_view encode_standard(const RosMessage& type, std::size_t number);
 };
 
 void DecodedChannels::State::decode(const RecordedFrame& frame) {
@@ -70,7 +78,7 @@ void DecodedChannels::State::decode(const RecordedFrame& frame) {
     DecodedDevice* const device = reading ? device_of(frame) : nullptr;
     if (device == nullptr) return;
     decode(reading, frame, *device);
-    if (encoding == DecodedEncoding::cdr) decode_standard(reading, frame.time_ns, *device);
+    decode_standard(reading, frame.time_ns, *device);
 }
 
 void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device) {
@@ -82,19 +90,19 @@ void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedF
 }
 
 void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device) {
-    auto encoder_at = standard_encoders.begin();
+    std::size_t number = 0;
     for (const StandardTopic topic : device.standard.hear(reading, time_ns)) {
         ChannelNumber& channel = device.standard_channels[static_cast<std::size_t>(topic)];
         const auto& [name, type] = standard_row(topic);
         if (!channel) {
             if (is_full()) return;
             const auto [schema, is_new] = standard_schemas.try_emplace(type, schemas.size());
-            if (is_new) add_schema(*type, {});
+            if (is_new) add_schema(*type, ros_json_schema(*type));
             channel = add_channel(device.topic + std::string{name}, schema->second);
         }
         values.clear();
         device.standard.append_values(topic, values);
-        messages.push_back({*channel, (encoder_at++)->encode(*type, values.values())});
+        messages.push_back({*channel, encode_standard(*type, number++)});
     }
 }
 
@@ -103,6 +111,11 @@ std::string_view DecodedChannels::State::encode(const TableMessage& message, con
     values.clear();
     message.append_values(reading, values);
     return encoder.encode(message.type(), values.values());
+}
+
+std::string_view DecodedChannels::State::encode_standard(const RosMessage& type, std::size_t number) {
+    if (encoding == DecodedEncoding::json) return standard_json[number] = ros_json(type, values.values());
+    return standard_encoders[number].encode(type, values.values());
 }
 
 // Null: there is no place for what would be new.
@@ -116,7 +129,8 @@ DecodedDevice* DecodedChannels::State::device_of(const RecordedFrame& frame) {
     auto& device = link->second.devices[frame.frame.source()];
     if (device == nullptr) {
         if (is_full()) return nullptr;
-        device = std::make_unique<DecodedDevice>(link->second.name + "/device_" + std::to_string(frame.frame.source()));
+        const std::string name = link->second.name + "/device_" + std::to_string(frame.frame.source());
+        device = std::make_unique<DecodedDevice>(name, images, ++devices);
     }
     return device.get();
 }
@@ -152,6 +166,12 @@ std::size_t DecodedChannels::State::add_schema(const RosMessage& type, std::stri
 }
 
 std::string_view text(DecodedEncoding encoding) noexcept { return encoding == DecodedEncoding::cdr ? "cdr" : "json"; }
+
+std::optional<DecodedEncoding> decoded_encoding_called(std::string_view name) noexcept {
+    for (const DecodedEncoding encoding : {DecodedEncoding::cdr, DecodedEncoding::json})
+        if (name == text(encoding)) return encoding;
+    return std::nullopt;
+}
 
 DecodedChannels::DecodedChannels(DecodedEncoding encoding, const ano::FlexibleLayouts* flexible)
     : state_{std::make_unique<State>()} {

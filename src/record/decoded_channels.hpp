@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,7 @@ enum class DecodedEncoding : std::uint8_t { cdr, json };
 
 /// "cdr", "json": as MCAP and Foxglove call the encoding of messages.
 std::string_view text(DecodedEncoding encoding) noexcept;
+std::optional<DecodedEncoding> decoded_encoding_called(std::string_view name) noexcept;
 
 struct DecodedSchema {
     std::string name;        // "ano_msgs/msg/Euler"

@@ -91,6 +91,7 @@ const StandardRow& standard_row(StandardTopic topic) {
                                                                 {"external_point", t.point_stamped},
                                                                 {"external_velocity", t.vector3_stamped},
                                                                 {"scan", t.point_cloud},
+                                                                {"image_raw", t.image},
                                                                 {"range_down", t.range},
                                                                 {"range_forward", t.range},
                                                                 {"range_back", t.range},
@@ -100,8 +101,14 @@ const StandardRow& standard_row(StandardTopic topic) {
     return rows[static_cast<std::size_t>(topic)];
 }
 
-StandardMessages::StandardMessages(std::string_view frame)
-    : frame_{frame}, ground_{frame_ + "/odom"}, east_north_up_{frame_ + "/enu"}, external_{frame_ + "/external"} {
+StandardMessages::StandardMessages(std::string_view frame, ImageRows* images, std::uint64_t sender)
+    : frame_{frame},
+      ground_{frame_ + "/odom"},
+      east_north_up_{frame_ + "/enu"},
+      external_{frame_ + "/external"},
+      camera_{frame_ + "/camera"},
+      images_{images},
+      sender_{sender} {
     for (std::size_t i = 0; i < range_frames_.size(); ++i) {
         const auto topic = static_cast<std::size_t>(StandardTopic::range_down) + i;
         range_frames_[i] = frame_ + '/' + std::string{standard_row(static_cast<StandardTopic>(topic)).name};
@@ -137,6 +144,10 @@ std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& readin
         if (std::isfinite(number("speed_x") + number("speed_y") + number("speed_z"))) tell(StandardTopic::external_velocity);
         break;
     case id_of<"ranging">: hear_ranging(); break;
+    case id_of<"image">:
+        image_ = images_ != nullptr ? images_->hear(sender_, reading, time_ns) : nullptr;
+        if (image_ != nullptr) tell(StandardTopic::image_raw);
+        break;
     default: break;
     }
     return {told_.data(), told_count_};
@@ -232,6 +243,7 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
     case StandardTopic::external_point: append_header(external_, out); return append(vector("pos_", 0.001), out);
     case StandardTopic::external_velocity: append_header(frame_, out); return append(vector("speed_", metre), out);
     case StandardTopic::scan: return append_scan(out);
+    case StandardTopic::image_raw: return append_image(out);
     default: return append_range(topic, out);
     }
 }
@@ -320,6 +332,16 @@ void StandardMessages::append_scan(ValueList& out) const {
         }
     }
     append_whole(1, out);
+}
+
+void StandardMessages::append_image(ValueList& out) const {
+    append_header(camera_, out);
+    append_whole(image_->height, out);
+    append_whole(image_->width, out);
+    append(std::string_view{"mono8"}, out);
+    append_whole(0, out);
+    append_whole(image_->width, out);
+    out.push(ano::Value{image_->pixels});
 }
 
 void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {

@@ -8,6 +8,7 @@
 //          }
 #pragma once
 #include <ano/reading.hpp>
+#include <ros/image_rows.hpp>
 #include <ros/ros_message.hpp>
 #include <ros/value_list.hpp>
 
@@ -35,6 +36,7 @@ enum class StandardTopic : std::uint8_t {
     external_point,
     external_velocity,
     scan,
+    image_raw,
     range_down,    // from here in the order of the `type` of ranging (0x34); 6 is down as well
     range_forward,
     range_back,
@@ -42,7 +44,7 @@ enum class StandardTopic : std::uint8_t {
     range_right,
     range_up,
 };
-inline constexpr std::size_t standard_topics = 19;
+inline constexpr std::size_t standard_topics = 20;
 
 struct StandardRow {
     std::string_view name;    // of its topic; no message of the table is called so
@@ -56,8 +58,9 @@ public:
     /// What is older than this is not put beside what is new.
     static constexpr std::uint64_t fresh_ns = 1'000'000'000;
 
-    /// `frame` names the device in headers.
-    explicit StandardMessages(std::string_view frame);
+    /// `frame` names the device in headers. `images`, which outlives it, has the rows of all devices, of which this one has the number
+    /// `sender`; nullptr: there are no images.
+    explicit StandardMessages(std::string_view frame, ImageRows* images = nullptr, std::uint64_t sender = 0);
 
     /// The messages that this frame of the device makes. Valid until the next call, and append_values() as long as the frame.
     std::span<const StandardTopic> hear(const ano::Reading& reading, std::uint64_t time_ns);
@@ -96,13 +99,18 @@ private:
     void append_battery(ValueList& out) const;
     void append_fix(ValueList& out) const;
     void append_scan(ValueList& out) const;
+    void append_image(ValueList& out) const;
     void append_range(StandardTopic topic, ValueList& out) const;
 
-    std::string frame_, ground_, east_north_up_, external_;
+    std::string frame_, ground_, east_north_up_, external_, camera_;
     std::array<std::string, 6> range_frames_;
 
     Heard<Rotation> by_quaternion_, by_euler_;
     Heard<Vector> velocity_, rates_;
+
+    ImageRows* images_;
+    std::uint64_t sender_;
+    const WholeImage* image_ = nullptr;    // that the last frame ended
 
     std::optional<ano::Reading> reading_;    // of the last frame
     std::uint64_t now_ns_ = 0;

@@ -104,6 +104,9 @@ struct Definitions {
          one(uint32, "row_step"),
          sequence(uint8, "data"),
          one(boolean, "is_dense")});
+    RosMessage image = made_of("sensor_msgs", "Image",
+                               {one(header, "header"), one(uint32, "height"), one(uint32, "width"), one(text, "encoding"),
+                                one(uint8, "is_bigendian"), one(uint32, "step"), sequence(uint8, "data")});
     RosMessage battery_state = made_of("sensor_msgs", "BatteryState", battery_fields());
 
     std::vector<RosField> battery_fields() const {
@@ -120,7 +123,7 @@ struct Definitions {
             {"UNKNOWN", "GOOD", "OVERHEAT", "DEAD", "OVERVOLTAGE", "UNSPEC_FAILURE", "COLD", "WATCHDOG_TIMER_EXPIRE",
              "SAFETY_TIMER_EXPIRE"});
         add("power_supply_technology", "POWER_SUPPLY_TECHNOLOGY_",
-            {"UNKNOWN", "NIMH", "LION", "LIPO", "LIFE", "NICD", "LIMN", "TERNARY"});
+            {"UNKNOWN", "NIMH", "LION", "LIPO", "LIFE", "NICD", "LIMN", "TERNARY", "VRLA"});
         fields.push_back(one(boolean, "present"));
         fields.push_back(sequence(float32, "cell_voltage"));
         fields.push_back(sequence(float32, "cell_temperature"));
@@ -136,7 +139,7 @@ const StandardTypes& standard_types() {
     static const Definitions d;
     static const StandardTypes types{&d.imu,           &d.magnetic_field, &d.temperature,        &d.nav_sat_fix,
                                      &d.battery_state, &d.range,          &d.quaternion_stamped, &d.vector3_stamped,
-                                     &d.point_stamped, &d.odometry,       &d.point_cloud};
+                                     &d.point_stamped, &d.odometry,       &d.point_cloud,        &d.image};
     return types;
 }
 

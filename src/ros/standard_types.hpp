@@ -7,7 +7,7 @@ namespace anogate {
 /// Live as long as the program.
 struct StandardTypes {
     const RosMessage *imu, *magnetic_field, *temperature, *nav_sat_fix, *battery_state, *range, *quaternion_stamped,
-        *vector3_stamped, *point_stamped, *odometry, *point_cloud;
+        *vector3_stamped, *point_stamped, *odometry, *point_cloud, *image;
 };
 const StandardTypes& standard_types();
 

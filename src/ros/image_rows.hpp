@@ -1,0 +1,51 @@
+// Images out of the frames that bring their rows (0xB0). No I/O.
+//
+// Frames of one image have the same flag, colour and size, and come in the order of the rows, which have no numbers. So an image is whole
+// when it has as many rows as it is high; one of which a frame is missing gives way to the next, or to whatever comes a second later.
+#pragma once
+#include <ano/reading.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace anogate {
+
+/// A byte a pixel, 0 to 255; of a picture of one bit a pixel 0 and 255.
+struct WholeImage {
+    std::uint32_t width = 0, height = 0;
+    ano::Bytes pixels{};    // valid until the next call of ImageRows::hear()
+};
+
+class ImageRows {
+public:
+    static constexpr std::size_t most_pixels = 1024 * 1024;    // of an image; larger ones are left alone
+    static constexpr std::size_t most_begun = 8;               // at a time; the one that was quiet the longest gives way
+    static constexpr std::uint64_t pause_ns = 1'000'000'000;
+
+    /// Of a frame that `sender`, whatever number that is, sent. Nullptr: no image is whole by it.
+    const WholeImage* hear(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns);
+
+private:
+    struct Head {
+        std::uint64_t flag = 0, color = 0, width = 0, height = 0;
+        friend bool operator==(const Head&, const Head&) = default;
+        std::size_t row_size() const noexcept;
+        std::size_t pixels() const noexcept { return static_cast<std::size_t>(width * height); }
+    };
+    struct Begun {
+        std::uint64_t sender = 0, heard_ns = 0;
+        Head head{};
+        std::vector<std::uint8_t> pixels{};    // empty: nobody's
+    };
+    Begun& place_for(std::uint64_t sender);
+    static void append_rows(const Head& head, ano::Bytes rows, std::vector<std::uint8_t>& pixels);
+
+    std::array<Begun, most_begun> begun_{};
+    std::vector<std::uint8_t> whole_pixels_;
+    WholeImage whole_;
+};
+
+}    // namespace anogate
