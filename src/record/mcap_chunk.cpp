@@ -89,24 +89,30 @@ std::optional<ChunkRecord> chunk_of(std::string_view body) noexcept {
     return fields.is_bad() ? std::nullopt : std::optional{chunk};
 }
 
-const char* ChunkOpener::open(const ChunkRecord& chunk, std::string& records) {
-    if (chunk.unpacked_size > max_chunk) return "a chunk is longer than 64 MiB";
+ChunkFault ChunkOpener::open(std::string_view body, std::string& records) {
+    const auto chunk = chunk_of(body);
+    return chunk ? open(*chunk, records) : ChunkFault{"it is shorter than what it tells of itself"};
+}
+
+ChunkFault ChunkOpener::open(const ChunkRecord& chunk, std::string& records) {
+    if (chunk.unpacked_size > max_chunk) return {"it is longer than 64 MiB"};
     if (chunk.compression == "zstd") {
         if (!unpacker_.unpack(chunk.records, static_cast<std::size_t>(chunk.unpacked_size), records))
-            return "a chunk can't be unpacked: what is in it is damaged";
+            return {"it can't be unpacked"};
     } else if (chunk.compression.empty()) {
-        if (chunk.records.size() != chunk.unpacked_size) return "a chunk does not have the length that it tells";
+        if (chunk.records.size() != chunk.unpacked_size) return {"it does not have the length that it tells"};
         records = chunk.records;
     } else if (chunk.compression == "lz4") {
-        return "its chunks are packed by lz4, which is not read here: `mcap compress --compression zstd` packs them anew";
+        return {"its chunks are packed by lz4, which is not read here: `mcap compress --compression zstd` packs them anew",
+                false};
     } else {
-        return "its chunks are packed by something that is not known here";
+        return {"its chunks are packed by something that is not known here", false};
     }
     if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc)
-        return "a chunk does not have the checksum that it tells";
+        return {"it does not have the checksum that it tells"};
     std::string_view rest = records;
     while (take_record(rest)) continue;
-    return rest.empty() ? nullptr : "a record in a chunk reaches over its end";
+    return {rest.empty() ? nullptr : "a record in it reaches over its end"};
 }
 
 }    // namespace anogate::mcap

@@ -62,11 +62,18 @@ struct ChunkRecord {
 };
 std::optional<ChunkRecord> chunk_of(std::string_view body) noexcept;
 
+/// What is wrong with a chunk.
+struct ChunkFault {
+    const char* why = nullptr;    // in a clause; nullptr: nothing is
+    bool is_damage = true;        // of this one; false: no chunk like it is read
+};
+
 /// Takes chunks apart.
 class ChunkOpener {
 public:
-    /// Makes `records` of it, all of them whole. Nothing, or what is wrong with it, in a clause.
-    const char* open(const ChunkRecord& chunk, std::string& records);
+    /// Makes `records` of the body of its record, all of them whole.
+    ChunkFault open(std::string_view body, std::string& records);
+    ChunkFault open(const ChunkRecord& chunk, std::string& records);
 
 private:
     ZstdUnpacker unpacker_;

@@ -92,16 +92,33 @@ void encode(const RecordedLoss& loss, std::string& out) {
 
 void Items::add_channel(std::string_view body) {
     const auto channel = channel_of(body);
-    if (!channel || channel->encoding != "cdr") return;
-    const Kind kind = channel->topic == frames_topic ? Kind::frames : channel->topic == losses_topic ? Kind::losses : Kind::other;
-    if (kind == Kind::other) return;
-    if (channel->id >= kinds_.size()) kinds_.resize(std::size_t{channel->id} + 1);
-    kinds_[channel->id] = kind;
-    has_channel_ = true;
+    if (!channel) return;
+    const bool is_cdr = channel->encoding == "cdr";
+    const bool has_frames = is_cdr && channel->topic == frames_topic, has_losses = is_cdr && channel->topic == losses_topic;
+    set_kind(channel->id, has_frames ? Kind::frames : has_losses ? Kind::losses : Kind::other);
+    if (has_frames || has_losses) has_channel_ = true;
 }
 
+Items::Kind Items::kind_of(std::uint16_t channel) const noexcept {
+    return channel < kinds_.size() ? kinds_[channel] : Kind::untold;
+}
+
+void Items::set_kind(std::uint16_t channel, Kind kind) {
+    if (channel >= kinds_.size()) kinds_.resize(std::size_t{channel} + 1);
+    kinds_[channel] = kind;
+}
+
+bool Items::has_frames(std::uint16_t channel) const noexcept { return kind_of(channel) == Kind::frames; }
+
 std::optional<Recorded> Items::item_of(const Message& message) {
-    const Kind kind = message.channel < kinds_.size() ? kinds_[message.channel] : Kind::other;
+    const Kind kind = kind_of(message.channel);
+    if (kind == Kind::untold && misses_channels_) {
+        const auto frame = frame_of(message);
+        if (!frame) return std::nullopt;
+        set_kind(message.channel, Kind::frames);
+        has_channel_ = true;
+        return Recorded{*frame};
+    }
     if (kind == Kind::losses) {
         CdrFields fields{message.data};
         RecordedLoss loss{fields.number<std::uint64_t>(), fields.text()};

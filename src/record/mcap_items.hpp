@@ -42,6 +42,9 @@ public:
     void add_channel(std::string_view body);
     /// Nothing: it is of another channel, or damaged. In the memory of the message.
     std::optional<Recorded> item_of(const Message& message);
+    /// Channels may have been told in a place that can't be read: from now on one that was not told has frames if a message of it is one.
+    void miss_channels() noexcept { misses_channels_ = true; }
+    bool has_frames(std::uint16_t channel) const noexcept;
 
     /// A channel of frames was there.
     bool has_channel() const noexcept { return has_channel_; }
@@ -49,9 +52,12 @@ public:
     std::uint64_t foreign() const noexcept { return foreign_; }
 
 private:
-    enum class Kind : std::uint8_t { other, frames, losses };
+    enum class Kind : std::uint8_t { untold, other, frames, losses };
+    Kind kind_of(std::uint16_t channel) const noexcept;
+    void set_kind(std::uint16_t channel, Kind kind);
+
     std::vector<Kind> kinds_;    // by channel
-    bool has_channel_ = false;
+    bool has_channel_ = false, misses_channels_ = false;
     std::uint64_t foreign_ = 0;
 };
 

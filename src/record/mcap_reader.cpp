@@ -41,15 +41,14 @@ void McapReader::take(const mcap::Record& record) {
 }
 
 void McapReader::take_outer(const mcap::Record& record) {
-    if (is_data_over_) return;    // the summary repeats what was read
-    switch (record.opcode) {
-    case mcap::Opcode::chunk: {
-        const auto chunk = mcap::chunk_of(record.body);
-        const char* const fault = chunk ? opener_.open(*chunk, chunk_) : "a chunk is shorter than what it tells of itself";
-        if (fault != nullptr) return records_.refuse(fault, record);
-        rest_ = chunk_;
-        break;
+    if (is_data_over_) {    // the summary repeats what was read, and what was in a chunk that could not be
+        if (skipped_.count > 0 && record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
+        return;
     }
+    if (is_behind_skipped_ && record.opcode == mcap::Opcode::message_index) return take_index_of_skipped(record);
+    is_behind_skipped_ = false;
+    switch (record.opcode) {
+    case mcap::Opcode::chunk: take_chunk(record); break;
     case mcap::Opcode::metadata:
         if (mcap::name_of_metadata(record.body) != mcap::head_name) break;
         head_ = mcap::recording_head_of(record.body);
@@ -61,8 +60,38 @@ void McapReader::take_outer(const mcap::Record& record) {
     }
 }
 
+void McapReader::take_chunk(const mcap::Record& record) {
+    const mcap::ChunkFault fault = opener_.open(record.body, chunk_);
+    if (fault.why == nullptr) {
+        rest_ = chunk_;
+        return;
+    }
+    if (!fault.is_damage) return records_.refuse(fault.why, record);
+    skipped_.add({records_.position() - record.whole.size(), record.whole.size(), std::nullopt, fault.why});
+    is_behind_skipped_ = true;
+    items_.miss_channels();
+}
+
+void McapReader::take_index_of_skipped(const mcap::Record& record) {
+    constexpr std::size_t entry_size = 2 * sizeof(std::uint64_t);
+    mcap::Fields fields{record.body};
+    const auto channel = fields.number<std::uint16_t>();
+    const std::uint64_t count = fields.text().size() / entry_size;
+    skipped_by_channel_[channel] += count;
+    if (skipped_.count > skipped_.first.size()) return;    // it is not told by itself
+    auto& messages = skipped_.first.back().messages;
+    messages = messages.value_or(0) + count;
+}
+
+SkippedParts McapReader::skipped() const {
+    SkippedParts skipped = skipped_;
+    for (const auto& [channel, messages] : skipped_by_channel_)
+        if (items_.has_frames(channel)) skipped.frames += messages;
+    return skipped;
+}
+
 bool McapReader::is_strange() const noexcept {
-    return records_.position() > mcap::magic.size() && !has_head_ && !items_.has_channel();
+    return records_.position() > mcap::magic.size() && !has_head_ && !items_.has_channel() && skipped_.count == 0;
 }
 
 }    // namespace anogate

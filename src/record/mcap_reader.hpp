@@ -8,6 +8,8 @@
 #include <record/mcap_records.hpp>
 #include <record/recording_reader.hpp>
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +28,7 @@ public:
 
     RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
     const char* fault() const noexcept override { return records_.fault(); }
+    SkippedParts skipped() const override;
     std::uint64_t position() const noexcept override { return records_.position(); }
     std::size_t unfinished() const noexcept override { return records_.unfinished(); }
 
@@ -37,6 +40,8 @@ public:
 private:
     void take(const mcap::Record& record);
     void take_outer(const mcap::Record& record);
+    void take_chunk(const mcap::Record& record);
+    void take_index_of_skipped(const mcap::Record& record);
 
     mcap::Records records_;
     mcap::ChunkOpener opener_;
@@ -46,6 +51,9 @@ private:
     std::string chunk_;               // its records
     std::string_view rest_;           // of them
     std::optional<Recorded> item_;    // of the record that was read last
+    SkippedParts skipped_;
+    bool is_behind_skipped_ = false;    // indexes that come now are of the chunk that was left out last
+    std::map<std::uint16_t, std::uint64_t> skipped_by_channel_;    // messages, by those indexes
 };
 
 }    // namespace anogate

@@ -8,6 +8,7 @@ void McapRepair::give(std::string_view bytes) {
     records_.give(bytes);
     while (const auto record = records_.next()) {
         if (records_.position() == mcap::magic.size() + record->whole.size()) read_crc_.add(mcap::magic);
+        before_crc_ = read_crc_;
         read_crc_.add(record->whole);
         if (!is_data_over_) take(*record);
     }
@@ -15,9 +16,7 @@ void McapRepair::give(std::string_view bytes) {
 
 void McapRepair::take(const mcap::Record& record) {
     switch (record.opcode) {
-    case mcap::Opcode::chunk:
-        if (take_chunk(record)) keep();
-        break;
+    case mcap::Opcode::chunk: take_chunk(record); break;
     case mcap::Opcode::message_index: take_index(record); break;
     case mcap::Opcode::metadata: {
         const std::string_view name = mcap::name_of_metadata(record.body);
@@ -46,13 +45,10 @@ void McapRepair::keep() {
     kept_crc_ = read_crc_;
 }
 
-bool McapRepair::take_chunk(const mcap::Record& record) {
+void McapRepair::take_chunk(const mcap::Record& record) {
+    const mcap::ChunkFault fault = opener_.open(record.body, chunk_);
+    if (fault.why != nullptr) return take_damaged(record, fault);
     const auto chunk = mcap::chunk_of(record.body);
-    const char* const fault = chunk ? opener_.open(*chunk, chunk_) : "a chunk is shorter than what it tells of itself";
-    if (fault != nullptr) {
-        records_.refuse(fault, record);
-        return false;
-    }
     add_last_chunk();
     last_.emplace();
     last_->compression = chunk->compression;
@@ -61,7 +57,17 @@ bool McapRepair::take_chunk(const mcap::Record& record) {
                     chunk_.size()};
     std::string_view rest = chunk_;
     while (const auto inner = mcap::take_record(rest)) take_inner(*inner, chunk_.size() - rest.size() - inner->whole.size());
-    return true;
+    keep();
+}
+
+// What is before it is kept, with its indexes; it itself only if something good comes behind it.
+void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault) {
+    if (!fault.is_damage) return records_.refuse(fault.why, record);
+    items_.miss_channels();
+    if (!last_) return;
+    add_last_chunk();
+    keep_ = records_.position() - record.whole.size();
+    kept_crc_ = before_crc_;
 }
 
 // Also of one that stands in no chunk: it is counted, but no index tells where it is.

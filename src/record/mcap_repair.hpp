@@ -1,7 +1,7 @@
 // Makes an MCAP file that was cut a whole one again. No I/O.
 //
 // What is whole is kept as it is, to the end of the last chunk; its indexes and everything behind are made anew. Of a recording that was
-// ended, and then cut, that gives the same bytes again.
+// ended, and then cut, that gives the same bytes again. A damaged chunk stays where a good one comes behind it, and no index leads there.
 #pragma once
 #include <record/crc32.hpp>
 #include <record/mcap_chunk.hpp>
@@ -37,7 +37,8 @@ public:
 
 private:
     void take(const mcap::Record& record);
-    bool take_chunk(const mcap::Record& record);
+    void take_chunk(const mcap::Record& record);
+    void take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault);
     void take_index(const mcap::Record& record);
     void take_inner(const mcap::Record& record, std::uint64_t offset);
     void add_last_chunk();
@@ -54,7 +55,7 @@ private:
     std::uint64_t keep_ = 0;
     std::string ending_;    // of the file that ends behind ending_of_ bytes
     std::uint64_t ending_of_ = 0;
-    Crc32 read_crc_, kept_crc_;
+    Crc32 before_crc_, read_crc_, kept_crc_;    // before the last record, behind it, and of what is kept
     bool is_ours_ = false, is_data_over_ = false;
 };
 

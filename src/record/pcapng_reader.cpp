@@ -116,6 +116,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
     if (u32(rest, size - 4) != size) return damage("both lengths of a block differ"), std::nullopt;
     at_ += size;
     position_ += size;
+    block_size_ = size;
     return rest.subspan(8, size - smallest_block);
 }
 
@@ -126,6 +127,7 @@ std::optional<Recorded> PcapngReader::next() {
         std::uint32_t type = 0;
         const auto body = take_block(type);
         if (!body) return std::nullopt;
+        const std::uint64_t skipped_before = skipped_.count;
         switch (type) {
         case section_header: begin_section(*body); break;
         case interface_description: add_interface(*body); break;
@@ -135,7 +137,14 @@ std::optional<Recorded> PcapngReader::next() {
         case simple_packet: ++foreign_; break;
         default: break;    // names of hosts, keys, what other programs keep
         }
+        if (skipped_.count == skipped_before && !is_damaged()) good_end_ = position_;
     }
+}
+
+// Both of its lengths are right: the next block is where it is.
+void PcapngReader::skip(const char* why, bool is_packet) {
+    skipped_.add({position_ - block_size_, block_size_, is_packet ? 1 : 0, why});
+    if (is_packet) ++skipped_.frames;
 }
 
 void PcapngReader::begin_section(Bytes body) {
@@ -156,9 +165,12 @@ void PcapngReader::begin_section(Bytes body) {
 }
 
 void PcapngReader::add_interface(Bytes body) {
-    if (body.size() < 8) return damage("the description of an interface is too short");
     if (interfaces_.size() >= max_interfaces) return damage("it has more than 65536 interfaces");
     Interface interface;
+    if (body.size() < 8) {    // those behind it keep their numbers
+        interfaces_.push_back(std::move(interface));
+        return skip("the description of an interface is too short", false);
+    }
     interface.ours = u16(body, 0) == link_type_user0;
     interface.per_second = 1'000'000;
     for (Bytes options = body.subspan(8); const auto option = take_option(options);) {
@@ -183,11 +195,11 @@ void PcapngReader::end_interface(Bytes body) {
 }
 
 void PcapngReader::take_packet(Bytes body) {
-    has_end_ = false;
-    if (body.size() < 20) return damage("a packet is too short");
+    if (body.size() < 20) return skip("a packet is too short", true);
     const std::size_t number = u32(body, 0), size = u32(body, 12), whole_size = u32(body, 16);
-    if (number >= interfaces_.size()) return damage("a packet is of an interface that is not described");
-    if (size > body.size() - 20) return damage("a packet is longer than its block");
+    if (number >= interfaces_.size()) return skip("a packet is of an interface that is not described", true);
+    if (size > body.size() - 20) return skip("a packet is longer than its block", true);
+    has_end_ = false;
     const Interface& interface = interfaces_[number];
     const auto frame = interface.ours && size == whole_size ? ano::frame_at(body.subspan(20, size)) : std::nullopt;
     if (!frame || frame->bytes().size() != size) {

@@ -25,6 +25,9 @@ public:
 
     RecordingFormat format() const noexcept override { return RecordingFormat::pcapng; }
     const char* fault() const noexcept override { return fault_; }
+    SkippedParts skipped() const override { return skipped_; }
+    /// Where the last block ends that is not damaged.
+    std::uint64_t good_end() const noexcept { return good_end_; }
     std::uint64_t position() const noexcept override { return position_; }
     std::size_t unfinished() const noexcept override { return buffer_.size() - at_; }
 
@@ -59,11 +62,15 @@ private:
     void read_options(Bytes options, RecordedFrame& frame);
     void read_comment(std::string_view text, RecordedFrame& frame);
     void damage(const char* what) noexcept { fault_ = what; }
+    void skip(const char* why, bool is_packet);
 
     std::string buffer_;
     std::size_t at_ = 0;    // in buffer_: what was understood ends
     std::uint64_t position_ = 0;
     const char* fault_ = nullptr;
+    std::size_t block_size_ = 0;    // of the block that was read last
+    std::uint64_t good_end_ = 0;
+    SkippedParts skipped_;
 
     bool begun_ = false, swapped_ = false, has_end_ = false;
     RecordingHead head_;

@@ -4,16 +4,43 @@
 //          for (each piece of the file) { reader->give(piece); while (const auto item = reader->next()) ...; }
 //          if (reader->is_damaged()) ...
 //
-// Of a file that was cut, all that is whole before the cut is given.
+// Of a file that was cut, all that is whole before the cut is given. A part whose damage does not hide where the next one begins is left
+// out, and told in skipped().
 #pragma once
 #include <record/recording_writer.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace anogate {
+
+/// A chunk of MCAP or a block of pcapng that is damaged and was left out.
+struct SkippedPart {
+    std::uint64_t at = 0, size = 0;             // bytes of the file
+    std::optional<std::uint64_t> messages{};    // that it has, as the index behind it or its kind tells; nothing: none does
+    const char* why = "";                       // in a clause
+
+    friend bool operator==(const SkippedPart&, const SkippedPart&) = default;
+};
+
+struct SkippedParts {
+    static constexpr std::size_t most_told = 16;
+
+    std::uint64_t count = 0, bytes = 0;
+    std::uint64_t frames = 0;            // of which it is known that they were in there
+    std::vector<SkippedPart> first{};    // of them, most_told at most
+
+    void add(const SkippedPart& part) {
+        ++count;
+        bytes += part.size;
+        if (first.size() < most_told) first.push_back(part);
+    }
+    friend bool operator==(const SkippedParts&, const SkippedParts&) = default;
+};
 
 class RecordingReader {
 public:
@@ -30,6 +57,8 @@ public:
     bool is_damaged() const noexcept { return fault() != nullptr; }
     /// How many bytes of the file were understood.
     virtual std::uint64_t position() const noexcept = 0;
+    /// What before position() was left out.
+    virtual SkippedParts skipped() const = 0;
     /// Bytes behind position(): the begin of something whose end is not there.
     virtual std::size_t unfinished() const noexcept = 0;
 

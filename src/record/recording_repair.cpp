@@ -26,17 +26,17 @@ public:
     }
     RecordingRepair::Result finish() override {
         RecordingRepair::Result result;
-        result.keep = reader_.position();
+        result.keep = reader_.good_end();
         result.frames = frames_;
-        result.is_recording = reader_.position() > 0;
+        result.is_recording = reader_.good_end() > 0;
         result.is_whole = reader_.has_end() && reader_.unfinished() == 0 && !reader_.is_damaged();
         if (!result.is_recording || reader_.has_end()) return result;
-        if (ending_of_ != reader_.position()) {
+        if (ending_of_ != result.keep) {
             ending_.clear();
             std::string head;
             PcapngWriter writer = writer_ ? *writer_ : PcapngWriter{reader_.head(), head};
             writer.end(ending_);
-            ending_of_ = reader_.position();
+            ending_of_ = result.keep;
         }
         result.append = ending_;
         return result;

@@ -117,6 +117,26 @@ TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the
     EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
 }
 
+TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {
+    std::vector<KeptItem> items;
+    Frames expected;
+    for (std::uint8_t i = 0; i < 100; ++i) {
+        items.push_back(said(numbered(i), i * 1ms));
+        if (i >= 50) expected.push_back(numbered(i));
+    }
+    const auto format = anogate::RecordingFormat::mcap;
+    std::string damaged = write_recording(format, items, {"anogate 0.1.0"}, true, 50);    // two chunks
+    const std::size_t first_chunk = write_recording(format, {}, {"anogate 0.1.0"}, false).size();
+    damaged[first_chunk + 100] ^= 0x55;    // in what is packed
+    RunningGateway daemon{settings_of_texts({"replay:" + dir.write("flight.mcap", damaged), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground), expected);
+    EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
+    EXPECT_NE(daemon.link("flight")["error"].get<std::string>().find("1 damaged part of it is left out, at byte " +
+                                                                     std::to_string(first_chunk)),
+              std::string::npos)
+        << daemon.status();
+}
+
 TEST_F(Replay, keeps_the_distances_of_the_frames_and_is_as_much_faster_as_is_asked) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 200ms), said(numbered(2), 400ms)};
     const auto took = [&](const std::string& keys) {

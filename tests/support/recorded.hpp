@@ -62,6 +62,7 @@ struct ReadRecording {
     bool has_end = false;
     std::uint64_t foreign = 0;
     std::string fault;
+    anogate::SkippedParts skipped;
     std::uint64_t position = 0;
     std::size_t unfinished = 0;
 };
@@ -78,6 +79,7 @@ inline ReadRecording read_recording(std::string_view file, std::size_t step = 40
     read.has_end = reader->has_end();
     read.foreign = reader->foreign();
     if (reader->is_damaged()) read.fault = reader->fault();
+    read.skipped = reader->skipped();
     read.position = reader->position();
     read.unfinished = reader->unfinished();
     return read;
@@ -107,11 +109,12 @@ inline std::string write_pcapng(const std::vector<KeptItem>& items, const anogat
 inline bool holds_the_laws_of_recordings(std::string_view file) {
     const ReadRecording read = read_recording(file), in_pieces = read_recording(file, 13);
     if (read.items != in_pieces.items || read.fault != in_pieces.fault || read.position != in_pieces.position) return false;
+    if (read.skipped != in_pieces.skipped || read.skipped.bytes > read.position) return false;
     if (read.position > file.size()) return false;
     for (const auto format : {anogate::RecordingFormat::pcapng, anogate::RecordingFormat::mcap}) {
         const std::string recorded = write_recording(format, read.items, read.head);
         const ReadRecording again = read_recording(recorded);
-        if (!again.fault.empty() || !again.has_end || again.unfinished != 0) return false;
+        if (!again.fault.empty() || again.skipped.count != 0 || !again.has_end || again.unfinished != 0) return false;
         if (write_recording(format, again.items, again.head) != recorded) return false;
     }
     return true;

@@ -189,7 +189,7 @@ struct Convert {
         target->end();
         for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
         tell(streams, counted(taken, "frame") + " of " + file + " written" + places(target->files()));
-        return facts.fault.empty() ? fine : failed;
+        return facts.is_damaged() ? failed : fine;
     }
 
 private:

@@ -115,6 +115,15 @@ void show(const std::string& file, const RecordingCounts& counts, const Recordin
     show_messages(counts, streams);
 }
 
+Json json_of(const anogate::SkippedParts& skipped) {
+    Json json{{"parts", skipped.count}, {"bytes", skipped.bytes}, {"frames", skipped.frames}, {"first", Json::array()}};
+    for (const anogate::SkippedPart& part : skipped.first) {
+        json["first"].push_back({{"at", part.at}, {"bytes", part.size}, {"why", part.why}});
+        json["first"].back()["messages"] = part.messages ? Json(*part.messages) : Json(nullptr);
+    }
+    return json;
+}
+
 Json json_of(const std::string& file, const RecordingCounts& counts, const RecordingFacts& facts) {
     Json json{{"file", file},
               {"format", std::string{text(facts.format)}},
@@ -130,6 +139,7 @@ Json json_of(const std::string& file, const RecordingCounts& counts, const Recor
               {"lost", counts.lost},
               {"lost_messages", counts.lost_messages},
               {"foreign", facts.foreign},
+              {"skipped", json_of(facts.skipped)},
               {"unread", facts.size - facts.read},
               {"fault", facts.fault.empty() ? Json(nullptr) : Json(facts.fault)},
               {"links", Json::array()},
@@ -171,7 +181,7 @@ struct Info {
         if (json)
             streams.out << json_of(file, recording.counts, facts).dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
         else show(file, recording.counts, facts, streams);
-        return facts.fault.empty() ? fine : failed;
+        return facts.is_damaged() ? failed : fine;
     }
 };
 

@@ -69,6 +69,7 @@ RecordingFacts RecordingInput::facts() const {
     facts.read = reader_->position();
     facts.has_end = reader_->has_end();
     facts.foreign = reader_->foreign();
+    facts.skipped = reader_->skipped();
     if (reader_->is_damaged()) facts.fault = reader_->fault();
     return facts;
 }
@@ -103,8 +104,31 @@ RecordingFacts read_recording(const std::string& path, Streams& streams, const T
     return input.facts();
 }
 
+namespace {
+
+// "the chunk at byte 4711 is damaged and left out, 120 messages: it can't be unpacked"
+std::string note_on(const anogate::SkippedPart& part, anogate::RecordingFormat format) {
+    std::string line = format == anogate::RecordingFormat::mcap ? "the chunk" : "the block";
+    line += " at byte " + std::to_string(part.at) + " is damaged and left out, ";
+    if (!part.messages) line += "with nothing behind it that tells what it had";
+    else if (*part.messages == 0) line += "without messages";
+    else line += counted(*part.messages, "message");
+    return line + ": " + part.why;
+}
+
+void add_notes_on(const anogate::SkippedParts& skipped, anogate::RecordingFormat format, std::vector<std::string>& lines) {
+    for (const anogate::SkippedPart& part : skipped.first) lines.push_back(note_on(part, format));
+    if (skipped.count > skipped.first.size())
+        lines.push_back("and " + counted(skipped.count - skipped.first.size(), "other") + " like that, " +
+                        counted(skipped.bytes, "byte") + " in all");
+    if (skipped.frames > 0) lines.push_back(counted(skipped.frames, "frame") + " of the recording can't be read for that");
+}
+
+}    // namespace
+
 std::vector<std::string> RecordingFacts::notes() const {
     std::vector<std::string> lines;
+    add_notes_on(skipped, format, lines);
     const std::string rest = std::to_string(size - read) + " of " + std::to_string(size) + " bytes";
     if (!fault.empty()) lines.push_back("damaged behind byte " + std::to_string(read) + ", " + rest + " are not read: " + fault);
     else if (read < size) lines.push_back("cut off: the last " + rest + " are no whole block");

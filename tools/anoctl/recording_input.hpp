@@ -23,7 +23,10 @@ struct RecordingFacts {
     bool has_end = false;         // what recorded it ended it
     std::uint64_t foreign = 0;    // packets that are no frame
     std::string fault;            // why nothing is read behind that; empty: all was read
+    anogate::SkippedParts skipped{};
 
+    /// Something of it can't be read.
+    bool is_damaged() const { return !fault.empty() || skipped.count > 0; }
     /// "it was not ended: …", "damaged behind …", lines for people.
     std::vector<std::string> notes() const;
 };

@@ -164,7 +164,7 @@ struct Replay {
             tell(streams, text);
         }
         if (replayer.was_interrupted) return interrupted;
-        return facts.fault.empty() && replayer.not_sent == 0 ? fine : failed;
+        return !facts.is_damaged() && replayer.not_sent == 0 ? fine : failed;
     }
 };
 

@@ -240,7 +240,34 @@ TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
     EXPECT_EQ(by_index.exit, 0);
     const auto all = anoctl({"info", "--all", folder / "damaged.mcap"});
     EXPECT_EQ(all.exit, 1);
-    EXPECT_NE(all.out.find("damaged behind byte "), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find("the chunk at byte "), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find(" is damaged and left out, "), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find("4 frames of the recording can't be read for that"), std::string::npos) << all.out;
+    const json told = json::parse(anoctl({"info", "--all", "--json", folder / "damaged.mcap"}).out);
+    EXPECT_EQ(told["skipped"]["parts"], 1);
+    EXPECT_EQ(told["skipped"]["frames"], 4);
+    EXPECT_EQ(told["skipped"]["first"].size(), 1u);
+    EXPECT_EQ(told["unread"], 0);
+    EXPECT_EQ(told["fault"], nullptr);
+}
+
+TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
+    const std::string whole = flight();
+    std::string damaged = whole;
+    const auto packet = damaged.find(std::string{"\x06\0\0\0", 4});
+    damaged[packet + 8] = '\x7F';    // its interface
+    const auto said = anoctl({"info", "-"}, damaged);
+    EXPECT_EQ(said.exit, 1);
+    EXPECT_NE(said.out.find("3 frames in"), std::string::npos) << said.out;
+    EXPECT_NE(said.out.find("the block at byte " + std::to_string(packet) +
+                            " is damaged and left out, 1 message: a packet is of an interface that is not described"),
+              std::string::npos)
+        << said.out;
+    const support::TempDir folder;
+    const auto made = anoctl({"convert", folder.write("damaged.pcapng", damaged), folder / "good.pcapng"});
+    EXPECT_EQ(made.exit, 1);
+    EXPECT_NE(made.err.find("the block at byte "), std::string::npos) << made.err;
+    EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
 }
 
 TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {

@@ -170,7 +170,7 @@ TEST(Mcap, its_indexes_lead_to_every_message) {
         EXPECT_EQ(chunk->last_time, last);
         EXPECT_LE(first, last);
         std::string inner;
-        ASSERT_EQ(opener.open(*chunk, inner), nullptr);
+        ASSERT_EQ(opener.open(*chunk, inner).why, nullptr);
         std::uint64_t all_index_bytes = 0;
         while (!offsets.rest().empty()) {
             const auto channel = offsets.number<std::uint16_t>();
@@ -268,24 +268,110 @@ std::string chunk_record(std::string_view compression, std::string_view bytes, s
 
 TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
     const auto fault_of = [](const std::string& record) { return read_recording(file_of(record)).fault; };
+    const auto skipped = [](const std::string& record) -> std::string {
+        const auto read = read_recording(file_of(record));
+        EXPECT_EQ(read.fault, "");
+        return read.skipped.count == 1 ? read.skipped.first.front().why : "";
+    };
     std::string packed;
     ZstdPacker{}.pack(std::string(1000, '\1'), packed);
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 999)), "a chunk can't be unpacked: what is in it is damaged");
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1001)), "a chunk can't be unpacked: what is in it is damaged");
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed.substr(0, packed.size() - 1), 1000)),
-              "a chunk can't be unpacked: what is in it is damaged");
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed + "x", 1000)), "a chunk can't be unpacked: what is in it is damaged");
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1000, 1)), "a chunk does not have the checksum that it tells");
-    EXPECT_EQ(fault_of(chunk_record("zstd", packed, 1000)), "a record in a chunk reaches over its end");
-    EXPECT_EQ(fault_of(chunk_record("", "abc", 4)), "a chunk does not have the length that it tells");
-    EXPECT_EQ(fault_of(chunk_record("", "abc", 3)), "a record in a chunk reaches over its end");
-    EXPECT_EQ(fault_of(chunk_record("zstd", "", mcap::max_chunk + 1)), "a chunk is longer than 64 MiB");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 999)), "it can't be unpacked");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1001)), "it can't be unpacked");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed.substr(0, packed.size() - 1), 1000)), "it can't be unpacked");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed + "x", 1000)), "it can't be unpacked");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000, 1)), "it does not have the checksum that it tells");
+    EXPECT_EQ(skipped(chunk_record("zstd", packed, 1000)), "a record in it reaches over its end");
+    EXPECT_EQ(skipped(chunk_record("", "abc", 4)), "it does not have the length that it tells");
+    EXPECT_EQ(skipped(chunk_record("", "abc", 3)), "a record in it reaches over its end");
+    EXPECT_EQ(skipped(chunk_record("zstd", "", mcap::max_chunk + 1)), "it is longer than 64 MiB");
+    std::string no_chunk;
+    mcap::end_record(no_chunk, mcap::begin_record(no_chunk, mcap::Opcode::chunk));
+    EXPECT_EQ(skipped(no_chunk), "it is shorter than what it tells of itself");
     EXPECT_NE(fault_of(chunk_record("lz4", "abc", 3)).find("mcap compress --compression zstd"), std::string::npos);
     EXPECT_EQ(fault_of(chunk_record("br", "abc", 3)), "its chunks are packed by something that is not known here");
     std::string endless;
     mcap::put(endless, std::uint8_t{6});
     mcap::put(endless, ~std::uint64_t{0});
     EXPECT_EQ(fault_of(endless), "a record is longer than 64 MiB");
+}
+
+// So many chunks of two frames each, of which those with these numbers are damaged, in what they have packed.
+struct DamagedFile {
+    std::string bytes;
+    std::vector<KeptItem> items;
+    std::vector<std::uint64_t> damaged_at;
+};
+DamagedFile with_damaged_chunks(const std::vector<std::size_t>& damaged, bool end = true) {
+    DamagedFile file;
+    constexpr std::size_t chunks = 5, in_chunk = 2;
+    for (std::size_t i = 0; i < chunks * in_chunk; ++i) {
+        file.items.push_back(came(i % 2 == 0 ? euler : wind));
+        file.items.back().time_ns += i;
+    }
+    file.bytes = write_mcap(file.items, end, in_chunk);
+    std::size_t number = 0;
+    std::string_view rest = std::string_view{file.bytes}.substr(mcap::magic.size());
+    std::vector<std::size_t> places;
+    while (const auto record = mcap::take_record(rest)) {
+        if (record->opcode != mcap::Opcode::chunk) continue;
+        if (std::find(damaged.begin(), damaged.end(), number++) == damaged.end()) continue;
+        file.damaged_at.push_back(place_of(file.bytes, *record));
+        places.push_back(place_of(file.bytes, *record) + record->whole.size() - 1);
+    }
+    for (const std::size_t place : places) file.bytes[place] = static_cast<char>(file.bytes[place] ^ 0x55);
+    for (auto at = damaged.rbegin(); at != damaged.rend(); ++at) {
+        const auto first = file.items.begin() + static_cast<std::ptrdiff_t>(*at * in_chunk);
+        file.items.erase(first, first + in_chunk);
+    }
+    return file;
+}
+
+TEST(Mcap, goes_on_behind_a_damaged_chunk_and_tells_what_was_in_it) {
+    const DamagedFile file = with_damaged_chunks({1, 3});
+    for (const std::size_t step : {std::size_t{7}, std::size_t{65536}}) {
+        const auto read = read_recording(file.bytes, step);
+        EXPECT_EQ(read.fault, "");
+        EXPECT_TRUE(read.has_end);
+        EXPECT_EQ(read.position, file.bytes.size());
+        EXPECT_EQ(read.items, file.items);
+        ASSERT_EQ(read.skipped.count, 2u);
+        ASSERT_EQ(read.skipped.first.size(), 2u);
+        EXPECT_EQ(read.skipped.frames, 4u);
+        EXPECT_EQ(read.skipped.first[0].at, file.damaged_at[0]);
+        EXPECT_EQ(read.skipped.first[1].at, file.damaged_at[1]);
+        EXPECT_EQ(read.skipped.bytes, read.skipped.first[0].size + read.skipped.first[1].size);
+        // Two frames, what both say, and the orientation.
+        EXPECT_EQ(read.skipped.first[0].messages, std::optional<std::uint64_t>{5});
+    }
+}
+
+// It had the channel of frames.
+TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged) {
+    const DamagedFile file = with_damaged_chunks({0});
+    const auto read = read_recording(file.bytes);
+    EXPECT_EQ(read.items, file.items);
+    EXPECT_EQ(read.skipped.count, 1u);
+    EXPECT_EQ(read.skipped.frames, 2u);
+    EXPECT_EQ(read.foreign, 0u);
+}
+
+TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {
+    std::string records;
+    constexpr std::uint64_t count = SkippedParts::most_told + 3;
+    std::string index;    // of one message
+    const std::size_t begun = mcap::begin_record(index, mcap::Opcode::message_index);
+    mcap::put(index, std::uint16_t{1});
+    mcap::put_text(index, std::string(2 * sizeof(std::uint64_t), '\0'));
+    mcap::end_record(index, begun);
+    for (std::uint64_t i = 0; i < count; ++i) records += chunk_record("", "abc", 4) + index;
+    const auto read = read_recording(file_of(records));
+    EXPECT_EQ(read.skipped.count, count);
+    EXPECT_EQ(read.skipped.bytes, records.size() - count * index.size());
+    ASSERT_EQ(read.skipped.first.size(), SkippedParts::most_told);
+    EXPECT_EQ(read.skipped.first.back().at, mcap::magic.size() + (SkippedParts::most_told - 1) * (records.size() / count));
+    EXPECT_EQ(read.skipped.first.back().messages, std::optional<std::uint64_t>{1});
+    const std::string alone = chunk_record("", "abc", 4);
+    EXPECT_EQ(read_recording(file_of(alone)).skipped.first.at(0).messages, std::nullopt);
 }
 
 TEST(Mcap, a_bomb_takes_no_more_memory_than_a_chunk_may_have) {
@@ -318,6 +404,7 @@ TEST(Mcap, understands_what_others_saved) {
     mcap::put_channel(file, {900, 77, mcap::frames_topic, "cdr"});
     mcap::put_channel(file, {901, 77, "/other", "cdr"});
     mcap::put_message(file, {901, 0, 1, 1, data});
+    mcap::put_message(file, {902, 0, 1, 1, data});    // of a channel that nobody told
     mcap::put_message(file, {900, 0, item.time_ns, item.time_ns, data});
     file += '\x90';    // of somebody's own
     mcap::put(file, std::uint64_t{3});

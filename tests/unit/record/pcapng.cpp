@@ -168,9 +168,13 @@ TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
     ASSERT_EQ(static_cast<std::uint8_t>(good[packet]), 6);
     std::string too_long = good, stranger = good;
     put(too_long, packet + 20, std::uint32_t{60000});
-    EXPECT_EQ(read_pcapng(too_long).fault, "a packet is longer than its block");
+    const auto why_skipped = [](const std::string& file) -> std::string {
+        const auto read = read_pcapng(file);
+        return read.skipped.count == 1 ? read.skipped.first.front().why : read.fault;
+    };
+    EXPECT_EQ(why_skipped(too_long), "a packet is longer than its block");
     put(stranger, packet + 8, std::uint32_t{1});
-    EXPECT_EQ(read_pcapng(stranger).fault, "a packet is of an interface that is not described");
+    EXPECT_EQ(why_skipped(stranger), "a packet is of an interface that is not described");
     std::string name = good;
     put(name, name.find("fc") - 2, std::uint16_t{0xFF});    // the length of if_name
     EXPECT_EQ(read_pcapng(name).items.at(0).link, "");
@@ -179,6 +183,42 @@ TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
     const auto read = read_pcapng(option);
     ASSERT_EQ(read.items.size(), 1u);
     EXPECT_EQ(read.items[0].boottime_ns, 0u);    // options end where they are nonsense
+}
+
+std::string block_of(std::uint32_t type, std::uint32_t size) {
+    std::string block(size, '\0');
+    put(block, 0, type);
+    put(block, 4, size);
+    put(block, size - 4, size);
+    return block;
+}
+
+TEST(Pcapng, goes_on_behind_a_damaged_block_whose_lengths_are_right) {
+    const std::string good = write_pcapng({came(euler)}, head, false);
+    const std::string_view packet = std::string_view{good}.substr(good.size() - 72);
+    const std::string damaged = block_of(6, 16);    // a packet of 4 bytes
+    std::string file = good + damaged;
+    file += packet;
+    const auto read = read_pcapng(file, 5);
+    EXPECT_EQ(read.fault, "");
+    EXPECT_EQ(read.items, (std::vector<KeptItem>{came(euler), came(euler)}));
+    EXPECT_EQ(read.position, file.size());
+    ASSERT_EQ(read.skipped.count, 1u);
+    EXPECT_EQ(read.skipped.frames, 1u);
+    EXPECT_EQ(read.skipped.bytes, damaged.size());
+    EXPECT_EQ(read.skipped.first.at(0), (SkippedPart{good.size(), damaged.size(), 1, "a packet is too short"}));
+}
+
+TEST(Pcapng, interfaces_keep_their_numbers_behind_a_damaged_one) {
+    const std::string good = write_pcapng({came(euler)}, head, false);
+    const std::size_t section = static_cast<unsigned char>(good[4]);
+    std::string file = good.substr(0, section) + block_of(1, 12) + good.substr(section);
+    put(file, file.size() - 72 + 8, std::uint32_t{1});
+    const auto read = read_pcapng(file);
+    EXPECT_EQ(read.items, std::vector<KeptItem>{came(euler)});
+    ASSERT_EQ(read.skipped.count, 1u);
+    EXPECT_EQ(read.skipped.frames, 0u);
+    EXPECT_STREQ(read.skipped.first[0].why, "the description of an interface is too short");
 }
 
 TEST(Pcapng, long_texts_are_cut_between_characters) {

@@ -1,4 +1,7 @@
 // A recording that was cut, at any byte, is a whole one again.
+#include <ano/wire.hpp>
+#include <record/crc32.hpp>
+#include <record/mcap_format.hpp>
 #include <record/recording_repair.hpp>
 
 #include <gtest/gtest.h>
@@ -160,6 +163,90 @@ TEST_P(Repair, what_power_left_of_zeros_or_of_nonsense_is_cut_off) {
         ASSERT_GE(read.items.size(), items.size());
         EXPECT_TRUE(std::equal(items.begin(), items.end(), read.items.begin()));
     }
+}
+
+// As others check it; of pcapng, which has none, always.
+bool has_the_checksum_that_it_tells(std::string_view file) {
+    std::string_view rest = file.substr(mcap::magic.size());
+    while (const auto record = mcap::take_record(rest)) {
+        if (record->opcode != mcap::Opcode::data_end) continue;
+        const auto data = file.substr(0, static_cast<std::size_t>(record->whole.data() - file.data()));
+        return mcap::Fields{record->body}.number<std::uint32_t>() == crc32_of(data);
+    }
+    return !file.starts_with(mcap::magic);
+}
+
+bool has_indexes_right_behind_their_chunks(std::string_view file) {
+    std::string_view rest = file.substr(mcap::magic.size());
+    while (const auto record = mcap::take_record(rest)) {
+        if (record->opcode != mcap::Opcode::chunk_index) continue;
+        mcap::Fields fields{record->body};
+        fields.bytes(2 * sizeof(std::uint64_t));    // times
+        const auto at = fields.number<std::uint64_t>(), size = fields.number<std::uint64_t>();
+        mcap::Fields offsets{fields.text()};
+        const std::uint64_t end = at + size + fields.number<std::uint64_t>();
+        while (!offsets.rest().empty()) {
+            offsets.number<std::uint16_t>();
+            const auto offset = offsets.number<std::uint64_t>();
+            if (offset < at + size || offset >= end) return false;
+        }
+    }
+    return true;
+}
+
+TEST_P(Repair, a_damaged_part_stays_where_something_good_is_behind_it) {
+    const auto items = flight(40);
+    const std::string file = support::write_recording(GetParam(), items, head, false, 8);
+    std::string damaged = file;
+    const bool is_mcap = GetParam() == RecordingFormat::mcap;
+    std::size_t last = 0;    // where the last chunk or packet is
+    if (is_mcap) {
+        std::string_view rest = std::string_view{file}.substr(mcap::magic.size());
+        std::vector<std::size_t> ends;
+        while (const auto record = mcap::take_record(rest)) {
+            if (record->opcode != mcap::Opcode::chunk) continue;
+            last = static_cast<std::size_t>(record->whole.data() - file.data());
+            ends.push_back(last + record->whole.size());
+        }
+        damaged[ends.at(1) - 1] ^= 0x55;
+    } else {
+        const auto word_at = [&](std::size_t at) {
+            return ano::load<std::uint32_t>(reinterpret_cast<const std::uint8_t*>(file.data()) + at);
+        };
+        std::vector<std::size_t> packets;
+        for (std::size_t at = 0; at < file.size(); at += word_at(at + 4))
+            if (word_at(at) == 6) packets.push_back(at);
+        last = packets.back();
+        damaged[packets.at(10) + 8] = '\x7F';    // its interface
+    }
+    const auto read = read_recording(damaged);
+    ASSERT_EQ(read.skipped.count, 1u);
+    ASSERT_LT(read.items.size(), items.size());
+    const auto result = repair(GetParam(), damaged);
+    EXPECT_EQ(result.keep + result.append.size(), repaired(damaged, result).size());
+    const auto again = read_recording(repaired(damaged, result));
+    EXPECT_EQ(again.items, read.items);
+    EXPECT_TRUE(again.has_end);
+    EXPECT_EQ(again.skipped, read.skipped);
+    EXPECT_TRUE(has_the_checksum_that_it_tells(repaired(damaged, result)));
+    if (is_mcap) {
+        EXPECT_TRUE(has_indexes_right_behind_their_chunks(repaired(damaged, result)));
+    }
+    EXPECT_TRUE(repair(GetParam(), repaired(damaged, result)).is_whole);
+    // Behind the last one there is nothing good: it goes.
+    std::string bad_end = file;
+    if (is_mcap) bad_end[last + 40] ^= 0x55;
+    else bad_end[last + 8] = '\x7F';
+    const auto cut = repair(GetParam(), bad_end);
+    EXPECT_LE(cut.keep, last);
+    EXPECT_TRUE(has_the_checksum_that_it_tells(repaired(bad_end, cut)));
+    if (is_mcap) {
+        EXPECT_TRUE(has_indexes_right_behind_their_chunks(repaired(bad_end, cut)));
+    }
+    const auto rest = read_recording(repaired(bad_end, cut));
+    EXPECT_EQ(rest.skipped.count, 0u);
+    EXPECT_TRUE(rest.has_end);
+    EXPECT_EQ(rest.items, read_recording(bad_end).items);
 }
 
 TEST_P(Repair, what_is_given_in_pieces_comes_to_the_same) {
