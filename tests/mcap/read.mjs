@@ -202,6 +202,28 @@ for (const name of ["flight.mcap", "plain.mcap"]) {
   });
 }
 
+// Each part of a schema is what ROS 2 calls so: fields in their order, with their types, and the constants.
+test("standard messages have the definitions of ROS 2", async () => {
+  const { ros2jazzy } = await load("@foxglove/rosmsg-msgs-common");
+  const { schemas } = contentOf(streamed(bytesOf("flight.mcap"), 1 << 20));
+  const fieldsOf = (all) => all.filter((f) => !f.isConstant).map((f) => [f.type, f.name, f.isArray ?? false, f.arrayLength ?? null, f.isComplex ?? false]);
+  const constantsOf = (all) => all.filter((f) => f.isConstant).map((f) => [f.type, f.name, Number(f.value)]);
+  const checked = new Set();
+  for (const schema of schemas.values()) {
+    if (schema.name.startsWith("ano_msgs/")) continue;
+    for (const [i, part] of parse(utf8.decode(schema.data), { ros2: true }).entries()) {
+      const name = i === 0 ? schema.name.replace("/msg/", "/") : part.name.replace("/msg/", "/");
+      const wanted = ros2jazzy[name] ?? ros2jazzy[name.replace("/", "/msg/")];
+      assert.ok(wanted, `ROS 2 has no ${name}`);
+      assert.deepEqual(fieldsOf(part.definitions), fieldsOf(wanted.definitions), name);
+      assert.deepEqual(constantsOf(part.definitions), constantsOf(wanted.definitions), name);
+      checked.add(name);
+    }
+  }
+  for (const name of ["Imu", "MagneticField", "Temperature", "NavSatFix", "NavSatStatus", "BatteryState", "Range", "PointCloud2", "PointField", "Image"]) assert.ok(checked.has(`sensor_msgs/${name}`), name);
+  for (const name of ["geometry_msgs/QuaternionStamped", "geometry_msgs/Vector3Stamped", "geometry_msgs/PointStamped", "nav_msgs/Odometry", "std_msgs/Header", "builtin_interfaces/Time"]) assert.ok(checked.has(name), name);
+});
+
 test("messages in JSON are those of anoctl decode", async () => {
   const file = await checkFile("flight-json.mcap");
   assert.equal(file.profile, "");
