@@ -236,6 +236,7 @@ struct RecordSettings {
     bool start = true;     // from the start on; no: when it is asked to
     std::string folder;    // empty: "recordings" in the state folder
     std::string format = "pcapng";
+    std::string message_encoding = "cdr";    // of decoded messages in MCAP
     std::vector<std::string> direction{"in"};
     std::vector<ByteRange> ids, from, to;    // empty: all
     std::vector<std::string> links;          // empty: all

@@ -46,6 +46,7 @@ constexpr Key<Rec> record_rows[] = {
                        "~/.local/state/anogate/recordings)") |
         as("PATH"),
     choice<&Rec::format>("format", "pcapng|mcap", "what the files are"),
+    choice<&Rec::message_encoding>("message_encoding", "cdr|json", "how MCAP has decoded messages: as ROS 2 does, or as JSON"),
     Key<Rec>{{.name = "direction",
               .form = Form::texts,
               .help = "what is recorded: in, out, dropped (default: in)",

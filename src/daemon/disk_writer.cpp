@@ -102,7 +102,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
     safe_size_ = 0;
     frames_before_ = safe_frames_;
     names_ = safe_names_;
-    writer_ = make_recording_writer(settings_.format, recording_head(), waiting_);
+    writer_ = make_recording_writer(settings_.format, recording_head(), waiting_, settings_.options);
     for (const RecorderItem& item : unsafe_) encode(item);
     writer_->flush(waiting_);
     return write(now);

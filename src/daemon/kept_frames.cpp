@@ -20,10 +20,11 @@ std::uint64_t KeptFrames::frames() const noexcept {
     return count;
 }
 
-KeptFramesWriting::KeptFramesWriting(KeptFrames frames, RecordingFormat format) : frames_{std::move(frames)}, format_{format} {}
+KeptFramesWriting::KeptFramesWriting(KeptFrames frames, RecordingFormat format, RecordingOptions options)
+    : frames_{std::move(frames)}, format_{format}, options_{options} {}
 
 bool KeptFramesWriting::next(std::string& into) {
-    if (!writer_) writer_ = make_recording_writer(format_, frames_.head, into);
+    if (!writer_) writer_ = make_recording_writer(format_, frames_.head, into, options_);
     const std::size_t begin = into.size();
     while (part_ < frames_.parts.size()) {
         FramesPart& part = frames_.parts[part_];

@@ -33,7 +33,7 @@ struct KeptFrames {
 /// Makes a recording of them bit by bit.
 class KeptFramesWriting {
 public:
-    KeptFramesWriting(KeptFrames frames, RecordingFormat format);
+    KeptFramesWriting(KeptFrames frames, RecordingFormat format, RecordingOptions options = {});
 
     /// Appends more of it. False: that was all.
     bool next(std::string& into);
@@ -41,6 +41,7 @@ public:
 private:
     KeptFrames frames_;
     RecordingFormat format_;
+    RecordingOptions options_;
     std::unique_ptr<RecordingWriter> writer_;    // nullptr: nothing is written yet
     std::size_t part_ = 0;
     std::string_view rest_;    // of its batch

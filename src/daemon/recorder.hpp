@@ -18,6 +18,7 @@ struct RecorderSettings {
     std::string folder;    // is made when it is missing
     std::string name;      // of the file, without the format's end: "flight" becomes flight.pcapng
     RecordingFormat format = RecordingFormat::pcapng;
+    RecordingOptions options{};
     FrameFilterSettings filter;               // whose frames; directions as well
     std::uint64_t rotate_bytes = 0;           // a file of at least so many is ended and the next begun, flight-2.pcapng; 0: never
     ano::Duration rotate_time{};              // and one that is so old; 0: never

@@ -22,11 +22,12 @@ using http::Request;
 
 constexpr std::string_view filters[] = {"from", "to", "id", "link", "direction"};
 constexpr double most_seconds = 30.0 * 24 * 3600;
+constexpr const char* only_in_mcap = "message_encoding says how MCAP has decoded messages: ask for the format mcap";
 
 struct WantedRecording {
     AskedRecording recording;
     bool is_last = false;
-    std::optional<RecordingFormat> format;
+    WantedForm form;
 };
 using Fault = std::string;
 
@@ -40,6 +41,8 @@ Fault is_no_format(std::string_view word) {
     constexpr std::string_view formats[] = {"pcapng", "mcap"};
     return "format " + ano::in_quotes(word) + " is neither pcapng nor mcap" + ano::did_you_mean(word, formats);
 }
+
+Fault is_no_encoding(std::string_view word) { return "message_encoding " + ano::in_quotes(word) + " is neither cdr nor json"; }
 
 /// A word of a filter: a text, a number, or a list of them.
 std::optional<std::string> words_of(const Json& value) {
@@ -60,12 +63,13 @@ public:
     Fault read(const std::string& name, const Json& value) {
         if (name == "name") return read_name(value);
         if (name == "format") return read_format(value);
+        if (name == "message_encoding") return read_encoding(value);
         if (name == "seconds") return read_seconds(value);
         if (name == "last") return read_last(value);
         if (name == "limit") return read_limit(value);
         if (std::find(std::begin(filters), std::end(filters), name) != std::end(filters)) return read_filter(name, value);
-        constexpr std::string_view names[] = {"name", "format", "seconds", "last", "limit",
-                                              "from", "to",     "id",      "link", "direction"};
+        constexpr std::string_view names[] = {"name", "format", "message_encoding", "seconds", "last", "limit", "from", "to",
+                                              "id",   "link",   "direction"};
         return "unknown word " + ano::in_quotes(name) + ano::did_you_mean(name, names);
     }
     /// When all was read. `links`: those that there are.
@@ -73,10 +77,10 @@ public:
         if (wanted.is_last && (has_time_ || !fields_.empty()))
             return "what is kept is saved as it is: without filters and seconds";
         if (const auto end = recording_format_of(wanted.recording.name)) {    // "flight.pcapng"
-            if (wanted.format && *wanted.format != *end)
+            if (wanted.form.format && *wanted.form.format != *end)
                 return "the end of the name says " + std::string{text(*end)} + ", the format " +
-                       std::string{text(*wanted.format)};
-            wanted.format = *end;
+                       std::string{text(*wanted.form.format)};
+            wanted.form.format = *end;
             std::string& name = wanted.recording.name;
             name.resize(name.size() - text(*end).size() - 1);
             if (name.empty()) name = ".";    // it has none
@@ -99,8 +103,14 @@ private:
     Fault read_format(const Json& value) {
         if (!value.is_string()) return "\"format\" must be a text";
         const auto& word = value.get_ref<const std::string&>();
-        wanted.format = format_called(word);
-        return wanted.format ? Fault{} : is_no_format(word);
+        wanted.form.format = format_called(word);
+        return wanted.form.format ? Fault{} : is_no_format(word);
+    }
+    Fault read_encoding(const Json& value) {
+        if (!value.is_string()) return "\"message_encoding\" must be a text";
+        const auto& word = value.get_ref<const std::string&>();
+        wanted.form.encoding = decoded_encoding_called(word);
+        return wanted.form.encoding ? Fault{} : is_no_encoding(word);
     }
     Fault read_seconds(const Json& value) {
         const double seconds = value.is_number() ? value.get<double>() : 0;
@@ -151,20 +161,29 @@ http::Response begin(Recordings& recordings, const Request& request) {
     auto read = read_body(request, recordings.gateway());
     if (const auto* fault = std::get_if<Fault>(&read)) return http::error(422, *fault);
     WantedRecording& wanted = std::get<WantedRecording>(read);
-    if (wanted.is_last) return recordings.save_last(std::move(wanted.recording.name), wanted.format);
-    wanted.recording.format = wanted.format.value_or(recordings.usual_format());
+    wanted.recording.format = recordings.format_for(wanted.form);
+    wanted.recording.options = recordings.options_for(wanted.form);
+    if (wanted.form.encoding && wanted.recording.format != RecordingFormat::mcap) return http::error(422, only_in_mcap);
+    if (wanted.is_last) return recordings.save_last(std::move(wanted.recording.name), wanted.form);
     return recordings.begin(std::move(wanted.recording));
 }
 
 http::Response last(Recordings& recordings, const Request& request) {
-    std::optional<RecordingFormat> format;
+    WantedForm wanted;
     for (const http::Field& field : request.query) {
-        if (field.name != "format")
-            return http::error(400, "unknown word " + ano::in_quotes(field.name) + " in the query: there is format");
-        format = format_called(field.value);
-        if (!format) return http::error(400, is_no_format(field.value));
+        if (field.name == "format") {
+            wanted.format = format_called(field.value);
+            if (!wanted.format) return http::error(400, is_no_format(field.value));
+        } else if (field.name == "message_encoding") {
+            wanted.encoding = decoded_encoding_called(field.value);
+            if (!wanted.encoding) return http::error(400, is_no_encoding(field.value));
+        } else {
+            return http::error(
+                400, "unknown word " + ano::in_quotes(field.name) + " in the query: there are format and message_encoding");
+        }
     }
-    return recordings.last(format);
+    if (wanted.encoding && recordings.format_for(wanted) != RecordingFormat::mcap) return http::error(400, only_in_mcap);
+    return recordings.last(wanted);
 }
 
 }    // namespace
@@ -175,12 +194,14 @@ void add_recording_routes(http::Routes& routes, Recordings& recordings) {
                 "the recordings: those that run, those in the folder, the room on its disk, and what keep_last holds",
                 [&recordings](const Request&) { return recordings.list(); }});
     routes.add({"POST", "/recordings", Access::control,
-                "begins a recording {\"name\", \"format\", \"seconds\", and the filters of GET /frames}, of what comes in unless "
+                "begins a recording {\"name\", \"format\", \"message_encoding\", \"seconds\", and the filters of GET /frames}, "
+                "of what comes in unless "
                 "\"direction\" "
                 "says otherwise; at most four run at once beside that of the configuration; {\"last\": true, \"name\"} saves "
                 "what keep_last holds",
                 [&recordings](const Request& request) { return begin(recordings, request); }});
-    routes.add({"GET", "/recordings/last", Access::view, "what keep_last holds, as a file; format=pcapng or mcap",
+    routes.add({"GET", "/recordings/last", Access::view,
+                "what keep_last holds, as a file; format=pcapng or mcap, message_encoding=cdr or json",
                 [&recordings](const Request& request) { return last(recordings, request); }});
     routes.add({"GET", "/recordings/{name}", Access::view, "a recording, whole or a range of it",
                 [&recordings, name_in](const Request& request) { return recordings.file(request, name_in(request)); }});

@@ -15,10 +15,11 @@
 // by: "configuration" or "request"; state: "recording", "ended" or "unfinished"; frames: null where the file does not tell them;
 // begun and time, that of its last change, are Unix seconds. The newest recording is the first.
 //
-// POST /recordings takes {"name": "flight", "format": "pcapng", "direction": "in,out", "id": "euler", "from": …, "to": …, "link": …,
-// "limit": {"euler": 10}, "seconds": 60}, all of them optional, and answers with the entry of "running"; with {"last": true, "name",
-// "format"} it saves what keep_last holds and answers {"name": "….pcapng", "bytes", "frames"}. POST /recordings/flight/end answers with
-// the entry of "running" as it ended. GET /recordings/last?format=mcap is what keep_last holds, as a file.
+// POST /recordings takes {"name": "flight", "format": "mcap", "message_encoding": "cdr", "direction": "in,out", "id": "euler", "from": …,
+// "to": …, "link": …, "limit": {"euler": 10}, "seconds": 60}, all of them optional, and answers with the entry of "running"; with
+// {"last": true, "name", "format", "message_encoding"} it saves what keep_last holds and answers {"name": "….pcapng", "bytes", "frames"}.
+// message_encoding is of MCAP alone. POST /recordings/flight/end answers with the entry of "running" as it ended. GET
+// /recordings/last?format=mcap&message_encoding=json is what keep_last holds, as a file.
 #pragma once
 
 namespace anogate {

@@ -65,7 +65,7 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
       disk_{gateway.io()},
       save_due_{gateway.alarms(),
                 [this] {
-                    if (memory_) save(save_as_, usual_format(), [](const http::Response&) {});
+                    if (memory_) save(save_as_, {}, [](const http::Response&) {});
                 }},
       clock_{gateway.io(), [this] { watch_clock(); }} {
     gateway_.set_recording(this);
@@ -159,11 +159,17 @@ void Recordings::watch_clock() {
 }
 
 AskedRecording Recordings::configured() const {
-    return {name_by_time(since_1970()), usual_format(), frames_of(settings_), std::nullopt};
+    return {name_by_time(since_1970()), format_for({}), options_for({}), frames_of(settings_), std::nullopt};
 }
 
-RecordingFormat Recordings::usual_format() const {
+RecordingFormat Recordings::format_for(const WantedForm& wanted) const {
+    if (wanted.format) return *wanted.format;
     return settings_.format == text(RecordingFormat::mcap) ? RecordingFormat::mcap : RecordingFormat::pcapng;
+}
+
+RecordingOptions Recordings::options_for(const WantedForm& wanted) const {
+    const auto usual = decoded_encoding_called(settings_.message_encoding).value_or(DecodedEncoding::cdr);
+    return {.encoding = wanted.encoding.value_or(usual), .packed = true};
 }
 
 RecorderSettings Recordings::settings_of(const AskedRecording& asked) const {
@@ -171,6 +177,7 @@ RecorderSettings Recordings::settings_of(const AskedRecording& asked) const {
     settings.folder = folder_;
     settings.name = asked.name;
     settings.format = asked.format;
+    settings.options = asked.options;
     settings.filter = asked.filter;
     settings.rotate_bytes = settings_.rotate_size;
     settings.rotate_time = settings_.rotate_time.value_or(ano::Duration{});

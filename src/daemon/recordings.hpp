@@ -21,10 +21,17 @@
 
 namespace anogate {
 
+/// What a client wants a file to be; nothing: as the configuration says.
+struct WantedForm {
+    std::optional<RecordingFormat> format{};
+    std::optional<DecodedEncoding> encoding{};
+};
+
 /// One that a client asks for.
 struct AskedRecording {
     std::string name;    // without the format's end
     RecordingFormat format = RecordingFormat::pcapng;
+    RecordingOptions options{};
     FrameFilterSettings filter;
     std::optional<ano::Duration> time{};    // it ends after that
 };
@@ -56,12 +63,13 @@ public:
     http::Response remove(std::string name);
     http::Response file(const http::Request& request, std::string name);
     /// An empty name: one is made up.
-    http::Response save_last(std::string name, std::optional<RecordingFormat> format);
-    http::Response last(std::optional<RecordingFormat> format);
+    http::Response save_last(std::string name, const WantedForm& wanted);
+    http::Response last(const WantedForm& wanted);
 
     const Gateway& gateway() const noexcept { return gateway_; }
-    /// What the configuration says.
-    RecordingFormat usual_format() const;
+    /// What the configuration says, where that is left open.
+    RecordingFormat format_for(const WantedForm& wanted) const;
+    RecordingOptions options_for(const WantedForm& wanted) const;
     struct Running;
 
     void link_lost(const LinkState& link) override;
@@ -92,7 +100,7 @@ private:
     void repair();
     void remember();
     void save_for(std::string_view why);
-    void save(const std::string& name, RecordingFormat format, Say say);
+    void save(const std::string& name, const WantedForm& wanted, Say say);
     void saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say);
     nlohmann::ordered_json json_of(const Running& running) const;
 

@@ -29,7 +29,8 @@ Json json_of(const FoundRecording& file) {
 // What keep_last holds, made while it is sent.
 class KeptFramesParts final : public http::Producer {
 public:
-    KeptFramesParts(KeptFrames frames, RecordingFormat format) : writing_{std::move(frames), format} {}
+    KeptFramesParts(KeptFrames frames, RecordingFormat format, RecordingOptions options)
+        : writing_{std::move(frames), format, options} {}
     Next next(std::string& into) override { return writing_.next(into) ? Next::part : Next::end; }
 
 private:
@@ -203,34 +204,34 @@ http::Response Recordings::file(const http::Request& request, std::string name) 
     return served(disk_, request, std::move(file));
 }
 
-http::Response Recordings::save_last(std::string name, std::optional<RecordingFormat> format) {
+http::Response Recordings::save_last(std::string name, const WantedForm& wanted) {
     if (!memory_) return http::error(409, nothing_kept);
     if (folder_.empty()) return http::error(409, no_folder);
     const bool is_made_up = name.empty();
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
-    http::Response response = http::later([this, name, is_made_up, format](const Say& say) {
-        if (is_made_up) return save(name, format.value_or(usual_format()), say);
+    http::Response response = http::later([this, name, is_made_up, wanted](const Say& say) {
+        if (is_made_up) return save(name, wanted, say);
         const auto refusal = std::make_shared<std::optional<Refusal>>();
         disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
-                             [this, refusal, name, format, say](const std::string& fault) {
+                             [this, refusal, name, wanted, say](const std::string& fault) {
                                  if (!fault.empty()) say(http::error(503, fault));
                                  else if (*refusal) say(refused(**refusal));
-                                 else save(name, format.value_or(usual_format()), say);
+                                 else save(name, wanted, say);
                              });
     });
     response.patient = true;
     return response;
 }
 
-http::Response Recordings::last(std::optional<RecordingFormat> format) {
+http::Response Recordings::last(const WantedForm& wanted) {
     if (!memory_) return http::error(409, nothing_kept);
-    const RecordingFormat made = format.value_or(usual_format());
+    const RecordingFormat made = format_for(wanted);
     http::Response response;
     response.type = type_of(made);
     response.headers.push_back({"Content-Disposition", "attachment; filename=\"" + name_by_time(since_1970()) + "-last." +
                                                            std::string{text(made)} + "\""});
-    response.producer = std::make_unique<KeptFramesParts>(memory_->frames(), made);
+    response.producer = std::make_unique<KeptFramesParts>(memory_->frames(), made, options_for(wanted));
     return response;
 }
 
@@ -249,17 +250,18 @@ void Recordings::save_for(std::string_view why) {
     save_due_.set(now + 2 * FrameWatch::batch_time);
 }
 
-void Recordings::save(const std::string& name, RecordingFormat format, Say say) {
+void Recordings::save(const std::string& name, const WantedForm& wanted, Say say) {
     if (!memory_) return say(http::error(409, nothing_kept));
     const auto frames = std::make_shared<KeptFrames>(memory_->frames());
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
     const std::uint64_t count = frames->frames();
-    disk_.run_for_nobody([result, frames, folder = folder_, name, format,
-                          free = settings_.free] { *result = save_frames(folder, name, format, free, std::move(*frames)); },
-                         [this, result, count, say = std::move(say)](const std::string& fault) {
-                             if (!fault.empty()) *result = Refusal{503, fault};
-                             saved(*result, count, say);
-                         });
+    disk_.run_for_nobody(
+        [result, frames, folder = folder_, name, format = format_for(wanted), options = options_for(wanted),
+         free = settings_.free] { *result = save_frames(folder, name, format, free, std::move(*frames), options); },
+        [this, result, count, say = std::move(say)](const std::string& fault) {
+            if (!fault.empty()) *result = Refusal{503, fault};
+            saved(*result, count, say);
+        });
 }
 
 void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {

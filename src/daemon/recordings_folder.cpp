@@ -297,12 +297,12 @@ std::vector<std::string> delete_old(const std::string& folder, const KeepLimits&
 }
 
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
-                                               std::uint64_t free, KeptFrames frames) {
+                                               std::uint64_t free, KeptFrames frames, RecordingOptions options) {
     unsigned number = 1;
     auto made = RecordingFile::create(folder, name, format, number);
     if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->text};
     RecordingFile& file = std::get<RecordingFile>(made);
-    KeptFramesWriting writing{std::move(frames), format};
+    KeptFramesWriting writing{std::move(frames), format, options};
     std::string fault;
     for (bool more = true; more && fault.empty();) {
         std::string bytes;

@@ -74,6 +74,6 @@ struct SavedFrames {
     std::uint64_t bytes = 0;
 };
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
-                                               std::uint64_t free, KeptFrames frames);
+                                               std::uint64_t free, KeptFrames frames, RecordingOptions options = {});
 
 }    // namespace anogate

@@ -90,6 +90,8 @@ TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise)
     refuses(422, "POST", "/recordings", json{{"name", std::string(101, 'x')}}.dump(), "this one has 101");
     refuses(422, "POST", "/recordings", R"({"name": "a.pcapng", "format": "mcap"})", "the end of the name says pcapng");
     refuses(422, "POST", "/recordings", R"({"format": "mp4"})", "neither pcapng nor mcap");
+    refuses(422, "POST", "/recordings", R"({"format": "mcap", "message_encoding": "xml"})", "neither cdr nor json");
+    refuses(422, "POST", "/recordings", R"({"message_encoding": "json"})", "ask for the format mcap");
     refuses(422, "POST", "/recordings", R"({"seconds": -1})", "seconds");
     refuses(422, "POST", "/recordings", R"({"link": "b"})", "there is no link 'b'");
     refuses(422, "POST", "/recordings", "[]", "a JSON object");

@@ -40,6 +40,18 @@ std::map<std::string, std::uint64_t> messages_of(std::string_view file) {
     return messages;
 }
 
+/// How the messages of each topic are encoded, as the summary of the file tells.
+std::map<std::string, std::string> encodings_of(std::string_view file) {
+    std::map<std::string, std::string> encodings;
+    std::string_view rest = file.substr(mcap::magic.size());
+    while (const auto record = mcap::take_record(rest)) {
+        if (record->opcode != mcap::Opcode::channel) continue;
+        const auto channel = mcap::channel_of(record->body);
+        if (channel) encodings[std::string{channel->topic}] = channel->encoding;
+    }
+    return encodings;
+}
+
 class RecordingsAsMcap : public RecordingGateway {
 protected:
     /// So many of them, behind which the gateway has taken `all` frames.
@@ -102,6 +114,32 @@ TEST_F(RecordingsAsMcap, of_the_last_while_are_fetched_and_saved) {
     EXPECT_EQ(names(), std::vector<std::string>{"incident.mcap"});
     is_all_of_it(content("incident.mcap"));
     EXPECT_EQ(file_called("incident.mcap").at("frames"), 45);
+}
+
+TEST_F(RecordingsAsMcap, have_decoded_messages_as_the_configuration_says_or_who_asks) {
+    start(R"(, "record": {"start": false, "format": "mcap", "message_encoding": "json", "keep_last": "60s"})");
+    begin({{"name", "usual"}});
+    begin({{"name", "asked"}, {"message_encoding", "cdr"}});
+    send_eulers(5, 5);
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 5; }));
+    const auto is_in = [](const std::string& file, const std::string& encoding) {
+        const auto encodings = encodings_of(file);
+        EXPECT_EQ(encodings.at("/a/device_220/euler"), encoding);
+        EXPECT_EQ(encodings.at("/a/device_220/orientation"), encoding);
+        EXPECT_EQ(encodings.at("/anogate/frames"), "cdr");
+    };
+    end("usual");
+    end("asked");
+    is_in(content("usual.mcap"), "json");
+    is_in(content("asked.mcap"), "cdr");
+    is_in(ask("GET", "/recordings/last").body, "json");
+    is_in(ask("GET", "/recordings/last?message_encoding=cdr").body, "cdr");
+    EXPECT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "last"})").status, 200u);
+    is_in(content("last.mcap"), "json");
+    EXPECT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "last-cdr", "message_encoding": "cdr"})").status, 200u);
+    is_in(content("last-cdr.mcap"), "cdr");
+    EXPECT_EQ(ask("GET", "/recordings/last?message_encoding=xml").status, 400u);
+    EXPECT_EQ(ask("GET", "/recordings/last?format=pcapng&message_encoding=cdr").status, 400u);
 }
 
 TEST_F(RecordingsAsMcap, begin_with_the_gateway_and_end_with_it) {

@@ -11,11 +11,8 @@ namespace anoctl {
 
 /// Empty, or why `word` is none.
 inline std::string read_message_encoding(const std::string& word, std::optional<anogate::DecodedEncoding>& encoding) {
-    for (const auto known : {anogate::DecodedEncoding::cdr, anogate::DecodedEncoding::json}) {
-        if (word != text(known)) continue;
-        encoding = known;
-        return {};
-    }
+    encoding = anogate::decoded_encoding_called(word);
+    if (encoding) return {};
     return ano::in_quotes(word) + " is neither cdr nor json";
 }
 

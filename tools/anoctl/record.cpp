@@ -128,6 +128,8 @@ struct Record {
     GatewayOptions gateway;
 
     int run(Streams& streams) const {
+        if (encoding && format() != anogate::RecordingFormat::mcap)
+            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
         if (last) return save_last(streams);
         for (const char* other : {".csv", ".json", ".ndjson", ".jsonl"})
             if (file.ends_with(other))
@@ -135,15 +137,12 @@ struct Record {
                     file +
                     ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert "
                     "makes others of it"};
-        const auto format = anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
-        if (encoding && format != anogate::RecordingFormat::mcap)
-            throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
         auto descriptions = described_links();    // before there is a file: it tells whether there is a gateway
         RecordingOutput output{file, force, streams};
-        Recorder recorder{output, std::move(descriptions), format, options};
+        Recorder recorder{output, std::move(descriptions), format(), options};
         std::string why;
         try {
             why = watch_frames(gateway.socket(), query(), recorder, time);
@@ -160,11 +159,16 @@ struct Record {
     }
 
 private:
+    anogate::RecordingFormat format() const {
+        return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
+    }
     /// What the gateway holds of the last while.
     int save_last(Streams& streams) const {
         if (file == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
-        const std::string recording = gateway.ask(
-            "GET", file.ends_with(".mcap") ? "/recordings/last?format=mcap" : "/recordings/last?format=pcapng");
+        std::string path = "/recordings/last?format=";
+        path += text(format());
+        if (encoding) path.append("&message_encoding=").append(text(*encoding));
+        const std::string recording = gateway.ask("GET", path);
         RecordingOutput output{file, force, streams};
         output.write(recording);
         output.sync();

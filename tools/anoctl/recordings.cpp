@@ -46,7 +46,7 @@ std::string size_of(double bytes) {
 }
 
 struct Recordings {
-    std::string what = "list", name, file, format;
+    std::string what = "list", name, file, format, encoding;
     std::vector<std::string> ids, from, to, links, directions;
     double seconds = 0;
     bool force = false, json = false;
@@ -119,6 +119,7 @@ private:
         Json body = Json::object();
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
+        if (!encoding.empty()) body["message_encoding"] = encoding;
         if (seconds > 0) body["seconds"] = seconds;
         const std::pair<const char*, const std::vector<std::string>*> filters[] = {
             {"id", &ids}, {"from", &from}, {"to", &to}, {"link", &links}, {"direction", &directions}};
@@ -130,6 +131,7 @@ private:
         Json body{{"last", true}};
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
+        if (!encoding.empty()) body["message_encoding"] = encoding;
         return say_one(ask("POST", "/recordings", body), "is saved", streams);
     }
     int end(Streams& streams) const { return say_one(ask("POST", path() + "/end", Json::object()), "is ended", streams); }
@@ -207,6 +209,9 @@ Run add_recordings(Options& options) {
     options.push_back({"name", &self->name, "NAME", "A-Z, a-z, 0-9, '.', '_' and '-' (default of a new one: the time)"});
     options.push_back({"file", &self->file, "FILE", "Of get: where to (default: NAME, here); - is standard output"});
     options.push_back({"--format", &self->format, "pcapng|mcap", "Of start and save (default: as the configuration says)"});
+    options.push_back({"--message-encoding", &self->encoding, "cdr|json",
+                       "Of start and save: how MCAP has decoded messages, as ROS 2 does or as JSON (default: as the "
+                       "configuration says)"});
     options.push_back({"--id", &self->ids, "ID...", "Of start: only these messages, by name or id"});
     options.push_back({"--from", &self->from, "ADDRESS...", "Only from these addresses"});
     options.push_back({"--to", &self->to, "ADDRESS...", "Only to these addresses"});

@@ -122,6 +122,7 @@ _anoctl() {
         'record --message-encoding') _anoctl_words 'cdr json'; return ;;
         'record --control') _anoctl_files; return ;;
         'recordings --format') _anoctl_words 'pcapng mcap'; return ;;
+        'recordings --message-encoding') _anoctl_words 'cdr json'; return ;;
         'recordings --id') _anoctl_messages; return ;;
         'recordings --from') _anoctl_addresses; return ;;
         'recordings --to') _anoctl_addresses; return ;;
@@ -168,7 +169,7 @@ _anoctl() {
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
         'top') options='--control -h --help'; operands=':' ;;
         'record') options='--id --from --to --link --direction --seconds --last --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
-        'recordings') options='--format --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;
+        'recordings') options='--format --message-encoding --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;
         'info') options='--all --json -h --help'; operands='_anoctl_files' ;;
         'convert') options='--id --message-encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;

@@ -40,7 +40,7 @@ TEST(Config, every_section) {
         ],
         "routes": [{"address": "0xDC", "link": "fc"}, {"address": 7, "link": "udp-listen-12333"}, {"address": "30-40", "link": "fc"}],
         "control": {"socket": "none"},
-        "record": {"start": false, "folder": "/data", "format": "mcap", "direction": ["in", "dropped"], "id": ["euler", "0xF1-0xFA"],
+        "record": {"start": false, "folder": "/data", "format": "mcap", "message_encoding": "json", "direction": ["in", "dropped"], "id": ["euler", "0xF1-0xFA"],
                    "from": ["0xDC"], "to": ["30-40"], "link": ["fc"], "limit": {"euler": 10},
                    "rotate": {"size": "10MB", "time": "10m"}, "keep": {"size": "2GB", "age": "720h", "free": "1GB"},
                    "free": "100MB", "keep_last": "60s"},
@@ -60,6 +60,7 @@ TEST(Config, every_section) {
     record.start = false;
     record.folder = "/data";
     record.format = "mcap";
+    record.message_encoding = "json";
     record.direction = {"in", "dropped"};
     record.ids = {{3, 3}, {0xF1, 0xFA}};
     record.from = {{0xDC, 0xDC}};
@@ -94,6 +95,8 @@ TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
         "/record/keep/free: 'keep.free' must be at least 'free', 500MB: nothing would be written before anything is deleted\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"bytes": "1MB"}}})").substr(0, 19), "/record/keep/bytes:");
     EXPECT_EQ(faults_in(R"({"record": {"format": "csv"}})"), "/record/format: 'format' must be one of pcapng, mcap, not 'csv'\n");
+    EXPECT_EQ(faults_in(R"({"record": {"message_encoding": "xml"}})"),
+              "/record/message_encoding: 'message_encoding' must be one of cdr, json, not 'xml'\n");
 }
 
 TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
@@ -728,6 +731,7 @@ Settings random_settings(support::Random& random) {
         RecordSettings& record = s.record.emplace();
         record.start = random.one_in(2);
         record.format = random.of({"pcapng", "mcap"});
+        record.message_encoding = random.of({"cdr", "json"});
         record.direction = random.one_in(2) ? std::vector<std::string>{"in"} : std::vector<std::string>{"out", "dropped"};
         if (random.one_in(2)) record.ids = {{3, 7}};
         if (links != 0 && random.one_in(2)) record.links = {s.links[0].name};
