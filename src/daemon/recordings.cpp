@@ -94,7 +94,8 @@ void Recordings::configure() {
     const auto& record = gateway_.settings().record;
     const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
     const bool was_configured = std::exchange(is_configured_, record.has_value());
-    folder_ = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+    const std::string folder = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+    if (std::exchange(folder_, folder) != folder) ages_ = std::make_shared<RecordingAges>();
     RecordSettings same = before;
     same.keep_size = settings_.keep_size;
     same.keep_age = settings_.keep_age;

@@ -113,6 +113,7 @@ private:
     Alarm save_due_;
     std::optional<std::uint64_t> free_;
     Ticker clock_;
+    std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it
     unsigned ticks_ = 0;
     bool is_looking_ = false, look_again_ = false;
     bool is_started_ = false, is_stopped_ = false;

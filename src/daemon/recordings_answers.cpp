@@ -294,9 +294,10 @@ void Recordings::look() {
                             std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_age.value_or(ano::Duration{})),
                             settings_.keep_free};
     disk_.run_for_nobody(
-        [seen, limits, folder = folder_] {
+        [seen, limits, folder = folder_, ages = ages_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
-            if (has_limits) seen->gone = delete_old(folder, limits, since_1970());
+            const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
+            if (has_limits) seen->gone = delete_old(folder, limits, *ages, {since_1970(), steady});
             seen->free = room_for(folder);
         },
         [this, seen](const std::string& fault) { looked(seen->free, seen->gone, fault); });

@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <memory>
+#include <thread>
 #include <utility>
 
 namespace anogate {
@@ -59,11 +60,21 @@ RecordingGlance glance_at_file(int fd, RecordingFormat format, std::uint64_t siz
 
 bool is_ours(const RecordingGlance& glance) { return glance.head.program.starts_with(our_program); }
 
-/// Who writes a recording has it locked as long as he does.
+/// Who writes a recording has it locked as long as he does. Many may look at the same time: they share it for a moment.
 bool is_locked(int fd) {
-    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK;
+    if (::flock(fd, LOCK_SH | LOCK_NB) != 0) return errno == EWOULDBLOCK;
     ::flock(fd, LOCK_UN);
     return false;
+}
+
+/// As long as `fd` is open. Who looks is waited for; false: somebody writes it.
+bool lock_to_write(int fd) {
+    constexpr int turns = 20;
+    for (int turn = 0; ::flock(fd, LOCK_EX | LOCK_NB) != 0; ++turn) {
+        if (turn == turns || errno != EWOULDBLOCK) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    }
+    return true;
 }
 
 struct OpenRecording {
@@ -193,7 +204,7 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
 
 std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
-    if (!file || file->glance.is_ended || ::flock(file->fd.get(), LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+    if (!file || file->glance.is_ended || !lock_to_write(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
     std::uint64_t at = 0;
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
@@ -285,13 +296,14 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, std::chrono::seconds now) {
+std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now) {
     std::vector<std::string> gone;
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
-        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording});
-    for (const std::size_t i : recordings_to_delete(kept, limits, now, view.free.value_or(UINT64_MAX)))
+        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording, {}});
+    ages.look(kept, now.real, now.steady);
+    for (const std::size_t i : recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX)))
         if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);
     return gone;
 }

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace anogate {
@@ -157,7 +158,25 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
     EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 409u);
     EXPECT_TRUE(repair_recordings(folder).empty());
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), recording(3, false));
-    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, std::chrono::seconds{2'000'000'000}).empty());
+    RecordingAges ages;
+    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).empty());
+}
+
+TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
+    dir.write("cut.pcapng", recording(3, false));
+    dir.write("flight.pcapng", recording(3));
+    UniqueFd cut{::open((dir / "cut.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    const UniqueFd flight{::open((dir / "flight.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    ASSERT_EQ(::flock(cut.get(), LOCK_SH | LOCK_NB), 0);
+    ASSERT_EQ(::flock(flight.get(), LOCK_SH | LOCK_NB), 0);
+    for (const FoundRecording& file : view_of(folder).files) EXPECT_NE(file.state, State::recording) << file.name;
+    EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 200u);
+    std::thread other{[&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds{20});
+        cut = UniqueFd{};
+    }};
+    EXPECT_EQ(repair_recordings(folder).size(), 1u) << "who looks is waited for";
+    other.join();
 }
 
 TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
@@ -199,9 +218,11 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     }
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
     fs::last_write_time(dir / "foreign.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{100});
-    EXPECT_TRUE(delete_old(folder, {}, now).empty());
-    EXPECT_EQ(delete_old(folder, {3 * size, {}, 0}, now), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
-    EXPECT_EQ(delete_old(folder, {0, std::chrono::minutes{150}, 0}, now), std::vector<std::string>{"flight-2.pcapng"});
+    RecordingAges ages;
+    const auto gone = [&](const KeepLimits& limits) { return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}}); };
+    EXPECT_TRUE(gone({}).empty());
+    EXPECT_EQ(gone({3 * size, {}, 0}), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
+    EXPECT_EQ(gone({0, std::chrono::minutes{150}, 0}), std::vector<std::string>{"flight-2.pcapng"});
     EXPECT_EQ(names(), (std::vector<std::string>{"flight-3.pcapng", "flight-4.pcapng"}));
     EXPECT_TRUE(is_there("foreign.pcapng"));
 }
