@@ -298,6 +298,21 @@ TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written
 TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     fs::create_directories(settings.folder);
     const support::SmallDisk disk{settings.folder, "16m"};
+TEST_F(RecorderOfGateway, a_want_of_memory_is_told_and_what_came_meanwhile_is_written_behind_it) {
+    start();
+    send(100);
+    ASSERT_TRUE(until_written(100));
+    failing_disk.lacks_memory = true;
+    send(100);
+    ASSERT_TRUE(until_error("out of memory")) << recorder->report().error;
+    failing_disk.lacks_memory = false;
+    ASSERT_TRUE(until_well());
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(200));
+    EXPECT_EQ(recorder->report().not_written, 0u);
+}
+
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
     settings.keep_free = 8'000'000;
     start();
