@@ -1,5 +1,6 @@
 // What Recordings tells of itself and answers to clients, and what it does on the disk for that.
 #include <daemon/answer_json.hpp>
+#include <daemon/recorder_thread.hpp>
 #include <daemon/running_recording.hpp>
 #include <daemon/served_file.hpp>
 #include <link/clocks.hpp>
@@ -313,19 +314,22 @@ void Recordings::looked(std::optional<std::uint64_t> free, const std::vector<std
 void Recordings::repair() {
     if (folder_.empty()) return;
     const auto repaired = std::make_shared<std::vector<RepairedFile>>();
-    disk_.run_for_nobody([repaired, folder = folder_] { *repaired = repair_recordings(folder); },
-                         [repaired](const std::string& fault) {
-                             if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
-                             for (const RepairedFile& file : *repaired) {
-                                 if (!file.fault.empty())
-                                     spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
-                                 else
-                                     spdlog::info(
-                                         "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
-                                         "taken off",
-                                         file.name, file.frames, file.cut);
-                             }
-                         });
+    disk_.run_for_nobody(
+        [repaired, folder = folder_] {
+            stand_behind_the_loop();
+            *repaired = repair_recordings(folder);
+        },
+        [repaired](const std::string& fault) {
+            if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
+            for (const RepairedFile& file : *repaired) {
+                if (!file.fault.empty()) spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
+                else
+                    spdlog::info(
+                        "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
+                        "taken off",
+                        file.name, file.frames, file.cut);
+            }
+        });
 }
 
 }    // namespace anogate

@@ -27,6 +27,7 @@ constexpr std::size_t most_name = 100;
 constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
 constexpr std::size_t most_index = 4 * 1024 * 1024;      // bytes that are read of one file for a list
+constexpr std::uint64_t most_cut = 2 * 1024 * 1024;      // bytes that a file loses at the most when it is made whole
 constexpr std::string_view our_program = "anogated ";    // the version is behind it
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
@@ -202,20 +203,29 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
     return done ? std::string{} : error_text(error);
 }
 
+// Half a part at the end is no loss. So much is no such part: what stands there may still be read.
+std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
+    return "it is damaged behind byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
+           " bytes there are not thrown away";
+}
+
 std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
     if (!file || file->glance.is_ended || !lock_to_write(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
-    std::uint64_t at = 0;
+    std::uint64_t at = 0, written = 0;    // a loss of power may leave zeros behind what was written
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
         repair.give(piece);
+        if (const auto last = piece.find_last_not_of('\0'); last != piece.npos) written = at + last + 1;
         at += piece.size();
     }
     const RecordingRepair::Result result = repair.finish();
     if (result.is_whole) return std::nullopt;
     RepairedFile repaired{name, result.frames, at > result.keep ? at - result.keep : 0, {}};
-    repaired.fault = result.is_recording ? make_whole(*file, result) : "it is damaged before its first frame";
+    if (!result.is_recording) repaired.fault = "it is damaged before its first frame";
+    else if (written > result.keep + most_cut) repaired.fault = damage_text(result.keep, written - result.keep);
+    else repaired.fault = make_whole(*file, result);
     return repaired;
 }
 

@@ -196,6 +196,30 @@ TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
     }
 }
 
+TEST_F(RecordingsFolder, throws_nothing_away_behind_damage_in_the_middle) {
+    const std::string flight = recording(50'000, false);
+    ASSERT_GT(flight.size(), 3'000'000u);
+    std::string damaged = flight;
+    damaged.replace(500'000, 200, 200, '\xFF');
+    dir.write("flight.pcapng", damaged);
+    const auto repaired = repair_recordings(folder);
+    ASSERT_EQ(repaired.size(), 1u);
+    EXPECT_NE(repaired[0].fault.find("damaged behind byte 4999"), std::string::npos) << repaired[0].fault;
+    EXPECT_EQ(support::text_of(dir / "flight.pcapng"), damaged);
+}
+
+TEST_F(RecordingsFolder, takes_off_the_zeros_that_a_loss_of_power_left) {
+    const std::string flight = recording(1000, false);
+    dir.write("flight.pcapng", flight + std::string(5'000'000, '\0'));
+    const auto repaired = repair_recordings(folder);
+    ASSERT_EQ(repaired.size(), 1u);
+    EXPECT_EQ(repaired[0].fault, "");
+    EXPECT_EQ(repaired[0].frames, 1000u);
+    const auto read = support::read_pcapng(support::text_of(dir / "flight.pcapng"));
+    EXPECT_TRUE(read.has_end);
+    EXPECT_EQ(read.items.size(), 1000u);
+}
+
 TEST_F(RecordingsFolder, repairs_nothing_that_it_did_not_write_and_keeps_the_time_of_what_it_did) {
     const std::string foreign = recording(3, false, "dumpcap"), ours = recording(3, false);
     dir.write("foreign.pcapng", foreign);
@@ -219,7 +243,9 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
     fs::last_write_time(dir / "foreign.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{100});
     RecordingAges ages;
-    const auto gone = [&](const KeepLimits& limits) { return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}}); };
+    const auto gone = [&](const KeepLimits& limits) {
+        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}});
+    };
     EXPECT_TRUE(gone({}).empty());
     EXPECT_EQ(gone({3 * size, {}, 0}), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
     EXPECT_EQ(gone({0, std::chrono::minutes{150}, 0}), std::vector<std::string>{"flight-2.pcapng"});
