@@ -211,13 +211,14 @@ http::Response Recordings::save_last(std::string name, std::optional<RecordingFo
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
     http::Response response = http::later([this, name, is_made_up, format](const Say& say) {
+        if (std::exchange(is_saving_, true)) return say(http::try_again("the disk has not taken what was saved last yet"));
         if (is_made_up) return save(name, format.value_or(usual_format()), say);
         const auto refusal = std::make_shared<std::optional<Refusal>>();
         disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
                              [this, refusal, name, format, say](const std::string& fault) {
-                                 if (!fault.empty()) say(http::error(503, fault));
-                                 else if (*refusal) say(refused(**refusal));
-                                 else save(name, format.value_or(usual_format()), say);
+                                 if (fault.empty() && !*refusal) return save(name, format.value_or(usual_format()), say);
+                                 is_saving_ = false;
+                                 say(fault.empty() ? refused(**refusal) : http::error(503, fault));
                              });
     });
     response.patient = true;
@@ -241,7 +242,7 @@ void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
-    if (saved_at_ && now - *saved_at_ < between_saves) {
+    if (is_saving_ || (saved_at_ && now - *saved_at_ < between_saves)) {
         ++past_.skipped;
         return;
     }
@@ -250,8 +251,12 @@ void Recordings::save_for(std::string_view why) {
     save_due_.set(now + 2 * FrameWatch::batch_time);
 }
 
+// One at a time, which sets is_saving_: while the disk hangs, each would hold all frames of its time.
 void Recordings::save(const std::string& name, RecordingFormat format, Say say) {
-    if (!memory_) return say(http::error(409, nothing_kept));
+    if (!memory_) {
+        is_saving_ = false;
+        return say(http::error(409, nothing_kept));
+    }
     const auto frames = std::make_shared<KeptFrames>(memory_->frames());
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
     const std::uint64_t count = frames->frames();
@@ -264,6 +269,7 @@ void Recordings::save(const std::string& name, RecordingFormat format, Say say) 
 }
 
 void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {
+    is_saving_ = false;
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
         spdlog::warn("recording: the last frames are not saved: {}", refusal->words);
