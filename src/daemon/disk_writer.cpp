@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <new>
 #include <string_view>
 #include <utility>
 
@@ -25,9 +26,16 @@ bool is_of_the_file(int error) noexcept {
 
 std::uint64_t RecorderItem::frames() const noexcept { return batch ? count_of_records(*batch) : 0; }
 
+// Kept first: what it becomes can be made again.
 void DiskWriter::take(RecorderItem item) {
-    encode(item);
-    unsafe_.push_back(std::move(item));
+    try {
+        unsafe_.push_back(std::move(item));
+    } catch (const std::bad_alloc&) {
+        progress_.in_flight -= item.bytes();
+        progress_.not_written += item.frames();
+        throw;
+    }
+    encode(unsafe_.back());
 }
 
 void DiskWriter::encode(const RecorderItem& item) {
@@ -53,7 +61,19 @@ void DiskWriter::finish(ano::TimePoint now) {
     is_finishing_ = true;
     hurry();
     turn(now);
-    if (error_.empty()) return;
+    if (!error_.empty()) give_up();
+}
+
+// The writer may be in the middle of something: of its file stays what is safe, and all else goes into the next one.
+void DiskWriter::lacks_memory(ano::TimePoint now) noexcept {
+    if (file_) leave_file();
+    error_ = "out of memory";    // so short that it needs none
+    try_again_at_ = now + try_again_after;
+    if (is_finishing_) give_up();
+    report();
+}
+
+void DiskWriter::give_up() noexcept {
     std::uint64_t given_up = waiting_frames_;
     if (!file_)
         for (const RecorderItem& item : unsafe_) given_up += item.frames();
@@ -159,7 +179,7 @@ void DiskWriter::is_safe(ano::TimePoint now) {
     progress_.in_flight -= bytes;
 }
 
-void DiskWriter::leave_file() {
+void DiskWriter::leave_file() noexcept {
     if (safe_size_ > 0) {
         file_->cut(safe_size_);
         bytes_before_ += safe_size_;

@@ -63,6 +63,8 @@ public:
     void hurry() noexcept { try_again_at_ = {}; }
     /// Writes what was taken and ends the file. It is tried once: what is not written then is given up.
     void finish(ano::TimePoint now);
+    /// One of the calls above threw std::bad_alloc: what it was about is tried again a second later, or given up where it was finish().
+    void lacks_memory(ano::TimePoint now) noexcept;
     /// Something is to be done within a moment, even if nothing is taken.
     bool has_work() const noexcept { return !error_.empty() || (file_ && file_->size() != safe_size_); }
 
@@ -77,7 +79,8 @@ private:
     std::string failed(int error);
     void encode(const RecorderItem& item);
     void is_safe(ano::TimePoint now);
-    void leave_file();
+    void leave_file() noexcept;
+    void give_up() noexcept;
     void report();
 
     const RecorderSettings& settings_;

@@ -87,7 +87,7 @@ void FoxgloveSession::hear(foxglove::WatchParameters&& said) {
     }
     for (std::string& name : said.names) {
         if (said.ends) watched_.erase(name);
-        else if (watched_.size() < max_watched) watched_.insert(std::move(name));
+        else if (watched_.size() < max_watched && name.size() <= max_watched_name) watched_.insert(std::move(name));
     }
 }
 
@@ -174,7 +174,7 @@ void FoxgloveSession::show(const RecordedFrame& frame) {
 void FoxgloveSession::send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload) {
     const auto subscription = by_channel_.find(channel);
     if (subscription == by_channel_.end()) return;
-    messages_.push_back({foxglove::message_data(subscription->second, time_ns, payload), false});
+    messages_.push_back({foxglove::message_data(subscription->second, time_ns, payload), false, false});
 }
 
 void FoxgloveSession::lose(const LostFrames& lost) { warn(words_of(lost)); }
@@ -187,8 +187,7 @@ std::optional<foxglove::GetParameters> FoxgloveSession::next_question() {
 }
 
 void FoxgloveSession::answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values) {
-    --open_questions_;
-    messages_.push_back({foxglove::parameter_values(values, question.id)});
+    messages_.push_back({foxglove::parameter_values(values, question.id), true, true});
 }
 
 void FoxgloveSession::changed(const std::vector<foxglove::Parameter>& values) {
@@ -210,6 +209,7 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
     if (!messages_.empty()) {
         Message message = std::move(messages_.front());
         messages_.pop_front();
+        if (message.is_answer) --open_questions_;    // who takes none gets no more of them
         return message;
     }
     if (changed_.empty()) return std::nullopt;

@@ -28,14 +28,16 @@ namespace anogate {
 
 class FoxgloveSession {
 public:
-    static constexpr std::size_t max_statuses = 32;        // that wait to be sent; of more their number is told
-    static constexpr std::size_t max_questions = 16;       // that wait for their answer
-    static constexpr std::size_t max_watched = 16384;      // parameters by their names
-    static constexpr std::size_t part_size = 32 * 1024;    // bytes of channels in one message, but for one that is longer
+    static constexpr std::size_t max_statuses = 32;         // that wait to be sent; of more their number is told
+    static constexpr std::size_t max_questions = 16;        // that wait for their answer, or whose answer waits to be taken
+    static constexpr std::size_t max_watched = 16384;       // parameters by their names
+    static constexpr std::size_t max_watched_name = 256;    // bytes: none has a longer one
+    static constexpr std::size_t part_size = 32 * 1024;     // bytes of channels in one message, but for one that is longer
 
     struct Message {
         std::string data;
         bool is_text = true;
+        bool is_answer = false;    // to one of his questions
     };
 
     /// `flexible`, which outlives it, has the layouts of flexible messages.

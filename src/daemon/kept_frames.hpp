@@ -73,6 +73,7 @@ private:
     FrameWatch& watch_;
     Ring<FramesPart> ring_;
     std::shared_ptr<const RecordedNames> names_;
+    std::size_t cost_of_names_ = 0;    // that no part has yet
     RecordedLoss lost_{};
     std::string lost_names_;
 };

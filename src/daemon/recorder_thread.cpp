@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -30,8 +31,9 @@ bool wait_for_event(int event, int most) {
     return ::poll(&one, 1, most) > 0;
 }
 
-// The loop comes first, and has the signals.
-void stand_behind_the_loop() {
+}    // namespace
+
+void stand_behind_the_loop() noexcept {
     sigset_t all;
     sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
@@ -41,20 +43,20 @@ void stand_behind_the_loop() {
     ::setpriority(PRIO_PROCESS, 0, std::max(::getpriority(PRIO_PROCESS, 0), nice_of_thread));
 }
 
-}    // namespace
-
 std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
     self->wake_ = recorder_event();
     self->said_ = recorder_event();
     self->ended_ = recorder_event();
     if (!self->wake_ || !self->said_ || !self->ended_) return error_text("the recorder has no descriptor", errno);
     try {
-        std::thread{[self] {
+        std::thread{[self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
             stand_behind_the_loop();
-            self->run();
+            self->run(*disk);
         }}.detach();
     } catch (const std::system_error& error) {
         return error_text("the recorder has no thread", error.code().value());
+    } catch (const std::bad_alloc&) {
+        return "the recorder has no memory";
     }
     return {};
 }
@@ -99,26 +101,30 @@ UniqueFd RecorderThread::said() const noexcept { return UniqueFd{::fcntl(said_.g
 
 void RecorderThread::wake() const noexcept { ::eventfd_write(wake_.get(), 1); }
 
-void RecorderThread::run() {
-    DiskWriter disk{settings_, progress_};
-    bool is_ended = false;
-    while (!is_ended) {
+void RecorderThread::run(DiskWriter& disk) {
+    while (!is_over_) {
         progress_.is_busy();
-        is_ended = is_ending_;    // what was given before is in the queue now
-        if (is_ended) disk.hurry();
-        take_all(disk);
-        if (is_ended) {
-            disk.finish(ano::Clock::now());
-            while (const auto item = items_.pop()) progress_.not_written += item->frames();
-        } else {
-            disk.turn(ano::Clock::now());
+        is_over_ = is_ending_;    // what was given before is in the queue now
+        try {
+            work(disk);
+        } catch (const std::bad_alloc&) {
+            disk.lacks_memory(ano::Clock::now());
         }
+        if (is_over_)
+            while (const auto item = items_.pop()) progress_.not_written += item->frames();
         progress_.is_idle();
         tell(disk);
-        if (!is_ended) sleep(disk);
+        if (!is_over_) sleep(disk);
     }
     ::eventfd_write(ended_.get(), 1);
     ::eventfd_write(said_.get(), 1);
+}
+
+void RecorderThread::work(DiskWriter& disk) {
+    if (is_over_) disk.hurry();
+    take_all(disk);
+    if (is_over_) disk.finish(ano::Clock::now());
+    else disk.turn(ano::Clock::now());
 }
 
 // A turn for every part, and the first to begin.
@@ -150,10 +156,13 @@ void RecorderThread::tell(const DiskWriter& disk) {
     bool has_said = wants_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
     if (has_said) wants_room_ = false;
     if (told_.file != disk.file() || told_.error != disk.error()) {
-        News news{disk.file(), disk.error()};
-        if (news_.push(news)) {
-            told_ = std::move(news);
-            has_said = true;
+        try {
+            News news{disk.file(), disk.error()};
+            if (news_.push(news)) {
+                told_ = std::move(news);
+                has_said = true;
+            }
+        } catch (const std::bad_alloc&) {    // the next time
         }
     }
     if (has_said) ::eventfd_write(said_.get(), 1);

@@ -13,6 +13,9 @@
 
 namespace anogate {
 
+/// Of this thread: the loop comes first, and has the signals.
+void stand_behind_the_loop() noexcept;
+
 /// With a thread that may be left behind on a disk that hangs: whoever is last ends it. Nobody waits for the other.
 class RecorderThread {
 public:
@@ -50,7 +53,8 @@ public:
     ano::Duration silence(ano::TimePoint now) const noexcept;
 
 private:
-    void run();
+    void run(DiskWriter& disk);
+    void work(DiskWriter& disk);
     void take_all(DiskWriter& disk);
     void sleep(const DiskWriter& disk);
     void tell(const DiskWriter& disk);
@@ -62,6 +66,7 @@ private:
     DiskProgress progress_;
     std::atomic<std::size_t> queued_{0};    // bytes in items_
     std::atomic<bool> is_ending_{false}, is_abandoned_{false};
+    bool is_over_ = false;                    // for the thread alone: nothing is written any more
     std::atomic<bool> sleeps_deep_{false};    // and is to be woken for the first item
     std::atomic<bool> wants_room_{false};
     UniqueFd wake_, said_, ended_;    // eventfds

@@ -65,7 +65,8 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
       disk_{gateway.io()},
       save_due_{gateway.alarms(),
                 [this] {
-                    if (memory_) save(save_as_, {}, [](const http::Response&) {});
+                    if (std::exchange(is_saving_, true)) ++past_.skipped;
+                    else save(save_as_, {}, [](const http::Response&) {});
                 }},
       clock_{gateway.io(), [this] { watch_clock(); }} {
     gateway_.set_recording(this);
@@ -94,7 +95,8 @@ void Recordings::configure() {
     const auto& record = gateway_.settings().record;
     const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
     const bool was_configured = std::exchange(is_configured_, record.has_value());
-    folder_ = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+    const std::string folder = settings_.folder.empty() ? usual_folder_ : settings_.folder;
+    if (std::exchange(folder_, folder) != folder) ages_ = std::make_shared<RecordingAges>();
     RecordSettings same = before;
     same.keep_size = settings_.keep_size;
     same.keep_age = settings_.keep_age;
@@ -102,12 +104,15 @@ void Recordings::configure() {
     same.keep_last = settings_.keep_last;
     const bool is_other = same != settings_ || was_configured != is_configured_;
     if (is_other) {
+        begins_late_ = false;
         if (Running* const running = configured_one()) {
             running->is_ending = true;
             running->recorder->end();
         }
         if (is_configured_ && settings_.start) {
-            if (const std::string why = start_recording(); !why.empty()) spdlog::error("recording: {}", why);
+            const std::string why = start_recording();
+            if (!why.empty()) spdlog::error("recording: {}", why);
+            begins_late_ = !why.empty() && !folder_.empty();
         }
     }
     if (before.keep_last != settings_.keep_last || frames_of(before) != frames_of(settings_) || !memory_) remember();
@@ -264,6 +269,7 @@ void Recordings::reap() {
     std::erase_if(running_, has_ended);
     if (running_.size() == before) return;
     if (is_stopped_) return check_end();
+    if (begins_late_) begins_late_ = !start_recording().empty();
     keep_clock();
     look_soon();
 }
@@ -278,12 +284,16 @@ void Recordings::keep_clock() {
 std::string Recordings::start_recording() {
     if (is_stopped_) return "the gateway ends";
     if (configured_one()) return "it records already";
+    const auto ending = std::count_if(running_.begin(), running_.end(), [](const auto& r) { return r->is_configured; });
+    if (static_cast<std::size_t>(ending) >= most_ending)
+        return "the disk has not taken the end of the last recordings yet: again when it has";
     if (folder_.empty()) return "there is no folder for it: name one, \"record\": {\"folder\": \"/path\"}";
     changed(launch(configured(), true));
     return {};
 }
 
 std::string Recordings::stop_recording() {
+    begins_late_ = false;
     Running* const running = configured_one();
     if (!running) return "it does not record";
     running->is_ending = true;

@@ -39,7 +39,8 @@ struct AskedRecording {
 /// Everything is called from the loop; what may wait for the disk is done beside it.
 class Recordings final : public RecordingService {
 public:
-    static constexpr std::size_t most_asked = 4;                               // that run at once
+    static constexpr std::size_t most_asked = 4;     // that run at once
+    static constexpr std::size_t most_ending = 2;    // of the configuration, that the disk keeps from their end
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // of keep_last by itself
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
@@ -120,9 +121,12 @@ private:
     std::string save_as_;    // when it is due:
     Alarm save_due_;
     std::optional<std::uint64_t> free_;
+    std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it
     Ticker clock_;
     unsigned ticks_ = 0;
     bool is_looking_ = false, look_again_ = false;
+    bool is_saving_ = false;      // frames of keep_last wait for the disk
+    bool begins_late_ = false;    // the one of the configuration: when one that hangs has ended
     bool is_started_ = false, is_stopped_ = false;
     std::optional<TimePoint> end_by_;
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);

@@ -1,5 +1,6 @@
 // What Recordings tells of itself and answers to clients, and what it does on the disk for that.
 #include <daemon/answer_json.hpp>
+#include <daemon/recorder_thread.hpp>
 #include <daemon/running_recording.hpp>
 #include <daemon/served_file.hpp>
 #include <link/clocks.hpp>
@@ -211,13 +212,14 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
     http::Response response = http::later([this, name, is_made_up, wanted](const Say& say) {
+        if (std::exchange(is_saving_, true)) return say(http::try_again("the disk has not taken what was saved last yet"));
         if (is_made_up) return save(name, wanted, say);
         const auto refusal = std::make_shared<std::optional<Refusal>>();
         disk_.run_for_nobody([refusal, folder = folder_, name] { *refusal = check_new_name(folder, name); },
                              [this, refusal, name, wanted, say](const std::string& fault) {
-                                 if (!fault.empty()) say(http::error(503, fault));
-                                 else if (*refusal) say(refused(**refusal));
-                                 else save(name, wanted, say);
+                                 if (fault.empty() && !*refusal) return save(name, wanted, say);
+                                 is_saving_ = false;
+                                 say(fault.empty() ? refused(**refusal) : http::error(503, fault));
                              });
     });
     response.patient = true;
@@ -241,7 +243,7 @@ void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 void Recordings::save_for(std::string_view why) {
     if (!memory_ || is_stopped_ || folder_.empty()) return;
     const TimePoint now = Clock::now();
-    if (saved_at_ && now - *saved_at_ < between_saves) {
+    if (is_saving_ || (saved_at_ && now - *saved_at_ < between_saves)) {
         ++past_.skipped;
         return;
     }
@@ -250,8 +252,12 @@ void Recordings::save_for(std::string_view why) {
     save_due_.set(now + 2 * FrameWatch::batch_time);
 }
 
+// One at a time, which sets is_saving_: while the disk hangs, each would hold all frames of its time.
 void Recordings::save(const std::string& name, const WantedForm& wanted, Say say) {
-    if (!memory_) return say(http::error(409, nothing_kept));
+    if (!memory_) {
+        is_saving_ = false;
+        return say(http::error(409, nothing_kept));
+    }
     const auto frames = std::make_shared<KeptFrames>(memory_->frames());
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
     const std::uint64_t count = frames->frames();
@@ -265,6 +271,7 @@ void Recordings::save(const std::string& name, const WantedForm& wanted, Say say
 }
 
 void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {
+    is_saving_ = false;
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
         spdlog::warn("recording: the last frames are not saved: {}", refusal->words);
@@ -296,9 +303,10 @@ void Recordings::look() {
                             std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_age.value_or(ano::Duration{})),
                             settings_.keep_free};
     disk_.run_for_nobody(
-        [seen, limits, folder = folder_] {
+        [seen, limits, folder = folder_, ages = ages_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
-            if (has_limits) seen->gone = delete_old(folder, limits, since_1970());
+            const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
+            if (has_limits) seen->gone = delete_old(folder, limits, *ages, {since_1970(), steady});
             seen->free = room_for(folder);
         },
         [this, seen](const std::string& fault) { looked(seen->free, seen->gone, fault); });
@@ -314,19 +322,22 @@ void Recordings::looked(std::optional<std::uint64_t> free, const std::vector<std
 void Recordings::repair() {
     if (folder_.empty()) return;
     const auto repaired = std::make_shared<std::vector<RepairedFile>>();
-    disk_.run_for_nobody([repaired, folder = folder_] { *repaired = repair_recordings(folder); },
-                         [repaired](const std::string& fault) {
-                             if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
-                             for (const RepairedFile& file : *repaired) {
-                                 if (!file.fault.empty())
-                                     spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
-                                 else
-                                     spdlog::info(
-                                         "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
-                                         "taken off",
-                                         file.name, file.frames, file.cut);
-                             }
-                         });
+    disk_.run_for_nobody(
+        [repaired, folder = folder_] {
+            stand_behind_the_loop();
+            *repaired = repair_recordings(folder);
+        },
+        [repaired](const std::string& fault) {
+            if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
+            for (const RepairedFile& file : *repaired) {
+                if (!file.fault.empty()) spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
+                else
+                    spdlog::info(
+                        "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
+                        "taken off",
+                        file.name, file.frames, file.cut);
+            }
+        });
 }
 
 }    // namespace anogate

@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <memory>
+#include <thread>
 #include <utility>
 
 namespace anogate {
@@ -26,6 +27,7 @@ constexpr std::size_t most_name = 100;
 constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
 constexpr std::size_t most_index = 4 * 1024 * 1024;      // bytes that are read of one file for a list
+constexpr std::uint64_t most_cut = 2 * 1024 * 1024;      // bytes that a file loses at the most when it is made whole
 constexpr std::string_view our_program = "anogated ";    // the version is behind it
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
@@ -59,11 +61,21 @@ RecordingGlance glance_at_file(int fd, RecordingFormat format, std::uint64_t siz
 
 bool is_ours(const RecordingGlance& glance) { return glance.head.program.starts_with(our_program); }
 
-/// Who writes a recording has it locked as long as he does.
+/// Who writes a recording has it locked as long as he does. Many may look at the same time: they share it for a moment.
 bool is_locked(int fd) {
-    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK;
+    if (::flock(fd, LOCK_SH | LOCK_NB) != 0) return errno == EWOULDBLOCK;
     ::flock(fd, LOCK_UN);
     return false;
+}
+
+/// As long as `fd` is open. Who looks is waited for; false: somebody writes it.
+bool lock_to_write(int fd) {
+    constexpr int turns = 20;
+    for (int turn = 0; ::flock(fd, LOCK_EX | LOCK_NB) != 0; ++turn) {
+        if (turn == turns || errno != EWOULDBLOCK) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    }
+    return true;
 }
 
 struct OpenRecording {
@@ -191,20 +203,29 @@ std::string make_whole(const OpenRecording& file, const RecordingRepair::Result&
     return done ? std::string{} : error_text(error);
 }
 
+// Half a part at the end is no loss. So much is no such part: what stands there may still be read.
+std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
+    return "it is damaged behind byte " + std::to_string(behind) + ", and the " + std::to_string(bytes) +
+           " bytes there are not thrown away";
+}
+
 std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
-    if (!file || file->glance.is_ended || ::flock(file->fd.get(), LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+    if (!file || file->glance.is_ended || !lock_to_write(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
-    std::uint64_t at = 0;
+    std::uint64_t at = 0, written = 0;    // a loss of power may leave zeros behind what was written
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
         repair.give(piece);
+        if (const auto last = piece.find_last_not_of('\0'); last != piece.npos) written = at + last + 1;
         at += piece.size();
     }
     const RecordingRepair::Result result = repair.finish();
     if (result.is_whole) return std::nullopt;
     RepairedFile repaired{name, result.frames, at > result.keep ? at - result.keep : 0, {}};
-    repaired.fault = result.is_recording ? make_whole(*file, result) : "it is damaged before its first frame";
+    if (!result.is_recording) repaired.fault = "it is damaged before its first frame";
+    else if (written > result.keep + most_cut) repaired.fault = damage_text(result.keep, written - result.keep);
+    else repaired.fault = make_whole(*file, result);
     return repaired;
 }
 
@@ -285,13 +306,14 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, std::chrono::seconds now) {
+std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now) {
     std::vector<std::string> gone;
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
-        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording});
-    for (const std::size_t i : recordings_to_delete(kept, limits, now, view.free.value_or(UINT64_MAX)))
+        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording, {}});
+    ages.look(kept, now.real, now.steady);
+    for (const std::size_t i : recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX)))
         if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);
     return gone;
 }

@@ -65,8 +65,12 @@ struct RepairedFile {
 /// Makes whole what was cut by a loss of power or by force; not what somebody still writes.
 std::vector<RepairedFile> repair_recordings(const std::string& folder);
 
-/// Deletes what the limits do not leave. The names of what went.
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, std::chrono::seconds now);
+/// What the clocks say: the one that is set, since 1970, and the one that nobody sets.
+struct BothClocks {
+    std::chrono::seconds real{}, steady{};
+};
+/// Deletes what the limits do not leave. The names of what went. `ages` has seen the folder when it was called before.
+std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now);
 
 /// As NAME.FORMAT, where that is not there yet, while `free` bytes of the disk stay free.
 struct SavedFrames {

@@ -37,6 +37,13 @@ std::uint64_t in_nanoseconds(ano::Duration time) {
 
 }    // namespace
 
+std::size_t RecordedNames::cost() const noexcept {
+    std::size_t cost = sizeof *this;
+    for (const Names* names : {&links, &kinds, &peers})
+        for (const std::string& name : *names) cost += sizeof name + name.size();
+    return cost;
+}
+
 RecordedNames recorded_names(const WatchTables& tables, const Gateway& gateway) {
     RecordedNames names{tables.links, Names(tables.links.size()), tables.peers};
     for (const LinkState& state : gateway.links())

@@ -17,6 +17,9 @@ class Gateway;
 struct RecordedNames {
     std::vector<std::string> links, kinds;    // of the links
     std::vector<std::string> peers;           // of the channels
+
+    /// Bytes of memory, about.
+    std::size_t cost() const noexcept;
 };
 RecordedNames recorded_names(const WatchTables& tables, const Gateway& gateway);
 

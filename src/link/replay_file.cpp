@@ -13,6 +13,7 @@
 #include <csignal>
 #include <deque>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
+constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
 
 // The loop's thread handles them.
 void leave_signals_to_others() {
@@ -85,13 +87,13 @@ public:
         Backoff backoff;
         while (!is_stopping()) {
             const std::uint64_t frames_before = frames_;
-            if (LinkError fault = play(); !fault.text.empty()) {
+            if (LinkError fault = try_to_play(); !fault.text.empty()) {
                 set(State::absent, std::move(fault));
                 wait_until(backoff.retry_at(ano::Clock::now()));
                 continue;
             }
             if (!settings_.loop) return set(State::ended, note_);
-            round_begin_ = latest_;
+            round_begin_ = settings_.rate == 0 ? latest_ : std::max(latest_, round_begin_ + shortest_round);
             if (frames_ > frames_before) continue;
             set(State::ended, note_);
             wait_until(ano::Clock::now() + between_empty_rounds);
@@ -99,6 +101,15 @@ public:
     }
 
 private:
+    // A file may say that it wants more memory than there is.
+    LinkError try_to_play() {
+        try {
+            return play();
+        } catch (const std::bad_alloc&) {
+            return why_absent(settings_.file, "there is too little memory to read it");
+        }
+    }
+
     /// Once, from the begin to the end. Why that can't be.
     LinkError play() {
         const UniqueFd file{::open(settings_.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)};

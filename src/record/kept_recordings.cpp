@@ -2,24 +2,46 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace anogate {
 namespace {
+
+constexpr std::chrono::seconds clock_was_set{1'577'836'800};    // 2020-01-01
 
 std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < recordings.size(); ++i)
         if (!recordings[i].is_written) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return std::tie(recordings[a].time, recordings[a].name) < std::tie(recordings[b].time, recordings[b].name);
+        return std::tie(recordings[b].age, recordings[a].changed, recordings[a].name) <
+               std::tie(recordings[a].age, recordings[b].changed, recordings[b].name);
     });
     return order;
 }
 
 }    // namespace
 
+void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady) {
+    std::map<std::string, Seen> seen;
+    for (KeptRecording& recording : recordings) {
+        const auto before = seen_.find(recording.name);
+        if (before != seen_.end() && before->second.changed == recording.changed) {
+            seen.insert(*before);
+        } else {
+            const bool is_known = recording.changed >= clock_was_set;
+            const seconds told = is_known ? std::max(since_1970 - recording.changed, seconds::zero()) : seconds::zero();
+            seen[recording.name] = {recording.changed, looked_at_ ? std::min(told, steady - *looked_at_) : told, steady};
+        }
+        const Seen& is = seen.at(recording.name);
+        recording.age = is.age + (steady - is.at);
+    }
+    seen_ = std::move(seen);
+    looked_at_ = steady;
+}
+
 std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::chrono::seconds now, std::uint64_t free_bytes) {
+                                              std::uint64_t free_bytes) {
     const std::vector<std::size_t> order = oldest_first(recordings);
     std::uint64_t all = 0, may_go = 0;
     for (const KeptRecording& recording : recordings) all += recording.bytes;
@@ -30,7 +52,7 @@ std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> rec
     std::vector<std::size_t> going;
     for (const std::size_t i : order) {
         const KeptRecording& recording = recordings[i];
-        const bool is_too_old = limits.age > std::chrono::seconds::zero() && now - recording.time > limits.age;
+        const bool is_too_old = limits.age > std::chrono::seconds::zero() && recording.age > limits.age;
         if (!is_too_old && (limits.bytes == 0 || all <= limits.bytes) && wanted == 0) break;
         going.push_back(i);
         all -= recording.bytes;

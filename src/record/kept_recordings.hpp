@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,8 +15,30 @@ namespace anogate {
 struct KeptRecording {
     std::string name;
     std::uint64_t bytes = 0;
-    std::chrono::seconds time{};    // of its last change, since 1970
-    bool is_written = false;        // now: it never goes
+    std::chrono::seconds changed{};    // the last time, since 1970, by the clock as it was then
+    bool is_written = false;           // now: it never goes
+    std::chrono::seconds age{};        // since its last change; RecordingAges knows it
+};
+
+/// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
+/// the middle of a flight, and a receiver may take it into another century. A recording ages with the clock that nobody sets from the
+/// time when it was first seen as it is; what it was by then is at most the time since the look before.
+///
+/// Flow, one look after the other:    ages.look(recordings, since_1970, by_the_other_clock)
+class RecordingAges {
+public:
+    using seconds = std::chrono::seconds;
+
+    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look the clock is all that
+    /// tells how old one is, and one from before 2020 has no age: the clock was not set then.
+    void look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady);
+
+private:
+    struct Seen {
+        seconds changed, age, at;
+    };
+    std::map<std::string, Seen> seen_;
+    std::optional<seconds> looked_at_;
 };
 
 /// 0: no limit.
@@ -24,9 +48,9 @@ struct KeepLimits {
     std::uint64_t free = 0;        // bytes of the disk that stay free
 };
 
-/// The places in `recordings` of those that go, the oldest first. `now` is since 1970; a recording of the future is not old. For the
-/// sake of free bytes none goes when all of them were not enough: they would be lost for nothing.
+/// The places in `recordings` of those that go, the oldest first. For the sake of free bytes none goes when all of them were not enough:
+/// they would be lost for nothing.
 std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::chrono::seconds now, std::uint64_t free_bytes);
+                                              std::uint64_t free_bytes);
 
 }    // namespace anogate

@@ -169,6 +169,14 @@ TEST_F(Replay, begins_again_at_its_end_where_that_is_asked_for) {
     for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_EQ(heard[i], numbered(i % 2));
 }
 
+TEST_F(Replay, a_recording_that_takes_no_time_is_no_storm_in_a_loop) {
+    RunningGateway daemon{settings_of_texts({link({said(numbered(0), 0s)}, ",loop"), ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 1; }));
+    const auto begin = anogate::Clock::now();
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 4; }));
+    EXPECT_GE(anogate::Clock::now() - begin, 250ms);
+}
+
 TEST_F(Replay, keeps_back_what_may_command_a_vehicle_and_counts_it) {
     const Bytes command = frame(0x30, fc, 0xC0, {1, 0}), acts = frame(0x30, fc, 0xE0, {0x10, 1}),
                 of_host = frame(host, fc, 0x03, {0, 0, 0, 0, 0, 0, 1}), tunnel = frame(0x30, fc, 0xB1, {1, 2, 3});

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
+#include <new>
 #include <thread>
 
 namespace support {
@@ -18,6 +19,7 @@ struct FailingDisk {
     std::atomic<long> room{-1};                        // bytes that are still taken, before write_error; -1: all
     std::atomic<bool> hangs{false};                    // until it is false again
     std::atomic<int> hanging{0};                       // calls
+    std::atomic<bool> lacks_memory{false};             // a write throws std::bad_alloc, as anything may that is on the way to it
 
     void wait() {
         if (!hangs) return;
@@ -31,7 +33,7 @@ inline FailingDisk failing_disk;
 /// As it is at first, however a test ends.
 struct WellAgain {
     ~WellAgain() {
-        failing_disk.hangs = false;
+        failing_disk.hangs = failing_disk.lacks_memory = false;
         failing_disk.write_error = failing_disk.sync_error = 0;
         failing_disk.room = -1;
     }
@@ -43,6 +45,7 @@ extern "C" {
 
 ssize_t pwrite(int fd, const void* bytes, size_t size, off_t at) {
     support::failing_disk.wait();
+    if (support::failing_disk.lacks_memory) throw std::bad_alloc{};
     if (const int error = support::failing_disk.write_error; error != 0) {
         const long room = support::failing_disk.room;
         if (room <= 0) {

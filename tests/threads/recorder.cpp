@@ -1,7 +1,10 @@
 // The recorder of a gateway: frames by the loop, files by its thread, and a disk that is well, full, read-only, or hangs.
+#include <config/difference.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/recorder.hpp>
+#include <daemon/recordings.hpp>
 #include <daemon/thread_queue.hpp>
+#include <http/response.hpp>
 #include <record/recording_repair.hpp>
 
 #include <support/failing_disk.hpp>
@@ -295,6 +298,21 @@ TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written
     EXPECT_EQ(recorder->report().not_written, 0u);
 }
 
+TEST_F(RecorderOfGateway, a_want_of_memory_is_told_and_what_came_meanwhile_is_written_behind_it) {
+    start();
+    send(100);
+    ASSERT_TRUE(until_written(100));
+    failing_disk.lacks_memory = true;
+    send(100);
+    ASSERT_TRUE(until_error("out of memory")) << recorder->report().error;
+    failing_disk.lacks_memory = false;
+    ASSERT_TRUE(until_well());
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(200));
+    EXPECT_EQ(recorder->report().not_written, 0u);
+}
+
 TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     fs::create_directories(settings.folder);
     const support::SmallDisk disk{settings.folder, "16m"};
@@ -407,6 +425,82 @@ TEST(RecorderOfProcess, that_is_killed_has_all_but_the_last_second) {
     EXPECT_TRUE(repaired.is_recording);
     EXPECT_FALSE(repaired.is_whole);
     EXPECT_GE(repaired.frames, written.numbers.size());
+}
+
+/// What the program asks of its recorders, on a disk that hangs.
+class RecordingsOfGateway : public testing::Test {
+protected:
+    RecordingsOfGateway() { recordings.start(); }
+
+    Settings settings() {
+        Settings settings = support::settings_of_texts({a.link("a")});
+        settings.record = RecordSettings{};
+        settings.record->start = false;
+        settings.record->keep_last = 60s;
+        settings.record->free = 0;
+        return settings;
+    }
+    /// What is answered; 0 until then.
+    std::shared_ptr<unsigned> save() {
+        const auto status = std::make_shared<unsigned>(0);
+        const http::Response response = recordings.save_last({}, {});
+        response.later([status](const http::Response& answer) { *status = answer.status; });
+        return status;
+    }
+
+    const support::TempDir dir;
+    support::UdpPeer a;
+    support::RunningGateway gateway{settings()};
+    Recordings recordings{gateway.gateway(), dir / "recordings"};
+    const support::WellAgain well_again{};
+};
+
+TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_no_more) {
+    failing_disk.hangs = true;
+    const auto first = save();
+    ASSERT_TRUE(gateway.until([] { return failing_disk.hanging == 1; }));
+    EXPECT_EQ(*save(), 503u);
+    recordings.link_lost(gateway.gateway().links().front());
+    EXPECT_EQ(recordings.figures().skipped, 1u);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
+    EXPECT_EQ(*first, 200u);
+    const auto next = save();
+    ASSERT_TRUE(gateway.until([&] { return *next != 0; }));
+    EXPECT_EQ(*next, 200u);
+    EXPECT_EQ(recordings.figures().saved, 2u);
+}
+
+TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_them_from_their_end) {
+    failing_disk.hangs = true;
+    for (int i = 0; i < 20; ++i) {
+        recordings.start_recording();
+        recordings.stop_recording();
+    }
+    EXPECT_EQ(recordings.figures().running, Recordings::most_ending);
+    EXPECT_NE(recordings.start_recording().find("disk"), std::string::npos);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
+    EXPECT_EQ(recordings.start_recording(), "");
+    EXPECT_EQ(recordings.stop_recording(), "");
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
+}
+
+TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_begin_behind_it) {
+    failing_disk.hangs = true;
+    for (std::uint64_t size = 1'000'000; size < 5'000'000; size += 1'000'000) {
+        Settings other = settings();
+        other.record->start = true;
+        other.record->rotate_size = size;
+        bool is_changed = false;
+        gateway.gateway().change(other, difference(gateway.gateway().settings(), other), 0s, [&] { is_changed = true; });
+        ASSERT_TRUE(gateway.until([&] { return is_changed; }));
+        recordings.configure();
+    }
+    EXPECT_EQ(recordings.figures().running, Recordings::most_ending);
+    failing_disk.hangs = false;
+    ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 1 && recordings.figures().failing == 0; }));
+    EXPECT_EQ(recordings.start_recording(), "it records already");
 }
 
 }    // namespace

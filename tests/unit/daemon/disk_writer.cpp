@@ -14,6 +14,7 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <string>
 
 namespace {
@@ -308,6 +309,43 @@ TEST_F(DiskWriters, what_no_file_takes_at_the_end_is_counted) {
     finish();
     EXPECT_EQ(progress.frames, 10u);
     EXPECT_EQ(progress.not_written, 10u);
+}
+
+TEST_F(DiskWriters, what_there_was_no_memory_for_is_in_the_next_file) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    failing_disk.lacks_memory = true;
+    take(10);
+    EXPECT_THROW(turn(), std::bad_alloc);
+    disk().lacks_memory(now);
+    EXPECT_EQ(disk().error(), "out of memory");
+    EXPECT_FALSE(disk().takes_more());
+    EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
+    failing_disk.lacks_memory = false;
+    turn(DiskWriter::try_again_after - 1ms);
+    EXPECT_EQ(disk().error(), "out of memory");
+    turn(1ms);
+    EXPECT_EQ(disk().error(), "");
+    take(10);
+    finish();
+    EXPECT_EQ(files().numbers, support::numbers_to(30));
+    EXPECT_EQ(files().files.size(), 2u);
+    EXPECT_EQ(progress.frames, 30u);
+    EXPECT_EQ(progress.not_written, 0u);
+    EXPECT_EQ(progress.in_flight, 0u);
+}
+
+TEST_F(DiskWriters, what_there_is_no_memory_for_at_the_end_is_counted) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(7);
+    failing_disk.lacks_memory = true;
+    EXPECT_THROW(finish(), std::bad_alloc);
+    disk().lacks_memory(now);
+    EXPECT_EQ(progress.frames, 10u);
+    EXPECT_EQ(progress.not_written, 7u);
 }
 
 TEST_F(DiskWriters, of_a_file_that_was_removed_the_next_has_what_was_not_safe) {

@@ -276,7 +276,24 @@ TEST_F(FoxgloveSessionTest, only_so_many_questions_wait_for_their_answers) {
     EXPECT_EQ(statuses().size(), 3u);
     session.answer(questions.front(), {});
     session.hear(R"({"op":"getParameters"})");
-    EXPECT_TRUE(session.next_question()) << "an answer makes room";
+    EXPECT_FALSE(session.next_question()) << "he has not taken the answer: many would fill the memory";
+    EXPECT_EQ(all().texts.size(), 2u) << "and that it is refused";
+    session.hear(R"({"op":"getParameters"})");
+    EXPECT_TRUE(session.next_question()) << "an answer that is taken makes room";
+}
+
+TEST_F(FoxgloveSessionTest, names_that_no_parameter_has_are_not_kept) {
+    all();
+    const std::string longest(FoxgloveSession::max_watched_name, 'x');
+    const auto watch = [&](const std::string& name) {
+        session.hear(json{{"op", "subscribeParameterUpdates"}, {"parameterNames", json::array({name})}}.dump());
+    };
+    watch(longest);
+    watch(longest + "x");
+    session.changed({{longest, "1"}, {longest + "x", "2"}});
+    const auto texts = all().texts;
+    ASSERT_EQ(texts.size(), 1u);
+    EXPECT_EQ(texts[0].at("parameters").size(), 1u);
 }
 
 TEST_F(FoxgloveSessionTest, of_values_that_change_those_that_are_watched_are_told_as_they_are_last) {

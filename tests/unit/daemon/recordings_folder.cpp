@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace anogate {
@@ -157,7 +158,25 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
     EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 409u);
     EXPECT_TRUE(repair_recordings(folder).empty());
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), recording(3, false));
-    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, std::chrono::seconds{2'000'000'000}).empty());
+    RecordingAges ages;
+    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).empty());
+}
+
+TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
+    dir.write("cut.pcapng", recording(3, false));
+    dir.write("flight.pcapng", recording(3));
+    UniqueFd cut{::open((dir / "cut.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    const UniqueFd flight{::open((dir / "flight.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    ASSERT_EQ(::flock(cut.get(), LOCK_SH | LOCK_NB), 0);
+    ASSERT_EQ(::flock(flight.get(), LOCK_SH | LOCK_NB), 0);
+    for (const FoundRecording& file : view_of(folder).files) EXPECT_NE(file.state, State::recording) << file.name;
+    EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 200u);
+    std::thread other{[&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds{20});
+        cut = UniqueFd{};
+    }};
+    EXPECT_EQ(repair_recordings(folder).size(), 1u) << "who looks is waited for";
+    other.join();
 }
 
 TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
@@ -175,6 +194,30 @@ TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
         ASSERT_EQ(read.items.size(), (size - first) / (recording(2, false).size() - first) + 1) << size;
         ASSERT_TRUE(repair_recordings(folder).empty()) << "once is enough";
     }
+}
+
+TEST_F(RecordingsFolder, throws_nothing_away_behind_damage_in_the_middle) {
+    const std::string flight = recording(50'000, false);
+    ASSERT_GT(flight.size(), 3'000'000u);
+    std::string damaged = flight;
+    damaged.replace(500'000, 200, 200, '\xFF');
+    dir.write("flight.pcapng", damaged);
+    const auto repaired = repair_recordings(folder);
+    ASSERT_EQ(repaired.size(), 1u);
+    EXPECT_NE(repaired[0].fault.find("damaged behind byte 4999"), std::string::npos) << repaired[0].fault;
+    EXPECT_EQ(support::text_of(dir / "flight.pcapng"), damaged);
+}
+
+TEST_F(RecordingsFolder, takes_off_the_zeros_that_a_loss_of_power_left) {
+    const std::string flight = recording(1000, false);
+    dir.write("flight.pcapng", flight + std::string(5'000'000, '\0'));
+    const auto repaired = repair_recordings(folder);
+    ASSERT_EQ(repaired.size(), 1u);
+    EXPECT_EQ(repaired[0].fault, "");
+    EXPECT_EQ(repaired[0].frames, 1000u);
+    const auto read = support::read_pcapng(support::text_of(dir / "flight.pcapng"));
+    EXPECT_TRUE(read.has_end);
+    EXPECT_EQ(read.items.size(), 1000u);
 }
 
 TEST_F(RecordingsFolder, repairs_nothing_that_it_did_not_write_and_keeps_the_time_of_what_it_did) {
@@ -199,9 +242,13 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     }
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
     fs::last_write_time(dir / "foreign.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{100});
-    EXPECT_TRUE(delete_old(folder, {}, now).empty());
-    EXPECT_EQ(delete_old(folder, {3 * size, {}, 0}, now), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
-    EXPECT_EQ(delete_old(folder, {0, std::chrono::minutes{150}, 0}, now), std::vector<std::string>{"flight-2.pcapng"});
+    RecordingAges ages;
+    const auto gone = [&](const KeepLimits& limits) {
+        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}});
+    };
+    EXPECT_TRUE(gone({}).empty());
+    EXPECT_EQ(gone({3 * size, {}, 0}), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
+    EXPECT_EQ(gone({0, std::chrono::minutes{150}, 0}), std::vector<std::string>{"flight-2.pcapng"});
     EXPECT_EQ(names(), (std::vector<std::string>{"flight-3.pcapng", "flight-4.pcapng"}));
     EXPECT_TRUE(is_there("foreign.pcapng"));
 }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -12,17 +13,17 @@ namespace {
 using namespace anogate;
 using namespace std::chrono_literals;
 
-constexpr std::chrono::seconds now{1'000'000};
+constexpr std::chrono::seconds now{1'763'898'044};
 constexpr std::uint64_t plenty = 1'000'000'000'000;
 
 KeptRecording recording(std::string name, std::uint64_t bytes, std::chrono::seconds age) {
-    return {std::move(name), bytes, now - age};
+    return {std::move(name), bytes, now - age, false, age};
 }
 
 std::string names_of_those_that_go(const std::vector<KeptRecording>& kept, const KeepLimits& limits,
                                    std::uint64_t free = plenty) {
     std::string names;
-    for (const std::size_t i : recordings_to_delete(kept, limits, now, free)) names += kept.at(i).name + " ";
+    for (const std::size_t i : recordings_to_delete(kept, limits, free)) names += kept.at(i).name + " ";
     return names;
 }
 
@@ -66,14 +67,108 @@ TEST(KeptRecordings, the_one_that_is_written_never_goes_and_counts) {
         << "its bytes can't be had";
 }
 
-TEST(KeptRecordings, one_of_the_future_is_not_old) {
-    const std::vector<KeptRecording> kept{recording("later", 100, -3600s), recording("old", 100, 7200s)};
-    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 60s, .free = 0}), "old ");
+TEST(KeptRecordings, of_those_of_one_age_the_one_that_was_changed_first_goes_first) {
+    std::vector<KeptRecording> kept{recording("a", 100, 5s), recording("b", 100, 5s)};
+    kept[1].changed -= 1s;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 100, .age = {}, .free = 0}), "b ");
 }
 
 TEST(KeptRecordings, of_those_of_one_time_the_first_by_name_goes_first) {
     const std::vector<KeptRecording> kept{recording("f-2", 100, 5s), recording("f-1", 100, 5s)};
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 100, .age = {}, .free = 0}), "f-1 ");
+}
+
+/// A folder that is looked at again and again, while both clocks go on.
+class AgesOfRecordings : public testing::Test {
+protected:
+    /// A recording that is written now.
+    void write(const std::string& name) { write(name, real); }
+    void write(const std::string& name, std::chrono::seconds changed) {
+        for (KeptRecording& one : all)
+            if (one.name == name) return void(one.changed = changed);
+        all.push_back({name, 100, changed, false, {}});
+    }
+    std::chrono::seconds age_of(const std::string& name) {
+        ages.look(all, real, steady);
+        for (const KeptRecording& one : all)
+            if (one.name == name) return one.age;
+        return -1s;
+    }
+    void pass(std::chrono::seconds time) {
+        real += time;
+        steady += time;
+    }
+
+    RecordingAges ages;
+    std::vector<KeptRecording> all;
+    std::chrono::seconds real = now, steady{500};
+};
+
+TEST_F(AgesOfRecordings, are_told_by_the_clock_at_first_and_go_on_with_the_time) {
+    write("old", now - 5h);
+    write("later", now + 5h);
+    EXPECT_EQ(age_of("old"), 5h);
+    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old";
+    pass(10s);
+    EXPECT_EQ(age_of("old"), 5h + 10s);
+    EXPECT_EQ(age_of("later"), 10s);
+}
+
+TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
+    write("flight", now - 5h);
+    ASSERT_EQ(age_of("flight"), 5h);
+    pass(8s);
+    write("flight");
+    pass(2s);
+    EXPECT_EQ(age_of("flight"), 2s);
+    pass(10s);
+    EXPECT_EQ(age_of("flight"), 12s);
+}
+
+TEST_F(AgesOfRecordings, are_not_told_by_a_clock_that_was_never_set) {
+    write("flight", 300s);
+    EXPECT_EQ(age_of("flight"), 0s) << "1970";
+    write("first", 1'577'836'800s);
+    write("before", 1'577'836'799s);
+    RecordingAges others;
+    others.look(all, now, steady);
+    EXPECT_EQ(all[1].age, now - 1'577'836'800s);
+    EXPECT_EQ(all[2].age, 0s);
+}
+
+TEST_F(AgesOfRecordings, stay_as_they_are_when_the_clock_is_set) {
+    real = 100s;    // 1970
+    write("before", now - 1h);
+    EXPECT_EQ(age_of("before"), 0s);
+    pass(10s);
+    write("flight");
+    EXPECT_EQ(age_of("flight"), 0s);
+    pass(10s);
+    write("landing");
+    real = now;
+    pass(10s);
+    EXPECT_EQ(age_of("flight"), 20s);
+    EXPECT_EQ(age_of("landing"), 0s) << "it has no time that tells";
+    pass(10s);
+    write("next");
+    real += std::chrono::hours{24 * 365 * 80};    // 2106
+    pass(5s);
+    EXPECT_EQ(age_of("next"), 15s) << "since the look before";
+    real = now - 1h;
+    pass(5s);
+    EXPECT_EQ(age_of("flight"), 40s);
+    EXPECT_EQ(age_of("before"), 50s);
+}
+
+TEST_F(AgesOfRecordings, of_one_that_was_gone_meanwhile_begin_anew) {
+    write("flight", now - 5h);
+    ASSERT_EQ(age_of("flight"), 5h);
+    const std::vector<KeptRecording> there = std::exchange(all, {});
+    pass(10s);
+    EXPECT_EQ(age_of("flight"), -1s);
+    all = there;
+    pass(10s);
+    EXPECT_EQ(age_of("flight"), 10s) << "since the look before";
 }
 
 }    // namespace

@@ -1,0 +1,33 @@
+// The frames of the last while, in memory.
+#include <daemon/kept_frames.hpp>
+#include <support/running_gateway.hpp>
+#include <support/udp_peer.hpp>
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace {
+
+using namespace anogate;
+using namespace std::chrono_literals;
+
+TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
+    const std::string long_name(60, 'x');
+    std::vector<std::string> links{"udp-listen:127.0.0.1:0,name=ground"};
+    for (int i = 0; i < 20; ++i) links.push_back("udp:127.0.0.1:9,bind=127.0.0.1:0,name=" + long_name + std::to_string(i));
+    support::RunningGateway gateway{support::settings_of_texts(links)};
+    ASSERT_TRUE(gateway.until_up("ground"));
+    FrameWatch watch{gateway.gateway()};
+    FrameMemory memory{gateway.gateway(), watch, {}, 60s};
+    constexpr std::uint64_t strangers = 50;
+    for (std::uint64_t i = 1; i <= strangers; ++i) {
+        support::UdpPeer stranger;
+        stranger.send(gateway.port("ground"), support::frame(0xDC, 0x01, 0x03, {1, 2, 3, 4, 5, 6, 0}));
+        ASSERT_TRUE(gateway.until([&] { return gateway.count("ground", "frames_in") == i; }));
+    }
+    ASSERT_TRUE(gateway.until([&] { return memory.figures().frames >= strangers; }));
+    EXPECT_GT(memory.figures().bytes, strangers * 20 * (sizeof(std::string) + long_name.size()));
+}
+
+}    // namespace
