@@ -59,6 +59,15 @@ TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they
     EXPECT_EQ(line.frames, (Frames{first, second}));
 }
 
+// The candidate begins one byte before the two, and would end one byte behind them: its LEN is the id of the first.
+TEST(FrameParser, lets_two_frames_pass_that_fill_the_candidate_but_for_one_byte_at_each_end) {
+    const Bytes first = support::frame(0xDC, 0xFE, 23), second = numbered(1);
+    HeardLine line;
+    line.put(Bytes{ano::head} + first + second);
+    EXPECT_EQ(line.frames, (Frames{first, second}));
+    EXPECT_EQ(line.counters().expired, 1u);
+}
+
 TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
     HeardLine line;
     line.put(header(1000, stranger) + numbered(1) + Bytes(1) + numbered(2) + Bytes(1));
