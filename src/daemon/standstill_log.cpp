@@ -18,7 +18,7 @@ constexpr int at_once = 5;
 void StandstillLog::stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
     if (!turn.is_told) return;
     if (now < next_) return void(++unsaid_);
-    next_ = std::max(next_, now - at_once * spacing) + spacing;
+    next_ = std::max(next_, now - (at_once - 1) * spacing) + spacing;
     const double seconds = std::chrono::duration<double>(turn.stood).count();
     const char* why = turn.suspended > ano::Duration::zero() ? "the machine slept" : "stopped, or the machine was too busy";
     const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";

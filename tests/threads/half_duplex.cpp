@@ -89,4 +89,21 @@ TEST_F(Transceiver, listens_when_it_is_closed_at_any_moment_and_can_be_opened_ag
     EXPECT_EQ(turns.size(), 300u) << "each of three rounds in four turned it once";
 }
 
+TEST_F(Transceiver, that_was_closed_while_bytes_were_on_their_way_begins_anew) {
+    for (int round = 0; round < 50; ++round) {
+        open();
+        write();
+        line.close();
+        const std::size_t before = turns.size();
+        open();
+        loop.io.restart();
+        loop.io.run_for(2ms);
+        EXPECT_EQ(turns.size(), before) << "nothing was written since";
+        write();
+        ASSERT_TRUE(loop.until([&] { return !line.is_sending(); })) << "and this is waited for";
+        line.close();
+    }
+    expect_turns_in_order();
+}
+
 }    // namespace

@@ -1,6 +1,8 @@
 #include <ano/control.hpp>
 #include <ano/messages.hpp>
 
+#include <support/bytes.hpp>
+
 #include <gtest/gtest.h>
 
 #include <set>
@@ -18,6 +20,15 @@ TEST(Control, is_every_message_that_is_acknowledged) {
         if (row.acknowledged == ano::Acknowledged::no) continue;
         EXPECT_NE(row.controls, ano::Controls::no) << row.name;
     }
+}
+
+TEST(Control, is_what_may_be_a_question_and_says_nothing) {
+    const auto is_control = [](const support::Bytes& data) {
+        return ano::is_control(ano::FrameView{support::frame(0xFE, 0xDC, 0xE0, data)});
+    };
+    EXPECT_TRUE(is_control({}));
+    EXPECT_FALSE(is_control({0, 0, 0})) << "the question for the device info";
+    EXPECT_TRUE(is_control({0x77, 0, 0})) << "not listed";
 }
 
 TEST(Id, of_a_name_is_known_when_the_program_is_compiled) {

@@ -259,6 +259,8 @@ TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
                                           "   |__________|/    [x] -z",
                                       }));
     EXPECT_EQ(calibration_step(job), "2 of 6 faces: +x, -z");
+    const Json enough{{"step", {{"face", "+y"}, {"still", 0.4}, {"faces", {{"+y", 1}}}, {"done", {"+y"}}}}};
+    EXPECT_EQ(calibration_lines(enough)[2], "   /__________/ |   [x] +y, enough: turn it on");
     const Json unknown{{"step", {{"face", nullptr}, {"still", 0}, {"done", Json::array()}}}};
     EXPECT_NE(calibration_lines(unknown)[1].find("/    ?     /|"), std::string::npos);
     EXPECT_TRUE(calibration_lines(Json{{"message", "reading"}}).empty());

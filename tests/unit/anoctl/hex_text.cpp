@@ -18,7 +18,11 @@ TEST(HexText, is_bytes_as_people_write_them) {
     EXPECT_EQ(from_hex_text(""), Bytes{});
     EXPECT_EQ(from_hex_text("00 0x00 000x0"), std::nullopt);
     EXPECT_EQ(from_hex_text("00 0x00 00"), (Bytes{0, 0, 0}));
-    for (const char* wrong : {"A", "A B", "0x", "0x ", "0xABC", "xAB", "AB0xFE", "0x0xAB", "1x2", "zz", "AB;", "AB-FE"})
+    for (const char* wrong : {"A", "A B", "0x", "0x ", "0xABC", "xAB", "AB0xFE", "0x0xAB", "1x2", "zz", "AB;", "AB-FE",
+                              "\xEF"
+                              "12",
+                              "\xEF\xBB"
+                              "12"})
         EXPECT_EQ(from_hex_text(wrong), std::nullopt) << wrong;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <spdlog/sinks/base_sink.h>
 
+#include <csignal>
 #include <semaphore>
 
 namespace anogate {
@@ -19,6 +20,10 @@ public:
         const std::lock_guard lock{mutex_};
         return lines_;
     }
+    int flushes() {
+        const std::lock_guard lock{mutex_};
+        return flushes_;
+    }
 
 private:
     void sink_it_(const spdlog::details::log_msg& message) override {
@@ -26,8 +31,9 @@ private:
         may_.acquire();
         lines_.emplace_back(message.payload.data(), message.payload.size());
     }
-    void flush_() override {}
+    void flush_() override { ++flushes_; }
 
+    int flushes_ = 0;
     std::counting_semaphore<> came_{0}, may_{0};
     std::vector<std::string> lines_;
 };
@@ -47,6 +53,18 @@ TEST(LogWriter, has_written_all_in_its_order_when_it_is_finished) {
     EXPECT_TRUE(log.writer->finish());
     EXPECT_EQ(log.gate->lines(), said);
     EXPECT_TRUE(log.writer->finish()) << "again";
+    EXPECT_GT(log.gate->flushes(), 0) << "and nothing waits in a buffer";
+}
+
+TEST(LogWriter, leaves_signals_to_the_thread_of_the_loop) {
+    sigset_t blocked;
+    sigemptyset(&blocked);
+    LogWriter writer{[&] {
+        ::pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+        return std::make_shared<spdlog::logger>("behind");
+    }};
+    EXPECT_TRUE(writer.finish());
+    for (const int signal : {SIGTERM, SIGHUP, SIGUSR1, SIGTTOU}) EXPECT_EQ(sigismember(&blocked, signal), 1) << signal;
 }
 
 TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
@@ -76,7 +94,9 @@ TEST(LogWriter, has_no_patience_without_end) {
     EXPECT_FALSE(log.writer->finish());
     EXPECT_GE(std::chrono::steady_clock::now() - begin, LogWriter::patience);
     log.front.info("nor this");
+    const auto again = std::chrono::steady_clock::now();
     EXPECT_FALSE(log.writer->finish());
+    EXPECT_LT(std::chrono::steady_clock::now() - again, LogWriter::patience) << "it waits once";
     log.gate->open(2);    // and the thread ends
 }
 

@@ -20,6 +20,15 @@ TEST(Ticker, calls_again_and_again_until_it_is_stopped) {
     EXPECT_EQ(calls, 3);
 }
 
+TEST(Ticker, one_that_is_stopped_by_its_call_waits_for_no_other) {
+    asio::io_context io;
+    Ticker ticker{io, [&] { ticker.stop(); }};
+    ticker.start(100ms);
+    io.run_one();
+    io.poll();
+    EXPECT_TRUE(io.stopped());
+}
+
 // The loop handles the due call and the end in one round, the end first.
 TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
     asio::io_context io;

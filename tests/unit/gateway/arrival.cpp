@@ -171,6 +171,15 @@ TEST_F(Stamped, is_no_younger_for_a_standstill_right_behind_the_read) {
 
 using Unstamped = ArrivalTest;
 
+TEST_F(Unstamped, is_as_old_as_the_time_that_nobody_has_read_in_though_the_loop_ran) {
+    idle(1s);
+    const ClockReading stopped = clocks;
+    pass(40ms);
+    wire.unread_since(stopped);
+    EXPECT_EQ(age(), 40ms);
+    EXPECT_TRUE(wire.is_behind());
+}
+
 TEST_F(Unstamped, is_no_younger_for_a_standstill_right_behind_the_read) {
     idle(1s);
     turn();
@@ -262,6 +271,10 @@ TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
     beat();
     EXPECT_EQ(loop.standstills(), 2u);
     EXPECT_EQ(loop.longest(), 9s - period);
+    pass(3s);
+    beat();
+    EXPECT_EQ(loop.standstills(), 3u);
+    EXPECT_EQ(loop.longest(), 9s - period) << "the last one was shorter";
 }
 
 // Between slow beats, a standstill is noticed by the age of what waited to be read.
@@ -295,6 +308,16 @@ TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
     EXPECT_EQ(loop.waited(arrived), 0s) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
     EXPECT_EQ(loop.longest(), LoopWatch::told + 1ms);
+}
+
+TEST_F(Watch, remembers_what_is_told_through_a_turn_that_took_just_as_long_as_is_not) {
+    loop.beat(10s);
+    const Duration came = stamp();
+    pass(2s);
+    turn();
+    pass(LoopWatch::told);
+    turn();
+    EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 2s);
 }
 
 // A loop that can't keep up is not standing still.

@@ -214,6 +214,16 @@ TEST(CanCutter, the_rest_of_a_frame_keeps_its_id) {
     EXPECT_EQ(cutter.cut({waiting + 1, 1})[0].id, 0x0AB10102u);
 }
 
+TEST(CanCutter, a_frame_that_is_given_up_leaves_its_id_to_no_other) {
+    CanCutter cutter{classic()};
+    const Bytes a = support::frame(0xFE, 0xDC, 0xC0, data_of(11)), b = support::frame(1, 2, 3);
+    const std::span<const std::uint8_t> first[] = {a}, second[] = {b};
+    cutter.cut(first);
+    cutter.taken(1);
+    cutter.reset();
+    EXPECT_EQ(cutter.cut(second)[0].id, 0x601u);
+}
+
 TEST(CanStreams, padding_is_skipped_uncounted_even_behind_checks_that_are_zero) {
     CanCutter cutter{with_fd()};
     Receiver receiver{with_fd()};

@@ -54,6 +54,16 @@ TEST_F(ClaimsTest, one_at_a_time_and_not_too_often) {
     EXPECT_TRUE(claims.begin(7, channel(3), start + 100ms));
 }
 
+TEST_F(ClaimsTest, of_several_tests_the_one_that_is_due_first_counts) {
+    claims.begin(7, channel(3), start);
+    claims.begin(8, channel(4), start + 5ms);
+    EXPECT_EQ(claims.next(), start);
+    EXPECT_EQ(due(start), "a");
+    EXPECT_EQ(claims.next(), start + 5ms);
+    EXPECT_EQ(due(start + 5ms), "a");
+    EXPECT_EQ(claims.next(), start + 10ms) << "of the other, whose address comes later, at 15 ms";
+}
+
 // The answer may wait in a socket that was not read.
 TEST_F(ClaimsTest, who_did_not_listen_asks_again) {
     claims.begin(7, channel(3), start);

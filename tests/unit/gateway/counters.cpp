@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <iterator>
 #include <set>
 #include <string_view>
@@ -45,6 +47,20 @@ TEST(Counters, add_adds_each) {
     n = 1;
     for (const auto& row : send_counters) EXPECT_EQ(a.*row.value, 1001 * n++) << row.name;
     EXPECT_EQ(a.offered, 15u);
+}
+
+TEST(Counters, what_a_parser_counted_is_added) {
+    ano::ParserCounters parser;
+    parser.frames_in = 1;
+    parser.bytes_in = 2;
+    parser.bad_check = 3;
+    parser.bad_length = 4;
+    parser.skipped_bytes = 5;
+    parser.expired = 6;
+    ReceiveCounters c;
+    for (int n = 0; n < 2; ++n) add(c, parser);
+    EXPECT_EQ((std::array{c.frames_in, c.bytes_in, c.bad_check, c.bad_length, c.skipped_bytes, c.expired}),
+              (std::array<std::uint64_t, 6>{2, 4, 6, 8, 10, 12}));
 }
 
 // Each counter that accounts for an offered frame, by its row: all except those that count something else about sent frames.

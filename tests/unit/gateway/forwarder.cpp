@@ -455,6 +455,10 @@ TEST_F(Forwarding, speaks_first_where_nothing_is_heard) {
     forwarder.link_down(second.link);
     forwarder.say_hellos(now + 10s);
     EXPECT_FALSE(forwarder.hello_due());
+    forwarder.link_up(first.link, now + 10s);
+    EXPECT_TRUE(forwarder.hello_due()) << "up again";
+    forwarder.stop_asking();
+    EXPECT_FALSE(forwarder.hello_due()) << "at the end";
 }
 
 TEST_F(Forwarding, what_the_gateway_says_teaches_no_address_and_is_ruled) {

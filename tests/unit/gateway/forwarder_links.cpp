@@ -95,6 +95,53 @@ TEST_F(Removed, the_next_may_say_what_the_one_before_said_and_was_told) {
     EXPECT_EQ(third.sent().offered, 3u);
 }
 
+TEST_F(Removed, what_it_said_is_known_of_nobody) {
+    Channel& device = add();
+    Channel& ground = add();
+    add();
+    receive(device, telemetry);
+    remove(device);
+    EXPECT_EQ(told(ground, telemetry), (Lines{"received 1", "offered 2"}));
+}
+
+TEST_F(Removed, the_next_of_its_number_and_group_brings_copies_of_what_it_brought) {
+    const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
+    add();
+    Channel& radio = add_with(grouped);
+    add_with(grouped);
+    receive(radio, telemetry);
+    const LinkId gone = remove(radio);
+    Channel& next = add_with(grouped);
+    ASSERT_EQ(next.link, gone);
+    EXPECT_EQ(told(next, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
+}
+
+TEST_F(Removed, its_port_is_an_address_like_any_to_those_who_share_the_address_of_hosts) {
+    const auto presented = [](std::uint8_t port) {
+        return [=](ForwarderLink& link) {
+            link.route.group = 1;
+            link.route.port_id = port;
+            link.present_as = host;
+        };
+    };
+    constexpr std::uint8_t user = 0x55;
+    const Bytes answer{5, 0, 1};
+    Channel& ground = add();
+    Channel& radio = add_with(presented(1));
+    Channel& wifi = add_with(presented(2));
+    const auto answered = [&](std::uint8_t asked) {
+        receive(ground, frame(user, asked, 0xE0, {2, 5, 0}));
+        taken(ground);
+        receive(wifi, frame(fc, host, 0xE1, answer));
+        return taken(ground);
+    };
+    EXPECT_EQ(answered(1), Frames{frame(fc, user, 0xE1, answer)}) << "a device behind the port";
+    remove(radio);
+    now += 10s;
+    EXPECT_EQ(answered(1), Frames{frame(fc, host, 0xE1, answer)}) << "the other port is another";
+    EXPECT_EQ(answered(2), Frames{frame(fc, user, 0xE1, answer)});
+}
+
 TEST_F(Removed, a_group_leaves_no_copies_and_no_links) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     Channel& ground = add();
@@ -171,6 +218,30 @@ TEST_F(Removed, a_link_leaves_no_conflict_to_the_next) {
     EXPECT_EQ(add_with(cable).link, gone);
     receive(two, telemetry);
     EXPECT_FALSE(forwarder.take_conflict()) << "the next has not said anything";
+}
+
+TEST_F(Removed, a_link_is_nobodys_claimant) {
+    Channel& one = add();
+    Channel& two = add();
+    receive(one, frame(fc, all, 0x03, {1}));
+    receive(two, frame(fc, all, 0x03, {2}));
+    receive(one, frame(fc, all, 0x03, {3}));
+    const auto conflicts = forwarder.router().conflicts(now);
+    ASSERT_EQ(conflicts.size(), 1u);
+    ASSERT_NE(forwarder.claimant(conflicts[0]), nullptr);
+    EXPECT_EQ(forwarder.claimant(conflicts[0])->link, two.link);
+    remove(two);
+    EXPECT_EQ(forwarder.claimant(conflicts[0]), nullptr);
+}
+
+TEST_F(Removed, what_a_channel_received_stays_counted) {
+    Channel& device = add();
+    Channel& ground = add();
+    receive(device, telemetry);
+    ASSERT_EQ(told(ground, telemetry).back(), "dropped 1 looped");
+    const LinkId link = ground.link;
+    forwarder.close_channel(ground);
+    EXPECT_EQ(forwarder.traffic(link).gone_received.looped, 1u);
 }
 
 TEST_F(Removed, what_waits_for_a_verdict_is_counted_looped_and_gone) {

@@ -75,6 +75,13 @@ TEST_F(Guarded, a_channel_that_takes_over_a_number_starts_fresh) {
     EXPECT_EQ(fate(device(1), 3, start + 1s), Fate::ends);
 }
 
+TEST_F(Guarded, a_channel_that_takes_over_a_number_has_lost_nothing) {
+    auto now = start;
+    while (pass(device(1), 0, channel(3), now) == Fate::passes) now += 500ms;
+    guard.open(channel(0), link(0), 0, true, now);
+    EXPECT_EQ(guard.take_lost(channel(0), now + 10s), 0u);
+}
+
 TEST_F(Guarded, a_sender_with_a_new_port_goes_on_saying_the_same) {
     guard.remember(device(1), channel(0), channel(1), start + 1s);
     guard.open(channel(20), link(0), 0, true, start + 2s);
@@ -99,6 +106,7 @@ TEST_F(Guarded, what_was_said_in_a_devices_name_takes_no_more_of_it_than_that) {
     EXPECT_EQ(at(0, start + 20ms, Speaks::at_home), Fate::ends);
     for (int n = 3; n < 100; ++n) EXPECT_EQ(at(0, start + n * 10ms, Speaks::at_home), Fate::passes);
     EXPECT_EQ(at(1, start + 1s, Speaks::elsewhere), Fate::ends) << "the first to say it is the device again";
+    EXPECT_EQ(at(2, start + 1s, Speaks::at_home), Fate::ends) << "a copy, if it is at home there as well";
     guard.open(channel(20), link(1), 0, true, start + 1s);
     EXPECT_EQ(at(20, start + 1001ms, Speaks::elsewhere), Fate::passes);
     EXPECT_EQ(at(0, start + 1002ms, Speaks::at_home), Fate::passes);
@@ -168,6 +176,12 @@ TEST_F(Guarded, where_no_probe_may_go_an_end_that_keeps_what_it_gets_is_no_ring)
     pass(host(1), 0, channels({8}), start);    // and it never came back
     pass(host(2), 0, channels({8}), start + 5s);
     for (int i = 0; i < 10; ++i) EXPECT_EQ(pass(host(2), 8, channels({0}), start + 5s + i * 100ms), Fate::passes);
+}
+
+TEST_F(Guarded, where_no_probe_may_go_one_that_comes_back_often_counts_once) {
+    for (const unsigned key : {1u, 2u, 3u, 4u}) pass(host(key), 0, channels({8}), start);
+    for (int n = 0; n < 3; ++n) fate(host(1), 8, start + 10ms);
+    EXPECT_TRUE(guard.rings().is_clear(channel(8), start + 3s)) << "one of four came back";
 }
 
 TEST_F(Guarded, where_no_probe_may_go_what_a_device_said_tells_of_a_ring) {
@@ -293,24 +307,72 @@ TEST_F(Guarded, a_ring_that_began_elsewhere_ends_and_its_last_is_counted) {
     EXPECT_EQ(guard.take_lost(channel(0), now + 2s), 0u);
 }
 
-TEST_F(Guarded, a_command_that_comes_round_as_soon_as_ever_after_three_late_starts_ends) {
+// A command that goes round by channel 0, `way(late)` long after it was sent late so often; how often it was until it ends.
+class RoundTrips : public Guarded {
+protected:
+    template <class Way>
+    int late_starts(Way way, int turns = 200) {
+        Said lock = host(1);
+        lock.command = true;
+        int late = 0;
+        auto now = start;
+        for (int turn = 0; turn < turns; ++turn, now += way(late)) {
+            const auto judgement = guard.judge(lock, channel(0), now);
+            if (judgement.fate == Fate::ends) break;
+            Said waited = lock;
+            if (judgement.fate == Fate::waits) {
+                now += judgement.wait;
+                waited.waited = true;
+                EXPECT_EQ(fate(waited, 0, now), Fate::passes);
+                ++late;
+            }
+            guard.remember(waited, channel(0), channel(3), now);
+        }
+        return late;
+    }
+};
+
+TEST_F(RoundTrips, as_soon_as_ever_after_three_late_starts_end) {
+    EXPECT_EQ(late_starts([](int) { return 200ms; }), LoopGuard::enough);
+}
+
+TEST_F(RoundTrips, that_once_took_another_time_are_counted_anew) {
+    EXPECT_EQ(late_starts([](int late) { return late < 2 ? 200ms : 500ms; }), 2 + LoopGuard::enough);
+}
+
+TEST_F(RoundTrips, that_twice_took_another_time_are_a_senders) {
+    EXPECT_EQ(late_starts([](int late) { return late == 1 ? 500ms : 200ms; }, 100), 2);
+}
+
+TEST_F(Guarded, a_sender_that_says_it_again_meanwhile_need_not_wait_any_more) {
     Said lock = host(1);
     lock.command = true;
-    int late = 0;
     auto now = start;
-    for (int turn = 0; turn < 200; ++turn, now += 200ms) {    // the way round
-        const auto judgement = guard.judge(lock, channel(0), now);
-        if (judgement.fate == Fate::ends) break;
-        Said waited = lock;
-        if (judgement.fate == Fate::waits) {
-            now += judgement.wait;
-            waited.waited = true;
-            ASSERT_EQ(fate(waited, 0, now), Fate::passes);
-            ++late;
-        }
-        guard.remember(waited, channel(0), channel(3), now);
+    for (; fate(lock, 0, now) != Fate::waits; now += 200ms) guard.remember(lock, channel(0), channel(3), now);
+    Said hurried = lock;
+    hurried.waited = hurried.hurried = true;
+    now += 200ms;
+    ASSERT_EQ(pass(hurried, 0, channel(3), now), Fate::passes);
+    EXPECT_EQ(pass(lock, 0, channel(3), now), Fate::passes) << "the one that came meanwhile";
+    EXPECT_EQ(pass(lock, 0, channel(3), now + 200ms), Fate::passes);
+}
+
+// Its sender says it now sooner, now later.
+TEST_F(Guarded, a_command_that_waited_is_one_repeat) {
+    Said lock = host(1), hurried = lock;
+    lock.command = hurried.command = true;
+    hurried.waited = hurried.hurried = true;
+    auto now = start;
+    std::uint32_t said = 0, waited = 0;
+    for (; said < 2 * LoopGuard::repeats; ++said, now += said % 2 ? 10ms : 300ms) {
+        const Fate fate = pass(lock, 0, channel(3), now);
+        if (fate == Fate::withheld) break;
+        if (fate != Fate::waits) continue;
+        ++waited;
+        EXPECT_EQ(pass(hurried, 0, channel(3), now), Fate::passes);
     }
-    EXPECT_EQ(late, LoopGuard::enough);
+    EXPECT_GT(waited, 0u);
+    EXPECT_EQ(said, LoopGuard::repeats) << "behind the first";
 }
 
 TEST_F(Guarded, a_thousand_in_a_second_are_a_ring_whatever_the_probe_said) {

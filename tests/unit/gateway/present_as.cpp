@@ -183,6 +183,15 @@ TEST_F(Presented, memory_is_bounded_and_the_oldest_goes) {
     EXPECT_EQ(asker(0xE1, {1, 0, 1}), ros);
 }
 
+TEST_F(Presented, where_the_memory_is_full_answers_keep_the_order_of_the_questions) {
+    out(frame(ros, fc, 0xE0, {3, 0, 0}));
+    out(frame(user, fc, 0xE0, {2, 5, 0}));
+    for (int n = 0; n < 254; ++n) out(frame(user, fc, 0xE0, {3, 0, 0}));
+    out(frame(ros, fc, 0xE0, {2, 5, 0}));    // in the place of the first
+    EXPECT_EQ(asker(0xE1, {5, 0, 1}), user);
+    EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
+}
+
 TEST_F(Presented, streams_leave_the_memory_alone) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     for (int n = 0; n < 2000; ++n)
@@ -195,7 +204,9 @@ TEST_F(Presented, a_firmware_update_is_told_of_every_step) {
     EXPECT_EQ(asker(0xF0, {0, 0x02, 0x01}), user);
     now += 30s;
     EXPECT_EQ(asker(0xF0, {0, 0x12, 0x01}), user) << "erased";
-    now += PresentAs::session;
+    now += PresentAs::session - 30s - 1ms;
+    EXPECT_EQ(asker(0xF0, {0, 0x12, 0x01}), user);
+    now += 1ms;
     EXPECT_EQ(asker(0xF0, {0, 0x12, 0x01}), host);
 }
 

@@ -49,6 +49,8 @@ TEST(RingWatch, its_answer_names_the_links) {
         EXPECT_EQ(rings.ring(channel, start + 1s)->out, LinkId{11});
         EXPECT_EQ(rings.ring(channel, start + 1s)->back, LinkId{12});
         EXPECT_FALSE(rings.ring(channel, start + 61s));
+        EXPECT_FALSE(rings.is_ring(channel, start + 61s));
+        EXPECT_FALSE(rings.rings().contains(channel)) << "nor counted among them when that was found";
     }
 }
 
@@ -64,6 +66,21 @@ TEST(RingWatch, an_old_answer_and_a_made_up_one_tell_nothing) {
         rings.take(ano::FrameView{support::frame(0xFE, 0xFF, 0xFB, data)}, b, start + 1s);
     }
     EXPECT_FALSE(rings.ring(a, start + 8s) || rings.ring(b, start + 8s));
+}
+
+TEST(RingWatch, an_answer_counts_though_the_next_question_is_out) {
+    RingWatch rings = watch(1);
+    const auto slow = bytes_of(rings.ask(a, start));
+    rings.ask(a, start + 1s);
+    EXPECT_EQ(rings.take(ano::FrameView{slow}, b, start + 1500ms), Probe::ours);
+    EXPECT_TRUE(rings.ring(a, start + 1500ms));
+}
+
+TEST(RingWatch, a_channel_may_no_longer_be_asked_when_it_is_opened_as_a_cable) {
+    RingWatch rings = watch(1);
+    rings.open(a, LinkId{11}, false);
+    EXPECT_FALSE(rings.is_probed(a));
+    EXPECT_FALSE(rings.is_due(a, start));
 }
 
 TEST(RingWatch, another_gateways_question_goes_on_once) {
@@ -111,6 +128,30 @@ TEST(RingWatch, a_cable_is_judged_by_what_comes_back) {
     rings.brought_back_ones_own(cable, start + 14s);
     EXPECT_TRUE(rings.ring(cable, start + 14s));
     EXPECT_FALSE(rings.is_clear(cable, start + 14s));
+}
+
+TEST(RingWatch, a_cable_that_brings_back_half_of_what_hosts_say_is_clear_for_a_minute) {
+    RingWatch rings = watch(1);
+    for (int i = 0; i < 4; ++i) rings.spread(cable, start);
+    for (int i = 0; i < 2; ++i) rings.brought_back(cable, true, start, start);
+    EXPECT_TRUE(rings.is_clear(cable, start + 3s));
+    EXPECT_TRUE(rings.is_clear(cable, start + 3s + RingWatch::holds - 1ms));
+    EXPECT_FALSE(rings.is_clear(cable, start + 3s + RingWatch::holds));
+}
+
+TEST(RingWatch, what_came_back_by_a_cable_counts_for_what_was_spread_at_that_time) {
+    RingWatch rings = watch(1);
+    for (int i = 0; i < 4; ++i) rings.spread(cable, start);
+    for (int i = 0; i < 4; ++i) rings.brought_back(cable, true, start, start);
+    for (int i = 0; i < 4; ++i) rings.spread(cable, start + 10s);
+    EXPECT_FALSE(rings.is_clear(cable, start + 10s));
+    EXPECT_TRUE(rings.is_clear(cable, start + 13s)) << "nothing of the last four came back";
+}
+
+TEST(RingWatch, what_devices_say_counts_once) {
+    RingWatch rings = watch(1);
+    for (std::uint32_t i = 0; i < RingWatch::telling / 2; ++i) rings.told(cable, start);
+    for (int i = 1; i <= 10; ++i) EXPECT_FALSE(rings.is_clear(cable, start + i * 3s)) << i;
 }
 
 TEST(RingWatch, a_cable_that_brings_back_nothing_of_what_devices_say_is_clear) {

@@ -45,6 +45,7 @@ TEST(Nearest, knows_a_number_in_hex_without_its_0x) {
 TEST(Nearest, suggests_nothing_for_what_is_far) {
     EXPECT_EQ(nearest("encryption", keys), "");
     EXPECT_EQ(nearest("xx", keys), "");
+    EXPECT_EQ(nearest("bax", keys), "") << "one slip in so few letters, no two";
     constexpr std::string_view short_ones[] = {"rts", "dtr", "stop_bits"};
     EXPECT_EQ(nearest("bits", short_ones), "stop_bits") << "two of three letters are another word";
     EXPECT_EQ(nearest("", keys), "");

@@ -62,6 +62,7 @@ TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
     EXPECT_EQ(text("\xBD\xE2\xCB\xF8 ok"), "解锁 ok");
     EXPECT_EQ(text("a\xC0"), "a" + r);          // neither
     EXPECT_EQ(text("说\xE6\x98"), "说" + r);    // cut within a character
+    EXPECT_EQ(text("说\xE6"), "说" + r);        // as is this, which could be GBK
     EXPECT_EQ(text("\xFF\xFE"), r + r);
     EXPECT_EQ(from_utf8("解锁", Encoding::automatic), "解锁");
 }
@@ -94,6 +95,7 @@ TEST(Quotes, keep_a_terminal_from_obeying) {
     EXPECT_EQ(in_quotes("it's"), R"('it\'s')");
     EXPECT_EQ(in_quotes(std::string(200, 'a')), "'" + std::string(200, 'a') + "'");
     EXPECT_EQ(in_quotes(std::string(199, 'a') + "\xC3\xA9" + "bc"), "'" + std::string(199, 'a') + "\xC3\xA9" + "...'");
+    EXPECT_EQ(in_quotes("a\xC2\xA0z"), "'a\xC2\xA0z'") << "the first behind the control characters";
     EXPECT_EQ(in_quotes("\x1B[2J\n\x7F\xC2\x9B\xFF", '"'), "\"\\u001b[2J\\u000a\\u007f\\u009b\xEF\xBF\xBD\"");
 }
 

@@ -21,12 +21,27 @@ using namespace support;
 
 class Connection final : public StreamSession {
 public:
+    using StreamSession::pacing;
     using StreamSession::StreamSession;
     std::string log;    // "o": opened, "e": its input ended, "f": it failed
     int error = 0;
     std::size_t most = SIZE_MAX;    // bytes that a write takes
+    std::size_t held = 0;           // by the driver
+    int interrupted = 0;            // so many reads, by signals
+    bool ends_with_a_read = false;
 
 private:
+    ssize_t read_some(std::span<std::uint8_t> room) override {
+        if (interrupted > 0) {
+            --interrupted;
+            errno = EINTR;
+            return -1;
+        }
+        const ssize_t n = ::read(fd(), room.data(), room.size());
+        if (n > 0 && ends_with_a_read) close();
+        return n;
+    }
+    std::size_t held_by_driver() const override { return held; }
     Opening go_on_opening() override {
         pollfd there{fd(), POLLOUT, 0};
         if (::poll(&there, 1, 0) == 0) return Opening::wants_to_write;
@@ -57,9 +72,10 @@ private:
 class ManyConnections final : public Link {
 public:
     ManyConnections(const LinkContext& context) : Link{LinkId{0}, {}}, context_{context} {}
-    Connection& open(UniqueFd fd, const std::string& peer) {
+    Connection& open(UniqueFd fd, const std::string& peer, StoredLink* before = nullptr) {
         Channel* const channel = context_.host.open_channel(*this, peer);
         sessions.push_back(std::make_unique<Connection>(context_));
+        if (before) sessions.back()->go_on_from(std::move(*before));
         sessions.back()->open(std::move(fd), *channel);
         context_.host.link_up(*this);
         return *sessions.back();
@@ -168,6 +184,116 @@ TEST_F(Sessions, nothing_is_read_once_the_link_reads_no_more) {
     host.io.restart();
     host.io.run_for(std::chrono::milliseconds{50});
     EXPECT_TRUE(host.heard("one").empty());
+}
+
+// One that is open, by a pair of sockets.
+struct Session : Sessions {
+    Session() {
+        int ends[2] = {-1, -1};
+        EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends), 0);
+        ours = UniqueFd{ends[0]};
+        other = UniqueFd{ends[1]};
+    }
+    Connection& open(StoredLink* before = nullptr) { return link.open(std::move(ours), "one", before); }
+    Channel& channel() { return *host.channels()[0]; }
+    void send(const Bytes& bytes) {
+        ASSERT_EQ(::write(other.get(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    }
+    bool until_read(const Bytes& bytes) {
+        return host.until([&] { return channel().parser.counters().bytes_in == bytes.size(); });
+    }
+    /// Nothing is expected to happen meanwhile.
+    void wait() {
+        host.io.restart();
+        host.io.run_for(std::chrono::milliseconds{150});
+    }
+    UniqueFd ours, other;
+    const Bytes frame = vendor::i_am_an_mcu;
+    // Once the line is quiet for 50 ms, the frame is known.
+    const Bytes behind_a_false_header = Bytes{ano::head, 1, 2, 3, 0xE8, 3} + frame;
+};
+
+TEST_F(Session, has_an_outbox_that_is_congested_while_the_wire_takes_nothing) {
+    Connection& one = open();
+    one.most = 0;
+    channel().outbox.push(ano::FrameView{frame});
+    one.write();
+    EXPECT_TRUE(channel().outbox.congested());
+    one.most = SIZE_MAX;
+    EXPECT_TRUE(until_hears(other, frame));
+}
+
+TEST_F(Session, that_is_paced_gives_the_line_what_it_carries) {
+    Connection& one = open();
+    one.pacing().start(1000, std::chrono::milliseconds{1});
+    for (int i = 0; i < 2; ++i) channel().outbox.push(ano::FrameView{frame});
+    one.write();
+    EXPECT_EQ(channel().outbox.waiting(), 1u);
+}
+
+TEST_F(Session, that_is_paced_waits_for_what_the_driver_holds) {
+    Connection& one = open();
+    one.pacing().start(100'000, std::chrono::milliseconds{20});
+    one.held = 10'000;
+    for (int i = 0; i < 2; ++i) channel().outbox.push(ano::FrameView{frame});
+    one.write();
+    EXPECT_EQ(channel().outbox.waiting(), 1u);
+}
+
+TEST_F(Session, that_is_closed_does_nothing_more) {
+    Connection& one = open();
+    one.pacing().start(1000, std::chrono::milliseconds{20});
+    send(behind_a_false_header);
+    ASSERT_TRUE(until_read(behind_a_false_header));
+    one.close();
+    EXPECT_FALSE(one.pacing().is_on());
+    wait();
+    EXPECT_EQ(host.heard("one"), Bytes{});
+}
+
+TEST_F(Session, that_is_closed_by_what_it_read_does_nothing_more) {
+    Connection& one = open();
+    one.ends_with_a_read = true;
+    send(behind_a_false_header);
+    ASSERT_TRUE(until_read(behind_a_false_header));
+    wait();
+    EXPECT_EQ(host.heard("one"), Bytes{});
+    EXPECT_EQ(one.log, "o");
+}
+
+TEST_F(Session, ends_with_the_frames_that_stood_behind_a_false_header) {
+    Connection& one = open();
+    send(behind_a_false_header);
+    other = UniqueFd{};
+    ASSERT_TRUE(host.until([&] { return one.log == "oe"; }));
+    EXPECT_EQ(host.heard("one"), frame);
+}
+
+TEST_F(Session, goes_on_when_a_signal_interrupted_a_read) {
+    Connection& one = open();
+    one.interrupted = 1;
+    send(frame);
+    EXPECT_TRUE(host.until([&] { return host.heard("one") == frame; }));
+    EXPECT_EQ(one.log, "o");
+}
+
+TEST_F(Session, goes_on_where_another_program_stopped) {
+    StoredLink before;
+    before.unread_since = host.turn().clocks();
+    for (auto* clock : {&before.unread_since.boot, &before.unread_since.real}) *clock -= std::chrono::seconds{3};
+    before.unread_since.now -= std::chrono::seconds{3};
+    const TimePoint then = before.unread_since.now;
+    before.rest.assign(frame.begin(), frame.begin() + 7);
+    const Bytes end{frame.begin() + 7, frame.end()};
+    send(end);
+    open(&before);
+    EXPECT_EQ(channel().arrived_at, then);
+    ASSERT_TRUE(host.until([&] { return host.heard("one") == frame; }));
+    EXPECT_LT(channel().arrived_at, then + std::chrono::seconds{1}) << "it may have waited on the wire";
+    const TimePoint again = host.now();
+    send(frame);
+    ASSERT_TRUE(host.until([&] { return host.heard("one") == frame + frame; }));
+    EXPECT_GE(channel().arrived_at, again) << "the wire was empty in between";
 }
 
 }    // namespace

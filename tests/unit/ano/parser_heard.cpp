@@ -1,0 +1,274 @@
+// False headers, recognised by what was heard on the line.
+#include "parser_line.hpp"
+
+using namespace parsing;
+
+namespace {
+
+constexpr std::uint8_t stranger = 0x77;
+
+// Two frames of 0xDC have been heard, with id 0x01 and 13 bytes of DATA.
+struct HeardLine : Line {
+    explicit HeardLine(FrameParser::Options options = {}) : Line{options} {
+        put(numbered(100) + numbered(101));
+        frames.clear();
+    }
+};
+
+const Bytes pair_of_frames = numbered(1) + numbered(2);
+
+TEST(FrameParser, lets_two_good_frames_in_a_row_pass_a_header_from_a_stranger) {
+    for (const std::size_t at_once : {1u, 5u, 1000u}) {
+        HeardLine line;
+        line.put(header(1000, stranger) + begin_of(pair_of_frames, 41), at_once);
+        EXPECT_TRUE(line.frames.empty());
+        line.put(rest_of(pair_of_frames, 41));
+        EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
+        EXPECT_EQ(line.counters().expired, 1u);
+        EXPECT_EQ(line.counters().skipped_bytes, 6u);
+        EXPECT_FALSE(line.parser.deadline());
+    }
+}
+
+TEST(FrameParser, lets_them_pass_when_other_bytes_stand_before_them) {
+    for (const std::size_t at_once : {1u, 5u, 1000u}) {
+        HeardLine line;
+        line.put(header(4000, stranger) + Bytes(100) + numbered(3) + Bytes(7, ano::head) + numbered(4) + Bytes(1), at_once);
+        EXPECT_TRUE(line.frames.empty());
+        line.put(header(900) + pair_of_frames, at_once);
+        EXPECT_EQ(line.frames, (Frames{numbered(3), numbered(4), numbered(1), numbered(2)}));
+    }
+}
+
+TEST(FrameParser, lets_them_pass_whatever_number_of_headers_stands_before_them) {
+    for (const std::size_t at_once : {1u, 1000u}) {
+        HeardLine line;
+        for (std::size_t i = 0; i < 100; ++i) line.put(header(2000 + 7 * i, i % 2 ? stranger : 0xDC), at_once);
+        line.put(pair_of_frames, at_once);
+        EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
+        EXPECT_EQ(line.counters().expired, 100u);
+    }
+}
+
+TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they_end) {
+    const auto holding = [](const Bytes& inner) { return support::frame(0xDC, 0xFE, 0x01, inner); };
+    const Bytes first = holding(header(7) + header(1) + Bytes(1));
+    const Bytes second = holding(Bytes{9} + header(5) + Bytes(5));
+    HeardLine line;
+    line.put(header(1000, stranger) + first + second);
+    EXPECT_EQ(line.frames, (Frames{first, second}));
+}
+
+// The candidate begins one byte before the two, and would end one byte behind them: its LEN is the id of the first.
+TEST(FrameParser, lets_two_frames_pass_that_fill_the_candidate_but_for_one_byte_at_each_end) {
+    const Bytes first = support::frame(0xDC, 0xFE, 23), second = numbered(1);
+    HeardLine line;
+    line.put(Bytes{ano::head} + first + second);
+    EXPECT_EQ(line.frames, (Frames{first, second}));
+    EXPECT_EQ(line.counters().expired, 1u);
+}
+
+TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
+    HeardLine line;
+    line.put(header(1000, stranger) + numbered(1) + Bytes(1) + numbered(2) + Bytes(1));
+    EXPECT_TRUE(line.frames.empty());
+    line.pass(50ms);
+    line.expire();
+    EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
+}
+
+TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
+    Bytes damaged = numbered(2);
+    damaged[10] ^= 1;
+    Bytes of_wrong_add = numbered(2);    // its other check holds, so that it is looked at
+    of_wrong_add.back() ^= 1;
+    const Bytes strange = support::frame(stranger, 0xFE, 0x01, Bytes(13));
+    for (const Bytes& second : {damaged, of_wrong_add, strange}) {
+        HeardLine line;
+        line.put(header(1000, stranger) + numbered(1) + second + Bytes(1) + second + numbered(1) + Bytes(1));
+        EXPECT_TRUE(line.frames.empty());
+    }
+}
+
+// Its source was heard, but a bit of LEN was flipped on the way.
+TEST(FrameParser, lets_frames_pass_a_header_whose_LEN_is_more_than_was_heard) {
+    for (unsigned bit = 0; bit < 12; ++bit) {
+        const std::size_t length = 13u ^ 1u << bit;
+        if (length < 13) continue;
+        Bytes bad = numbered(3);
+        bad[4] = static_cast<std::uint8_t>(length);
+        bad[5] = static_cast<std::uint8_t>(length >> 8);
+        HeardLine line;
+        line.put(bad + pair_of_frames);
+        EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)})) << "LEN " << length;
+        EXPECT_EQ(line.counters().skipped_bytes, 21u);
+    }
+}
+
+TEST(FrameParser, waits_for_a_LEN_that_was_heard) {
+    const Bytes longer = support::frame(0xDC, 0xFE, 0x01, Bytes(60));
+    HeardLine line;
+    line.put(header(60) + pair_of_frames);
+    EXPECT_EQ(line.frames.size(), 2u);
+    line.put(longer);
+    line.frames.clear();
+    line.put(header(60) + pair_of_frames);
+    EXPECT_TRUE(line.frames.empty());
+    line.put(header(61) + pair_of_frames);    // which ends the wait
+    EXPECT_EQ(line.frames.size(), 4u);
+}
+
+TEST(FrameParser, waits_as_long_as_ever_where_nothing_was_heard) {
+    Line line;
+    line.put(header(1000) + numbered(1) + numbered(2) + numbered(3));
+    EXPECT_TRUE(line.frames.empty());
+    EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
+}
+
+// Behind a header that gives way there may be a frame that is on its way: that one waits for its rest.
+TEST(FrameParser, gives_way_one_candidate_at_a_time) {
+    const Bytes log = support::frame(0xDC, 0xFE, 0xA0, Bytes(10) + pair_of_frames + Bytes(300));
+    for (std::size_t cut = ano::overhead; cut < log.size(); ++cut) {
+        HeardLine line;
+        line.put(header(4000, stranger) + begin_of(log, cut));
+        EXPECT_TRUE(line.frames.empty());
+        line.put(rest_of(log, cut) + pair_of_frames);
+        EXPECT_EQ(line.frames, (Frames{log, numbered(1), numbered(2)})) << "cut at " << cut;
+    }
+}
+
+TEST(FrameParser, keeps_what_it_heard_over_the_end_of_input) {
+    HeardLine line;
+    line.finish();
+    line.put_datagram(begin_of(numbered(3), 7));
+    line.put_datagram(header(1000, stranger) + pair_of_frames);
+    line.finish();
+    line.put(header(1000, stranger) + pair_of_frames);
+    EXPECT_EQ(line.frames.size(), 4u);
+}
+
+// The limit for the search: a look at a header, and each header that gives way, costs the credit of 32 bytes of good frames. The
+// credit is at most 65536 bytes, and begins full.
+struct FloodedLine : HeardLine {
+    FloodedLine() {
+        const Bytes flood = header(4000, stranger) + Bytes(3994, ano::head) + Bytes(8, 0xFF);
+        put(flood, 100);
+        EXPECT_EQ(parser.waiting(), 0u);
+    }
+};
+
+TEST(FrameParser, looks_for_no_two_frames_in_a_row_behind_more_headers_than_good_frames_paid_for) {
+    FloodedLine line;
+    line.put(header(1000, stranger) + pair_of_frames + pair_of_frames);
+    EXPECT_TRUE(line.frames.empty());
+    line.pass(50ms);
+    line.expire();
+    EXPECT_EQ(line.frames.size(), 4u);
+}
+
+TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
+    for (const unsigned good : {4u, 5u}) {    // of 21 bytes, for two looks and a header that gives way
+        FloodedLine line;
+        for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
+        line.put(header(1000, stranger) + pair_of_frames);
+        EXPECT_EQ(line.frames.size(), good == 4 ? good : good + 2);
+    }
+}
+
+TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
+    for (const unsigned good : {7u, 8u}) {    // for three looks and two headers that give way
+        FloodedLine line;
+        for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
+        line.put(header(1000, stranger) + header(1000, stranger) + pair_of_frames);
+        EXPECT_EQ(line.frames.size(), good == 7 ? good : good + 2);
+    }
+}
+
+TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_came) {
+    FloodedLine line;
+    for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one look
+    Bytes good;
+    for (unsigned i = 2; i < 7; ++i) good = good + numbered(i);
+    const Bytes behind = good + header(1000, stranger) + pair_of_frames;
+    line.put(header(behind.size() - 1, stranger) + behind);
+    EXPECT_EQ(line.frames.size(), 2u);
+    line.put(Bytes(1));    // the first header's frame is whole, and bad
+    EXPECT_EQ(line.frames.size(), 9u);
+    EXPECT_EQ(line.counters().expired, 1u);
+}
+
+TEST(FrameParser, saves_what_good_frames_pay_up_to_a_limit) {
+    HeardLine line;
+    for (unsigned i = 0; i < 4000; ++i) line.put(numbered(i));
+    line.frames.clear();
+    line.put(header(4096, stranger) + Bytes(2046, ano::head) + Bytes(8, 0xFF), 100);    // two looks are left
+    line.put(pair_of_frames);
+    EXPECT_TRUE(line.frames.empty());
+}
+
+struct Outer {
+    std::string name;
+    std::uint8_t source;
+    std::uint8_t id;
+    Bytes begin;    // of DATA
+};
+
+class KnownSender : public testing::TestWithParam<Outer> {};
+
+// The first frame of a known sender with an id of any length, and tunnel frames of anybody.
+TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
+    const auto& [name, source, id, begin] = GetParam();
+    const Bytes inner = numbered(1) + numbered(2) + numbered(3) + support::frame(0xDC, 0xFE, 0xA0, {1, 'a'});
+    const Bytes outer = support::frame(source, 0xFE, id, begin + inner + Bytes{0, ano::head, 0xAA} + inner);
+    for (const Bytes& before : {Bytes{}, header(4000, stranger), header(3000) + Bytes(3)}) {
+        for (std::size_t cut = 0; cut <= outer.size(); ++cut) {
+            for (const ano::Duration pause : {0ms, 49ms}) {
+                HeardLine line{{.line_rate = 1000}};
+                line.put(before + begin_of(outer, cut));
+                line.pass(pause);
+                line.expire();
+                line.put(rest_of(outer, cut) + pair_of_frames);
+                ASSERT_EQ(line.frames, (Frames{outer, numbered(1), numbered(2)})) << "cut at " << cut;
+            }
+        }
+        // As a line of 1200 baud brings them, byte by byte.
+        HeardLine line{{.line_rate = 120}};
+        for (const std::uint8_t byte : before + outer + pair_of_frames) {
+            line.put(Bytes{byte});
+            line.pass(8'333us);
+            line.expire();
+        }
+        EXPECT_EQ(line.frames, (Frames{outer, numbered(1), numbered(2)}));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(sends, KnownSender,
+                         testing::Values(Outer{"a_log", 0xDC, 0xA0, {0}}, Outer{"a_log_with_a_value", 0xDC, 0xA1, Bytes(4)},
+                                         Outer{"an_image", 0xDC, 0xB0, Bytes(17)}, Outer{"a_command", 0xDC, 0xC0, {1, 2, 3}},
+                                         Outer{"a_command_info", 0xDC, 0xC2, Bytes(13)}, Outer{"a_value", 0xDC, 0xE1, {1, 0}},
+                                         Outer{"a_parameter_info", 0xDC, 0xE2, Bytes(23)},
+                                         Outer{"a_device_info", 0xDC, 0xE3, Bytes(9)},
+                                         Outer{"firmware", 0xDC, 0xF0, {0x10, 0, 0}}, Outer{"flexible1", 0xDC, 0xF1, {}},
+                                         Outer{"flexible10", 0xDC, 0xFA, {}}, Outer{"special", 0xDC, 0xFB, {}},
+                                         Outer{"a_scan", 0xDC, 0x34, {100}}, Outer{"what_is_not_listed", 0xDC, 0x99, {}},
+                                         Outer{"a_tunnel_frame", 0xDC, 0xB1, Bytes(10)},
+                                         Outer{"a_strangers_tunnel_frame", stranger, 0xB1, Bytes(10)},
+                                         Outer{"a_strangers_short_tunnel_frame", stranger, 0xB2, Bytes(4)}),
+                         [](const auto& test) { return test.param.name; });
+
+// The limit of the rule: a long frame of a sender that was never heard can't be told from a false header.
+TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_in_pieces) {
+    const Bytes log = support::frame(stranger, 0xFE, 0xA0, Bytes(1) + pair_of_frames + Bytes(10));
+    HeardLine whole;
+    whole.put(log);
+    EXPECT_EQ(whole.frames, Frames{log});
+    HeardLine pieces;
+    pieces.put(begin_of(log, 60));
+    pieces.put(rest_of(log, 60) + log);
+    EXPECT_EQ(pieces.frames, (Frames{numbered(1), numbered(2), log}));
+    pieces.put(begin_of(log, 60));
+    pieces.put(rest_of(log, 60));
+    EXPECT_EQ(pieces.frames.back(), log);
+}
+
+}    // namespace

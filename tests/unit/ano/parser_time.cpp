@@ -1,0 +1,165 @@
+#include "parser_line.hpp"
+
+using namespace parsing;
+
+namespace {
+
+TEST(FrameParser, has_no_deadline_while_nothing_waits) {
+    Line line;
+    EXPECT_FALSE(line.parser.deadline());
+    line.put(numbered(1) + Bytes{1, 2, 3});
+    EXPECT_FALSE(line.parser.deadline());
+    line.pass(1h);
+    EXPECT_FALSE(line.parser.expire(line.now));
+}
+
+TEST(FrameParser, delivers_a_good_frame_behind_a_false_header_once_the_line_is_quiet) {
+    Line line;
+    line.put(header(1000) + numbered(1) + numbered(2));
+    EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
+    line.pass(49ms);
+    EXPECT_FALSE(line.parser.expire(line.now));
+    EXPECT_TRUE(line.frames.empty());
+    line.pass(1ms);
+    line.expire();
+    EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
+    EXPECT_FALSE(line.parser.deadline());
+}
+
+TEST(FrameParser, is_quiet_only_when_nothing_at_all_arrives) {
+    Line line;
+    line.put(header(1000) + numbered(1));
+    for (int i = 0; i < 10; ++i) {
+        line.pass(40ms);
+        line.expire();
+        line.put(Bytes{0});
+        EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
+    }
+    EXPECT_TRUE(line.frames.empty());
+}
+
+TEST(FrameParser, has_its_own_quiet_time) {
+    Line line{{.quiet = 100ms}};
+    line.put(header(1000) + numbered(1));
+    EXPECT_EQ(line.parser.deadline(), line.now + 100ms);
+    line.pass(99ms);
+    EXPECT_FALSE(line.parser.expire(line.now));
+    line.pass(1ms);
+    EXPECT_TRUE(line.parser.expire(line.now));
+}
+
+TEST(FrameParser, lets_a_good_frame_arrive_in_slow_pieces) {
+    Line line;
+    const Bytes frame = support::frame(1, 2, 3, Bytes(300, ano::head));
+    for (std::size_t i = 0; i < 10; ++i) {
+        line.put(begin_of(rest_of(frame, 30 * i), 30));
+        line.pass(90ms);
+        line.expire();
+        EXPECT_EQ(line.parser.waiting(), 30 * (i + 1));
+    }
+    line.put(rest_of(frame, 300));
+    EXPECT_EQ(line.frames, Frames{frame});
+}
+
+TEST(FrameParser, gives_up_what_is_overdue_after_a_second_where_the_line_rate_is_unknown) {
+    Line line;
+    line.put(header(1000) + Bytes(10));
+    const auto began = line.now;
+    line.pass(400ms);
+    line.put(Bytes(10));
+    line.pass(50ms);
+    EXPECT_FALSE(line.parser.expire(line.now));
+    EXPECT_EQ(line.parser.deadline(), began + 1s);
+    line.now = began + 1s - 1ns;
+    EXPECT_FALSE(line.parser.expire(line.now));
+    line.now = began + 1s;
+    line.expire();
+    EXPECT_EQ(line.parser.waiting(), 0u);
+    EXPECT_EQ(line.counters().expired, 1u);
+    EXPECT_EQ(line.counters().skipped_bytes, 26u);
+}
+
+TEST(FrameParser, gives_up_what_is_overdue_by_the_line_rate_where_it_is_known) {
+    Line line{{.line_rate = 1000}};
+    line.put(header(92) + Bytes(10));
+    const auto began = line.now;
+    line.pass(50ms);
+    EXPECT_FALSE(line.parser.expire(line.now));
+    EXPECT_EQ(line.parser.deadline(), began + 200ms + 100ms);
+    line.parser.set_line_rate(100);
+    EXPECT_EQ(line.parser.deadline(), began + 200ms + 1s);
+    line.now = began + 1200ms;
+    line.expire();
+    EXPECT_EQ(line.parser.waiting(), 0u);
+}
+
+TEST(FrameParser, does_not_wait_for_ever_for_a_header) {
+    Line line{{.line_rate = 1000}};
+    line.put(Bytes{ano::head});
+    EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
+    line.pass(208ms);
+    line.expire();
+    EXPECT_EQ(line.parser.waiting(), 0u);
+    EXPECT_FALSE(line.parser.deadline());
+}
+
+TEST(FrameParser, gives_up_thousands_of_overdue_candidates_in_one_step) {
+    Line line{{.max_data = 65535}};
+    line.put(Bytes(43000, ano::head));
+    line.pass(50ms);
+    EXPECT_FALSE(line.parser.expire(line.now));
+    line.pass(950ms);
+    EXPECT_TRUE(line.parser.expire(line.now));
+    EXPECT_FALSE(line.parser.next());
+    EXPECT_EQ(line.parser.waiting(), 0u);
+    EXPECT_EQ(line.counters().expired, 43000u);
+}
+
+TEST(FrameParser, gives_an_overdue_candidate_no_company_that_is_still_arriving) {
+    Line line;
+    const Tunnel tunnel;
+    line.put(header(4000));
+    line.pass(900ms);
+    line.put(begin_of(tunnel.whole, tunnel.cut));
+    line.pass(20ms);
+    line.put(begin_of(rest_of(tunnel.whole, tunnel.cut), 2));
+    line.pass(40ms);
+    line.put(begin_of(rest_of(tunnel.whole, tunnel.cut + 2), 2));
+    line.pass(40ms);    // the false header is overdue, the frame behind it is not
+    line.expire();
+    EXPECT_TRUE(line.frames.empty());
+    line.put(rest_of(tunnel.whole, tunnel.cut + 4));
+    EXPECT_EQ(line.frames, Frames{tunnel.whole});
+}
+
+TEST(FrameParser, finds_the_end_of_a_candidate_that_was_searched_behind) {
+    Line line;
+    const Bytes frame = support::frame(1, 2, 3, header(500) + Bytes(200, 0x21) + header(600) + Bytes(400, 7));
+    line.put(begin_of(frame, 500));
+    line.pass(60ms);
+    line.expire();
+    line.put(rest_of(frame, 500) + numbered(1));
+    EXPECT_EQ(line.frames, (Frames{frame, numbered(1)}));
+}
+
+TEST(FrameParser, waits_for_nothing_at_the_end_of_input) {
+    Line line;
+    line.put(header(4000) + numbered(1) + header(50) + numbered(2) + Bytes{ano::head});
+    EXPECT_TRUE(line.frames.empty());
+    line.finish();
+    EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
+    EXPECT_EQ(line.parser.waiting(), 0u);
+    EXPECT_FALSE(line.parser.deadline());
+    line.put(numbered(3));
+    EXPECT_EQ(line.frames.back(), numbered(3));
+}
+
+TEST(FrameParser, joins_nothing_across_the_end_of_input) {
+    Line line;
+    line.put(begin_of(numbered(1), 10));
+    line.finish();
+    line.put(rest_of(numbered(1), 10) + numbered(2));
+    EXPECT_EQ(line.frames, Frames{numbered(2)});
+}
+
+}    // namespace

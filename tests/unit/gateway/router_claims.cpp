@@ -1,0 +1,228 @@
+#include "routing_net.hpp"
+
+using namespace routing;
+
+namespace {
+
+TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.now += 60s;    // forgotten, and asked all the same
+    net.route(2, 0xDC, 0xFF);
+    const TimePoint claimed = net.now;
+    for (int question = 0; question < 3; ++question) {
+        EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{0xDC, channels({1})}}));
+        EXPECT_TRUE(net.asked().empty());
+        EXPECT_EQ(net->learned(0xDC, net.now).links, LinkSet{});
+        EXPECT_EQ(net.route(2, 0xDC, 0xFF).channels, channels({0, 1, 3})) << "what it says passes";
+        net.now = net->next_question().value();
+    }
+    EXPECT_EQ(net.now, claimed + 3s);
+    EXPECT_TRUE(net.asked().empty());
+    EXPECT_FALSE(net->next_question());
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+}
+
+TEST(Router, address_stays_with_its_holder_until_silence) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_EQ(net.asked().size(), 1u);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    net.now += 2900ms;
+    net.asked();
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    EXPECT_FALSE(net->claims(0xDC, channel(1)));
+    EXPECT_TRUE(net->claims(0xDC, channel(2)) && net->holds(0xDC, channel(1)) && !net->holds(0xDC, channel(2)));
+    EXPECT_FALSE(net->claims(0xFE, channel(2)) || net->claims(0x00, channel(2)) || net->claims(0xFF, channel(2)));
+}
+
+TEST(Router, any_frame_by_the_old_way_refuses_a_claim) {
+    for (const bool goes_on : {true, false}) {
+        Net net;
+        net.route(1, 0xDC, 0xFF);
+        net.route(2, 0xDC, 0xFF);
+        net.asked();
+        net.now += 1s;
+        EXPECT_FALSE(net->heard_again(channel(2), 0xDC, net.now)) << "not of its own";
+        if (goes_on) net.route(1, 0xDC, 0xFE);
+        else EXPECT_TRUE(net->heard_again(channel(1), 0xDC, net.now));
+        EXPECT_FALSE(net->next_question());
+        ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+        EXPECT_EQ(net->conflicts(net.now)[0].links, links({1, 2}));
+        EXPECT_EQ(net->conflicts(net.now)[0].count, 1u);
+        EXPECT_TRUE(net->conflicts(net.now)[0].claimed);
+        Router::Claimant claimant;
+        ASSERT_TRUE(net->take_claimant(claimant));
+        EXPECT_EQ(claimant.address, 0xDC);
+        EXPECT_EQ(claimant.channel, channel(2));
+        EXPECT_FALSE(net->take_claimant(claimant));
+        net.now += 20s;
+        expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    }
+}
+
+TEST(Router, one_test_of_an_address_in_ten_seconds) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.route(1, 0xDD, 0xFF);
+    const TimePoint begin = net.now;
+    std::vector<TimePoint> tests;
+    for (unsigned n = 0; net.now < begin + 35s; net.now += 100ms) {
+        net.route(2 + n++ % 2, 0xDC, 0xFF);
+        if (!net.asked().empty()) tests.push_back(net.now);
+        net.route(1, 0xDC, 0xFF);
+        EXPECT_TRUE(net.asked().empty());
+    }
+    EXPECT_EQ(tests, (std::vector<TimePoint>{begin, begin + 10s, begin + 20s, begin + 30s}));
+    EXPECT_EQ(net->conflicts(net.now)[0].count, 4u);
+    net.route(2, 0xDD, 0xFF);
+    EXPECT_EQ(net.asked().size(), 1u) << "of another address at any time";
+}
+
+// 40 commands in 40 s, the thief speaks ten times a second, the device every 4 s and when it is asked.
+TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
+    Net net;
+    int reached = 0, stolen = 0;
+    for (int tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
+        if (tenth % 40 == 0) net.route(1, 0xDC, 0xFF);
+        net.route(2, 0xDC, 0xFF);
+        for (const auto& [address, by] : net.asked())
+            if (by.contains(channel(1))) net.route(1, 0xDC, 0xFE);
+        if (tenth % 10 != 0) continue;
+        const ChannelSet to = net.route(0, 0xFE, 0xDC).channels;
+        reached += to.contains(channel(1));
+        stolen += to.contains(channel(2));
+    }
+    EXPECT_EQ(reached, 40);
+    EXPECT_EQ(stolen, 0);
+}
+
+// It answers nothing and speaks every 4 s, so that its silence is long enough.
+TEST(Router, who_speaks_again_at_its_first_home_is_back_at_once) {
+    Net net;
+    int reached = 0, stolen = 0;
+    for (unsigned tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
+        if (tenth % 40 == 0) net.route(1, 0xDC, 0xFF);
+        net.route(2 + tenth / 100 % 2, 0xDC, 0xFF);    // from one port and from another
+        net.asked();
+        if (tenth % 10 != 0) continue;
+        const ChannelSet to = net.route(0, 0xFE, 0xDC).channels;
+        reached += to.contains(channel(1));
+        stolen += !to.contains(channel(1));
+    }
+    EXPECT_EQ(reached, 38);
+    EXPECT_EQ(stolen, 2) << "a second after each silence";
+    EXPECT_EQ(net->conflicts(net.now).at(0).links, links({1, 2, 3}));
+}
+
+TEST(Router, way_back_home_is_no_conflict) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.route(2, 0xDC, 0xFF);
+    net.silence();
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
+    net.now += 3s;
+    net.route(1, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_TRUE(net->claims(0xDC, channel(2))) << "it was second";
+}
+
+// A constant broadcast that somebody else repeats ends in the loop guard.
+TEST(Router, what_goes_no_further_brings_it_home_as_well) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere);
+    net.silence();
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_EQ(net->speaks(0xDC, channel(2)), Speaks::elsewhere) << "it may still be one who takes its name";
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::somewhere);
+    EXPECT_FALSE(net->heard_again(channel(3), 0xDC, net.now));
+    EXPECT_TRUE(net->heard_again(channel(1), 0xDC, net.now));
+    EXPECT_EQ(net->speaks(0xDC, channel(1)), Speaks::at_home);
+    Router::Claimant claimant;
+    ASSERT_TRUE(net->take_claimant(claimant));
+    EXPECT_EQ(claimant.channel, channel(2));
+}
+
+// Two cables of one device and no `group`: the first breaks when a test was just refused.
+TEST(Router, second_cable_takes_over_within_thirteen_seconds) {
+    Net net;
+    for (const unsigned cable : {1u, 2u, 1u}) {
+        net.route(cable, 0xDC, 0xFF);
+        net.asked();
+    }
+    const TimePoint broke = net.now;
+    while (net.route(0, 0xFE, 0xDC).channels != channels({2}) && net.now < broke + 60s) {
+        net.now += 100ms;
+        net.route(2, 0xDC, 0xFF);
+        net.asked();
+    }
+    EXPECT_EQ(net.now - broke, 13s);
+}
+
+TEST(Router, what_has_no_wire_is_silent_at_once) {
+    for (const bool closed : {false, true}) {
+        for (const bool before : {false, true}) {
+            Net net;
+            net.route(1, 0xDC, 0xFF);
+            if (!before) net.route(2, 0xDC, 0xFF);
+            closed ? net->close(channel(1)) : net->went_down(channel(1));
+            if (before) net.route(2, 0xDC, 0xFF);
+            EXPECT_TRUE(net.asked().empty());
+            EXPECT_FALSE(net->next_question());
+            expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
+            EXPECT_TRUE(net->conflicts(net.now).empty()) << "plugged into another port";
+            if (closed) continue;
+            net->came_up(channel(1));
+            net.route(1, 0xDC, 0xFF);
+            expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+            EXPECT_EQ(net->conflicts(net.now).size(), 1u) << "both spoke just now";
+        }
+    }
+}
+
+TEST(Router, claim_ends_with_its_channel) {
+    Net net;
+    net.route(1, 0xDC, 0xFF);
+    net.route(2, 0xDC, 0xFF);
+    net.asked();
+    net->close(channel(2));
+    EXPECT_FALSE(net->next_question());
+    net->open(channel(2), link(2));
+    net.silence();
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+}
+
+TEST(Router, peers_of_one_link_are_different_places) {
+    Net net;
+    net->open(channel(10), link(1));
+    net.route(1, 0xDC, 0xFF);
+    net.route(10, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    net.silence();
+    expect(net.route(0, 0xFE, 0xDC), channels({10}), Via::learned);
+}
+
+TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
+    Net net;
+    net->pin(30, 30, link(1));
+    net.route(3, 30, 0xFF);
+    EXPECT_FALSE(net->next_question());
+    ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+    EXPECT_EQ(net->conflicts(net.now)[0].links, links({1, 3}));
+    net.route(1, 30, 0xFF);
+    net.now += 60s;
+    net.route(2, 30, 0xFF);
+    net.silence();
+    expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
+    EXPECT_TRUE(net->holds(30, channel(1)) && net->claims(30, channel(2)));
+    EXPECT_FALSE(net->holds(31, channel(1)));
+}
+
+}    // namespace

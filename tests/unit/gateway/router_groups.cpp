@@ -1,0 +1,92 @@
+#include "routing_net.hpp"
+
+using namespace routing;
+
+namespace {
+
+// Links 1 and 2 lead to the same place.
+struct GroupedRouter : testing::Test {
+    Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
+};
+
+TEST_F(GroupedRouter, frames_leave_by_the_member_heard_most_recently) {
+    net.route(1, 0xDC, 0xFE);
+    net.now += 10ms;
+    net.route(2, 0xDD, 0xFE);
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
+    expect(net.route(0, 0xFE, 0xFF), channels({2, 3}), Via::broadcast);
+    expect(net.route(0, 0xFE, 60), channels({2, 3}), Via::unknown);
+    net.now += 10ms;
+    net.route(1, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 0xDD), channels({1}), Via::learned);
+    net->pin(40, 40, link(1));
+    net->pin(40, 40, link(2));
+    expect(net.route(0, 0xFE, 40), channels({1}), Via::pinned);
+}
+
+TEST_F(GroupedRouter, frames_never_go_back_where_they_came_from) {
+    net.route(1, 0xDC, 0xFE);
+    net.route(2, 0xDD, 0xFE);
+    expect(net.route(1, 0xDC, 0xFF), channels({0, 3}), Via::broadcast);
+    expect(net.route(1, 0xDC, 0xDD), {}, Via::learned);
+    net->open(channel(10), link(1));
+    expect(net.route(1, 0xDC, 0xFF), channels({0, 3, 10}), Via::broadcast);    // but to another peer of the link
+}
+
+TEST_F(GroupedRouter, all_members_get_it_until_one_is_heard) {
+    expect(net.route(0, 0xFE, 0xFF), channels({1, 2, 3}), Via::broadcast);
+    net.route(2, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 0xFF), channels({2, 3}), Via::broadcast);
+    net.now += Router::group_silence;
+    expect(net.route(0, 0xFE, 0xFF), channels({1, 2, 3}), Via::broadcast);
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
+}
+
+TEST_F(GroupedRouter, a_member_that_is_down_is_passed_over) {
+    net.route(2, 0xDC, 0xFE);
+    net->went_down(channel(2));
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    net->went_down(channel(1));
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);    // counted link_down, once
+    net->came_up(channel(1));
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    net->came_up(channel(2));
+    net->report_unreachable(link(2));
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
+}
+
+TEST_F(GroupedRouter, a_member_without_a_channel_is_not_missed) {
+    net->close(channel(1));
+    net->pin(40, 40, link(1));
+    net.route(2, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 40), channels({2}), Via::pinned);
+    net->close(channel(2));
+    expect(net.route(0, 0xFE, 40), {}, Via::pinned, links({1}));
+}
+
+TEST_F(GroupedRouter, one_source_on_two_members_is_no_conflict) {
+    net.route(1, 0xDC, 0xFE);
+    net.route(2, 0xDC, 0xFE);
+    net.route(1, 0xDC, 0xFE);
+    EXPECT_TRUE(net->conflicts(net.now).empty());
+    net.route(3, 0xDC, 0xFE);
+    EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{0xDC, channels({1, 2})}}));
+    net.route(2, 0xDC, 0xFE);
+    ASSERT_EQ(net->conflicts(net.now).size(), 1u);
+    EXPECT_TRUE(net->conflicts(net.now)[0].links.contains(link(3)));
+}
+
+TEST(Router, a_port_id_of_a_group_is_that_port) {
+    Net net{{}, {{}, {.port_id = 5, .group = 1}, {.port_id = 6, .group = 1}}};
+    net.route(2, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 5), channels({1}), Via::port);
+}
+
+TEST(Router, members_that_take_no_broadcast_get_none) {
+    Net net{{}, {{}, {.broadcast = false, .group = 1}, {.group = 1}}};
+    net.route(1, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 0xFF), channels({2}), Via::broadcast);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+}
+
+}    // namespace
