@@ -9,7 +9,8 @@ FlightController::FlightController(const Settings& settings, TimePoint start)
     : SimulatedDevice{{.id = settings.id != 0 ? settings.id : address::flight_controller, .name = "SimFC"}, settings, start},
       flight_{settings_, [this](std::string_view text,
                                 bool is_bad) { device().log(text, is_bad ? device::LogColor::red : device::LogColor::green); }},
-      inertial_{chance()} {
+      inertial_{chance()},
+      satellites_{~settings.seed} {
     add_parameters();
     add_commands();
     add_waypoints();
@@ -24,6 +25,7 @@ void FlightController::add_streams() {
     every(at_rate(hz() / 2), [this] { altitude(); });
     every(at_rate(hz() / 2), [this] { movement(); });
     every(at_rate(hz() / 5), [this] { position(); });
+    every(at_rate(Satellites::rate), [this] { satellites(); });
     every(at_rate(hz() / 10), [this] { mode(); });
     every(at_rate(hz() / 10), [this] { targets(); });
     every(at_rate(hz() / 10), [this] { outputs(); });
@@ -62,6 +64,8 @@ void FlightController::position() {
     fill<"pos_z">(draft, p.z);
     say(draft);
 }
+
+void FlightController::satellites() { say(satellites_.look(flight_.body().position(), flight_.body().velocity(), home_)); }
 
 void FlightController::mode() {
     const device::CommandId now = command_of(flight_.task());

@@ -2,6 +2,7 @@
 #pragma once
 #include "flight.hpp"
 #include "inertial_unit.hpp"
+#include "satellites.hpp"
 #include "simulated_device.hpp"
 #include "test_picture.hpp"
 
@@ -51,6 +52,7 @@ private:
     void altitude();
     void movement();
     void position();
+    void satellites();
     void targets();
     void mode();
     void outputs();
@@ -61,11 +63,12 @@ private:
     FlightSettings settings_;
     Flight flight_;
     InertialUnit inertial_;
+    Satellites satellites_;
     TestPicture picture_;
     std::int16_t barometer_offset_ = 15;
     std::int32_t range_offset_ = 0;
     std::uint8_t pictures_ = 1;    // a second
-    double home_lng_ = 116.3, home_lat_ = 39.9;
+    Place home_{116.3, 39.9};
     Other other_;
 };
 

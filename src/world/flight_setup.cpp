@@ -10,7 +10,6 @@ using device::LogColor;
 using device::Parameter;
 using device::Value;
 
-constexpr double metres_of_a_degree = 111'319.5;
 constexpr std::size_t waypoints = 50;
 constexpr std::array types{Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32, Type::i32,
                            Type::u64, Type::i64, Type::f32, Type::f64, Type::text};
@@ -40,8 +39,8 @@ void FlightController::add_own_parameters() {
     add("SIM_WIND", settings_.wind, "m/s", 0.0f, 8.0f);
     add("SIM_SWAY", settings_.sway, "gusts, % of the wind", 0.0f, 100.0f);
     add("SIM_WIND_FROM", settings_.wind_from, "degrees from north, clockwise", std::uint16_t{0}, std::uint16_t{359});
-    add("SIM_HOME_LNG", home_lng_, "degrees: where the world begins", -180.0, 180.0);
-    add("SIM_HOME_LAT", home_lat_, "degrees", -80.0, 80.0);
+    add("SIM_HOME_LNG", home_.lng, "degrees: where the world begins", -180.0, 180.0);
+    add("SIM_HOME_LAT", home_.lat, "degrees", -80.0, 80.0);
     add("SIM_PICTURES", pictures_, "1: sends a moving picture", std::uint8_t{0}, std::uint8_t{1});
     add("SIM_P_POSITION", settings_.gains.position, "1/s", 0.2f, 1.2f);
     add("SIM_P_VELOCITY", settings_.gains.velocity, "1/s", 1.5f, 4.0f);
@@ -121,14 +120,13 @@ void FlightController::add_waypoints() {
     device().waypoints().allow(waypoints);
     device().waypoints().resize(1);
     device::Waypoint home;
-    home.lng = home_lng_;
-    home.lat = home_lat_;
+    home.lng = home_.lng;
+    home.lat = home_.lat;
     device().waypoints().set(0, home);
 }
 
 Vector FlightController::place_of(const device::Waypoint& w) const noexcept {
-    return {(w.lat - home_lat_) * metres_of_a_degree, (home_lng_ - w.lng) * metres_of_a_degree * std::cos(home_lat_ * degree),
-            w.alt / 100.0};
+    return from_home({w.lng, w.lat}, home_) + Vector{0, 0, w.alt / 100.0};
 }
 
 // What a function does is the device's own matter (protocol text, section 4): here 1 stays cmd1 seconds, any other passes by.

@@ -65,6 +65,12 @@ const reasons: [RegExp, string][] = [
   [/^(.+): is no ordinary file$/, "$1：不是普通文件"],
   [/^no PMTiles of version 3$/, "不是版本 3 的 PMTiles 文件"],
   [/^its tiles are no pictures: only raster tiles can be shown$/, "瓦片不是图片：只能显示栅格瓦片"],
+  [/^its directories are packed otherwise than by gzip$/, "目录不是用 gzip 压缩的"],
+  [/^it has zooms (\d+) to (\d+)$/, "它的缩放级别是 $1 到 $2"],
+  [/^a tile is no picture$/, "瓦片不是图片，文件可能已损坏"],
+  [/^a tile is too large$/, "瓦片太大"],
+  [/^(?:a directory is damaged|a directory (?:is too large|ends too early|has too many entries|begins nowhere)|its first directory is not where it must be|its directories go round in a circle|a number in a directory is too large|a place beyond 2\^53)$/, "文件已损坏：目录读不懂"],
+  [/^another map was put in its place$/, "地图文件换过了"],
   [/^nobody said go on within 10 minutes; nothing was changed$/, "10 分钟内没有人按继续；什么都没有改"],
   [/^it was not turned to all sides within 10 minutes$/, "10 分钟内没有转遍所有方向"],
 ];

@@ -51,6 +51,9 @@ test("an unfit or damaged file is said to be one, whatever is in it", async () =
     ["empty", new Uint8Array(0)], ["short", good.slice(0, 90)], ["another", damaged((b) => (b[0] = 0x51))], ["version 2", damaged((b) => (b[7] = 2))],
     ["vector tiles", damaged((b) => (b[99] = 1))], ["brotli", damaged((b) => (b[97] = 3))], ["zooms", damaged((b) => (b[101] = 40))], ["far root", damaged((b) => (b[14] = 1))],
   ] as [string, Uint8Array][]) await assert.rejects(open(bytes), MapFault, why);
+  const inGzip = mapFile([tile(0, 0, 0, "world")]);
+  inGzip.fill(0x55, 127, 140);
+  await assert.rejects(open(inGzip), MapFault, "what is no gzip");
   let seed = 1;
   const random = (below: number): number => (seed = (seed * 48271) % 2147483647) % below;
   for (let i = 0; i < 2000; ++i) {

@@ -122,3 +122,17 @@ test("a file of parameters comes back with every digit", () => {
   for (const silent of ["", "null", "[]", '{"device": "0xdc"}', '{"parameters": {}}']) assert.equal(strangerIn(silent, device), undefined, silent);
   for (const bad of ["", "[]", "7", "null", '{"parameters": [1]}']) assert.equal(valuesIn(bad), undefined, bad);
 });
+
+test("the names of parameters are the device's own choice", () => {
+  const parameters: Parameter[] = ["constructor", "toString", "__proto__", "hasOwnProperty"].map((name, id) => ({ id, name, type: "f32", value: 1 }));
+  assert.deepEqual(changesOf(parameters, {}), {});
+  const typed = Object.fromEntries(parameters.map((one) => [one.name!, "2"]));
+  assert.deepEqual(Object.entries(changesOf(parameters, typed)), parameters.map((one) => [one.name!, "2"]));
+  assert.deepEqual(valuesIn(fileOf({ address: "0x1E" }, parameters)), Object.fromEntries(parameters.map((one) => [one.name!, "1"])));
+});
+
+test("a value that is no number is not the same as any that is typed, and stands in no file", () => {
+  const parameters: Parameter[] = [{ id: 0, name: "GAIN", type: "f32", value: null }, { id: 1, name: "FAR", type: "f32", value: 1e38 }];
+  assert.deepEqual(changesOf(parameters, { GAIN: "0", FAR: "1e38" }), { GAIN: "0" });
+  assert.deepEqual(JSON.parse(fileOf({ address: "0x1E" }, parameters)).parameters, { FAR: 1e38 });
+});

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -194,6 +195,58 @@ TEST(FlightController, stays_at_a_waypoint_as_long_as_that_says) {
     EXPECT_TRUE(fc.is_at({11.13, 0, 2}));
 }
 
+Vector seen_by_satellites(FlyingFc& fc) {
+    const auto gps = *fc.next<"gps">();
+    return from_home({gps.get<"lng">(), gps.get<"lat">()}, {116.3, 39.9}) +
+           Vector{0, 0, gps.get<"alt_gps">() / 100.0 - Satellites::ground};
+}
+
+TEST(FlightController, is_seen_by_satellites_where_it_flies) {
+    FlyingFc fc;
+    put(fc, 1, 116.3, 39.9002, 800);
+    fc.fly_to(2);
+    ASSERT_TRUE(fc.command(12, std::uint8_t{1}));
+    ASSERT_TRUE(fc.run_until([&] { return fc.place().x > 8; }));
+    const auto gps = *fc.next<"gps">();
+    EXPECT_EQ(gps.get<"fix_sta">(), 3);
+    EXPECT_GE(gps.get<"s_num">(), 8);
+    EXPECT_NEAR(gps.get<"n_spe">(), 100 * fc.flight().body().velocity().x, 40);
+    EXPECT_LT((seen_by_satellites(fc) - fc.place()).length(), 3);
+    ASSERT_TRUE(fc.run_until([&] { return fc.flight().task() == Flight::Task::hover; }));
+    EXPECT_LT((seen_by_satellites(fc) - Vector{22.26, 0, 8}).length(), 3) << "where the waypoint is";
+    ASSERT_TRUE(fc.command(8, std::int64_t{2200}, std::int64_t{-1000}, std::uint16_t{800}));    // to the east and down
+    fc.run_for(2s);
+    EXPECT_GT(fc.next<"gps">()->get<"e_spe">(), 50);
+    ASSERT_TRUE(fc.run_until([&] { return fc.place().y < -8; }));
+    EXPECT_LT((seen_by_satellites(fc) - fc.place()).length(), 3);
+    ASSERT_TRUE(fc.command(2));
+    fc.run_for(3s);
+    EXPECT_GT(fc.next<"gps">()->get<"d_spe">(), 20) << "it lands";
+}
+
+TEST(FlightController, what_satellites_say_wanders_around_the_truth) {
+    FlyingFc fc, same;
+    double most = 0, furthest_step = 0;
+    Vector sum, last = seen_by_satellites(fc);
+    constexpr int times = 500;
+    for (int i = 0; i < times; ++i) {
+        const Vector now = seen_by_satellites(fc);
+        most = std::max(most, std::hypot(now.x, now.y));
+        furthest_step = std::max(furthest_step, std::hypot(now.x - last.x, now.y - last.y));
+        sum = sum + now;
+        last = now;
+    }
+    EXPECT_GT(most, 0.3);
+    EXPECT_LT(most, 2.5);
+    EXPECT_LT(furthest_step, 0.6) << "from one second to the next";
+    EXPECT_LT(std::hypot(sum.x, sum.y) / times, 0.4) << "on average it is there";
+    const auto first = same.next<"gps">()->data();
+    FlyingFc again;
+    EXPECT_TRUE(std::ranges::equal(again.next<"gps">()->data(), first)) << "the same seed, the same error";
+    FlyingFc other{Settings{.id = 0, .hz = 50, .seed = 2}};
+    EXPECT_FALSE(std::ranges::equal(other.next<"gps">()->data(), first));
+}
+
 TEST(FlightController, follows_the_sticks) {
     FlyingFc fc;
     fc.fly_to(3);
@@ -313,6 +366,7 @@ TEST(FlightController, speaks_at_its_rates_and_makes_up_for_no_pause) {
     EXPECT_EQ(fc.count(0x03), 1000u);
     for (const int id : {0x02, 0x04, 0x05, 0x07}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 500u) << id;
     for (const int id : {0x06, 0x0A, 0x0B, 0x20}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 100u) << id;
+    EXPECT_EQ(fc.count(0x30), 50u);
     for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF9}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
     fc.said.clear();
     fc.now += 10s;

@@ -43,17 +43,24 @@ const over = (job: Job): boolean => job.state !== "running" && job.state !== "wa
 const lost: Answer<never> = { ok: false, refusal: { status: 0, error: "", what: "no_contact" } };
 const againAfter = 500; // milliseconds
 
+/** A gateway that was restarted counts its jobs from the first again: the number of one that it no longer knows may be another's. */
+export const isSameJob = (before: Job, now: Job): boolean => before.id === now.id && before.kind === now.kind && before.device === now.device;
+
 /** Follows a job to its end; `onJob` is told of each change. A job goes on without us: when the contact was lost, it is looked for until the
  * gateway is there again. Without an end nobody knows what came of it. */
-export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void): Promise<Answer<T>> {
-  let id: number | undefined;
-  const take = (job: Job<T>): void => onJob(((id = job.id), job));
+export async function follow<T>(route: string, options: Options, onJob: (job: Job<T>) => void, known?: Job<T>): Promise<Answer<T>> {
+  let isAnother = false;
+  const take = (job: Job<T>): void => {
+    if ((isAnother ||= known !== undefined && !isSameJob(known, job))) return;
+    known = job;
+    onJob(job);
+  };
   let answer = await listen<T>(route, options, take);
-  while (!answer.ok && answer.refusal.status === 0 && id !== undefined) {
+  while (!isAnother && !answer.ok && answer.refusal.status === 0 && known) {
     await new Promise((done) => setTimeout(done, againAfter));
-    answer = await listen<T>(`/jobs/${id}`, {}, take);
+    answer = await listen<T>(`/jobs/${known.id}`, {}, take);
   }
-  return !answer.ok && id !== undefined && answer.refusal.status === 404 ? lost : answer;
+  return isAnother || (!answer.ok && known && answer.refusal.status === 404) ? lost : answer;
 }
 
 /** One connection long. */
@@ -88,7 +95,7 @@ export async function begin<T>(route: string, options: Options, onJob: (job: Job
   const answer = await ask<Job<T>>(route, { ...options, method: "POST" });
   if (!answer.ok) return answer;
   onJob(answer.value);
-  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob);
+  return over(answer.value) ? endOf(answer.value) : follow<T>(`/jobs/${answer.value.id}`, {}, onJob, answer.value);
 }
 
 export const cancel = (job: Job): Promise<Answer<Job>> => ask(`/jobs/${job.id}`, { method: "DELETE" });

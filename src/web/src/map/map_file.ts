@@ -76,8 +76,9 @@ export class MapFile {
     return new Blob([await this.read(part)], { type: this.header.type });
   }
 
-  private bytesOf(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
-    return this.header.packed ? unpacked(bytes, most) : Promise.resolve(new Uint8Array(bytes));
+  private async bytesOf(bytes: ArrayBuffer, most: number): Promise<Uint8Array> {
+    if (!this.header.packed) return new Uint8Array(bytes);
+    return unpacked(bytes, most).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault("a directory is damaged"); });
   }
 
   private async entriesIn(bytes: ArrayBuffer): Promise<Entry[]> {

@@ -50,10 +50,13 @@ export class MapTiles {
     ++this.asking;
     try {
       const blob = await (await this.open()).tile(zoom, x, y);
-      if (blob) one.picture = await createImageBitmap(blob);
+      if (blob) one.picture = await createImageBitmap(blob).catch(() => { throw new MapFault("a tile is no picture"); });
       else one.none = true;
-    } catch {
+      if (one.picture) mapFault.set("");
+    } catch (fault) {
       one.failedAt = performance.now();
+      const isBlank = ![...this.kept.values()].some((other) => other.picture);
+      if (isBlank && fault instanceof MapFault) mapFault.set(fault.message);
     }
     one.asked = false;
     --this.asking;

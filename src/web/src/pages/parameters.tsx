@@ -9,7 +9,7 @@ import { cancel, follow, type Job } from "../live/jobs";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { changesOf, fileOf, isCalibration, isSame, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
+import { changesOf, fileOf, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
 import { hexByte } from "../protocol/table";
 
 interface All {
@@ -119,9 +119,9 @@ export function Parameters({ device }: { device: number }) {
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = parameters.filter((one) => {
     const name = nameOf(one);
-    if (which === "changed" && !(name in changes)) return false;
+    if (which === "changed" && !Object.hasOwn(changes, name)) return false;
     if (which === "defaults") return false;
-    if (which === "file" && !(name in differing) && !(name in changes)) return false;
+    if (which === "file" && !Object.hasOwn(differing, name) && !Object.hasOwn(changes, name)) return false;
     const text = `${name} ${one.text ?? ""}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
@@ -159,8 +159,8 @@ export function Parameters({ device }: { device: number }) {
         {shown.map((one) => {
           const name = nameOf(one);
           return (
-            <Row key={one.id} parameter={one} typed={typed[name]} file={file?.[name]} end={ends[name]} disabled={!mayAct() || action.busy}
-              onType={(text) => setTyped((before) => { const next = { ...before }; if (text === undefined) delete next[name]; else next[name] = text; return next; })} />
+            <Row key={one.id} parameter={one} typed={named(typed, name)} file={named(file, name)} end={named(ends, name)} disabled={!mayAct() || action.busy}
+              onType={(text) => setTyped((before) => (text === undefined ? Object.fromEntries(Object.entries(before).filter(([other]) => other !== name)) : { ...before, [name]: text }))} />
           );
         })}
       </ul>

@@ -4,6 +4,12 @@ import { t } from "../i18n";
 
 export const holdFor = 800; // milliseconds
 
+/** A touch belongs to what it began on, and would not leave that when the finger slips off. */
+function letGo(event: PointerEvent): void {
+  const at = event.currentTarget as Element;
+  if (at.hasPointerCapture(event.pointerId)) at.releasePointerCapture(event.pointerId);
+}
+
 export function HoldButton({ label, kind, disabled, onHeld }: { label: string; kind?: string; disabled?: boolean; onHeld: () => void }) {
   const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
   const [held, setHeld] = useState(false);
@@ -30,7 +36,7 @@ export function HoldButton({ label, kind, disabled, onHeld }: { label: string; k
       disabled={disabled}
       title={t("hold_hint")}
       aria-label={`${label}: ${t("hold_hint")}`}
-      onPointerDown={(event) => { if (event.button === 0) start(); }}
+      onPointerDown={(event) => { if (event.button === 0) { letGo(event); start(); } }}
       onPointerUp={stop}
       onPointerLeave={stop}
       onPointerCancel={stop}
