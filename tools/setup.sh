@@ -1,6 +1,11 @@
 # Shared by tools/run, tools/test and others, which source it. Sets $root and $jobs.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
+# may_install: whether packages can be installed, by root or by sudo.
+may_install() {
+    ((EUID == 0)) || { command -v sudo >/dev/null && { [[ -t 0 ]] || sudo -n true 2>/dev/null; }; }
+}
+
 # need_packages PACKAGE[:COMMAND]...: installs missing packages by apt. A package with a COMMAND is not needed where that command exists.
 need_packages() {
     local entry missing=()
@@ -12,13 +17,11 @@ need_packages() {
     ((${#missing[@]})) || return 0
 
     local sudo=()
-    if ((EUID != 0)); then
-        if ! command -v sudo >/dev/null || { [[ ! -t 0 ]] && ! sudo -n true 2>/dev/null; }; then
-            echo "Packages are missing; as root: apt-get install ${missing[*]}" >&2
-            exit 1
-        fi
-        sudo=(sudo)
+    if ! may_install; then
+        echo "Packages are missing; as root: apt-get install ${missing[*]}" >&2
+        exit 1
     fi
+    if ((EUID != 0)); then sudo=(sudo); fi
     echo "Installing ${missing[*]}" >&2
     local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
     "${apt[@]}" update >&2 || echo "apt-get update failed; trying with the package lists there are" >&2

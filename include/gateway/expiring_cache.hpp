@@ -7,28 +7,35 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
+#include <new>
+#include <type_traits>
 
 namespace anogate {
 
 /// Remembers a value by key for a while. Bounded: where it is full, the oldest gives way. Constant time, no allocation
-/// after construction.
+/// after construction. What was never put into takes no memory but addresses.
 template <class Value>
 class ExpiringCache {
+    static_assert(std::is_trivially_copyable_v<Value>);
+
 public:
-    /// `capacity` is rounded up to a power of two.
+    /// `capacity` is rounded up to a power of two. Throws std::bad_alloc.
     ExpiringCache(ano::Duration window, std::size_t capacity)
         : window_{window},
           shift_{64 - std::countr_zero(std::bit_ceil(std::max(capacity / ways, std::size_t{2})))},
-          sets_{new Set[set_count()]} {}
+          sets_{static_cast<Set*>(std::calloc(set_count(), sizeof(Set)))} {
+        if (!sets_) throw std::bad_alloc{};
+    }
 
     /// What was remembered of `key` less than `window` before `at`, or since, or nullptr. Valid until the next put().
     Value* find(std::uint64_t key, ano::TimePoint at) noexcept {
         Slot* slot = slot_of(key);
-        return slot && at < slot->at + window_ ? &slot->value : nullptr;
+        return slot && at < time_of(*slot) + window_ ? &slot->value : nullptr;
     }
     /// When it was put in; for one that find() gave.
-    ano::TimePoint put_at(std::uint64_t key) noexcept { return slot_of(key)->at; }
+    ano::TimePoint put_at(std::uint64_t key) noexcept { return time_of(*slot_of(key)); }
     /// Remembers `value` from `now` on, in place of what was known of `key`.
     void put(std::uint64_t key, const Value& value, ano::TimePoint now) noexcept {
         Slot* slot = slot_of(key);
@@ -36,7 +43,7 @@ public:
             Set& set = set_of(key);
             slot = std::min_element(set.begin(), set.end(), [](const Slot& a, const Slot& b) { return a.at < b.at; });
         }
-        *slot = {key, now, value};
+        *slot = {key, stored(now), value};
     }
     /// Calls `keep(key, value)`, which may change the value, for all that is remembered, and forgets those for which it is
     /// false. It walks all the memory: not for each frame.
@@ -44,7 +51,7 @@ public:
     void keep_if(Keep keep) {
         for (std::size_t i = 0; i < set_count(); ++i)
             for (Slot& slot : sets_[i])
-                if (slot.at != ano::TimePoint::min() && !keep(slot.key, slot.value)) slot = {};
+                if (slot.at != empty && !keep(slot.key, slot.value)) slot = {};
     }
 
     /// Calls `tell(key, at, value)` for all that was put in, however long ago. As keep_if(), not for each frame.
@@ -52,29 +59,42 @@ public:
     void for_each(Tell tell) const {
         for (std::size_t i = 0; i < set_count(); ++i)
             for (const Slot& slot : sets_[i])
-                if (slot.at != ano::TimePoint::min()) tell(slot.key, slot.at, slot.value);
+                if (slot.at != empty) tell(slot.key, time_of(slot), slot.value);
     }
 
 private:
     static constexpr std::size_t ways = 4;
+    static constexpr std::uint64_t empty = 0;
     struct Slot {
         std::uint64_t key = 0;
-        ano::TimePoint at = ano::TimePoint::min();
+        std::uint64_t at = empty;    // in the order of time; TimePoint::min() is 0
         Value value{};
     };
     using Set = std::array<Slot, ways>;
+    // From calloc(): an empty slot is all zeros, and pages that nobody wrote to are not in memory.
+    struct Free {
+        void operator()(Set* sets) const noexcept { std::free(sets); }
+    };
+
+    static constexpr std::uint64_t sign = std::uint64_t{1} << 63;
+    static std::uint64_t stored(ano::TimePoint at) noexcept {
+        return static_cast<std::uint64_t>(at.time_since_epoch().count()) ^ sign;
+    }
+    static ano::TimePoint time_of(const Slot& slot) noexcept {
+        return ano::TimePoint{ano::Duration{static_cast<ano::Duration::rep>(slot.at ^ sign)}};
+    }
 
     std::size_t set_count() const noexcept { return std::size_t{1} << (64 - shift_); }
     Set& set_of(std::uint64_t key) noexcept { return sets_[static_cast<std::size_t>(key * 0x9E3779B97F4A7C15u >> shift_)]; }
     Slot* slot_of(std::uint64_t key) noexcept {
         for (Slot& slot : set_of(key))
-            if (slot.key == key && slot.at != ano::TimePoint::min()) return &slot;
+            if (slot.key == key && slot.at != empty) return &slot;
         return nullptr;
     }
 
     ano::Duration window_;
     int shift_;
-    std::unique_ptr<Set[]> sets_;
+    std::unique_ptr<Set[], Free> sets_;
 };
 
 }    // namespace anogate

@@ -1,5 +1,4 @@
 // The gateway as a device, from outside: a host that knows the protocol text alone, our own host engine, and what a restart finds.
-#include <support/anoctl.hpp>
 #include <support/asked.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -288,23 +287,6 @@ TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
     is_refused("POST", "/devices/21/commands/RESTART_LINK", R"({"values": [0]})");
     is_refused("POST", "/devices/21/actions", R"({"action": "save"})");
     EXPECT_EQ(parameter("FORGET_AFTER").at("value"), 30'000);
-}
-
-TEST_F(OwnDevice, is_set_up_by_anoctl_through_the_gateway_and_by_a_link_of_its_own) {
-    const auto through = support::anoctl({"param", "get", "FORGET_AFTER", "--device", "21", "--control", socket});
-    EXPECT_EQ(through.exit, 0) << through.err;
-    EXPECT_NE(through.out.find("30000"), std::string::npos) << through.out;
-    const auto by_link = [&](const std::string& name, std::vector<std::string> words) {
-        words.insert(words.end(), {"--device", "21", "--link", "udp:127.0.0.1:" + std::to_string(daemon->port(name))});
-        return support::anoctl(words);
-    };
-    EXPECT_EQ(by_link("guest", {"param", "get", "FORGET_AFTER"}).exit, 0);
-    EXPECT_EQ(by_link("guest", {"param", "set", "FORGET_AFTER", "5000"}).exit, 1);
-    EXPECT_EQ(parameter("FORGET_AFTER").at("value"), 30'000);
-    const auto set = by_link("ground", {"param", "set", "FORGET_AFTER", "5000"});
-    EXPECT_EQ(set.exit, 0) << set.err;
-    EXPECT_TRUE(until_parameter("FORGET_AFTER", 5000, "parameter"));
-    EXPECT_EQ(by_link("ground", {"command", "call", "RELOAD", "--yes"}).exit, 0);
 }
 
 // A question to everybody goes round, is answered once by each, and no answer is taken for another question.

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+#include <fstream>
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -9,6 +12,13 @@ using ano::TimePoint;
 namespace {
 
 constexpr TimePoint start{1h};
+
+/// Resident memory of this process, in bytes.
+long resident() {
+    long mapped = 0, pages = 0;
+    std::ifstream{"/proc/self/statm"} >> mapped >> pages;
+    return pages * ::sysconf(_SC_PAGESIZE);
+}
 
 }    // namespace
 
@@ -30,6 +40,26 @@ TEST(ExpiringCache, forgets_the_oldest_when_full) {
     for (int n = 0; n < 1000; ++n) known += cache.find(static_cast<std::uint64_t>(n), start + 1s) != nullptr;
     EXPECT_EQ(known, 8);
     EXPECT_NE(cache.find(999, start + 1s), nullptr);
+}
+
+TEST(ExpiringCache, holds_no_memory_for_what_was_never_put_in) {
+    const long before = resident();
+    ExpiringCache<std::array<std::uint64_t, 6>> cache{1h, 1 << 19};    // 32 MiB
+    cache.put(1, {1}, start);
+    for (std::uint64_t n = 0; n < 100'000; ++n) cache.find(n, start);
+    cache.keep_if([](std::uint64_t, const auto&) { return true; });
+    EXPECT_LT(resident() - before, 16'000'000);    // sanitizers need an eighth for themselves
+    EXPECT_EQ((*cache.find(1, start))[0], 1u);
+}
+
+TEST(ExpiringCache, tells_when_something_was_put_in) {
+    ExpiringCache<int> cache{2s, 64};
+    for (const TimePoint at : {TimePoint{}, TimePoint{} - 1s, start}) {    // a clock may begin anywhere
+        cache.put(5, 1, at);
+        ASSERT_NE(cache.find(5, at), nullptr);
+        EXPECT_EQ(cache.put_at(5), at);
+        cache.for_each([at](std::uint64_t key, TimePoint told, int) { EXPECT_TRUE(key == 5 && told == at); });
+    }
 }
 
 TEST(ExpiringCache, is_swept_by_what_is_to_stay) {
