@@ -347,12 +347,14 @@ TEST(Mcap, goes_on_behind_a_damaged_chunk_and_tells_what_was_in_it) {
 
 // It had the channel of frames.
 TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged) {
-    const DamagedFile file = with_damaged_chunks({0});
-    const auto read = read_recording(file.bytes);
-    EXPECT_EQ(read.items, file.items);
-    EXPECT_EQ(read.skipped.count, 1u);
-    EXPECT_EQ(read.skipped.frames, 2u);
-    EXPECT_EQ(read.foreign, 0u);
+    for (const bool is_ended : {true, false}) {
+        const DamagedFile file = with_damaged_chunks({0}, is_ended);
+        const auto read = read_recording(file.bytes);
+        EXPECT_EQ(read.items, file.items);
+        EXPECT_EQ(read.skipped.count, 1u);
+        EXPECT_EQ(read.skipped.frames, 2u);
+        EXPECT_EQ(read.foreign, 0u);
+    }
 }
 
 TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {

@@ -37,7 +37,7 @@ TEST(RosJson, has_the_names_of_the_definition_in_its_order) {
     ValueList values;
     values.push(ano::Value{std::int64_t{-3}});
     values.push(ano::Value{std::string_view{"fc"}});
-    values.push(ano::Value{std::int64_t{1}});
+    values.push(ano::Value{std::uint64_t{1}});
     values.push(12.5);
     EXPECT_EQ(ros_json(message, values.values()), R"({"header":{"sec":-3,"frame_id":"fc"},"present":true,"voltage":12.5})");
 }
