@@ -92,7 +92,8 @@ TEST_F(Transceiver, listens_when_it_is_closed_at_any_moment_and_can_be_opened_ag
 TEST_F(Transceiver, that_was_closed_while_bytes_were_on_their_way_begins_anew) {
     for (int round = 0; round < 50; ++round) {
         open();
-        write();
+        line.writing();
+        line.written();
         line.close();
         const std::size_t before = turns.size();
         open();

@@ -36,12 +36,6 @@ TEST(Decode, bytes_from_standard_input_and_from_a_file) {
     EXPECT_EQ(anoctl({"decode"}, raw(log_hex)).out, line);
 }
 
-TEST(Decode, finds_a_frame_behind_a_header_whose_frame_would_end_behind_the_file) {
-    const auto result = anoctl({"decode", "-"}, raw("AB DC FE 01 14 00") + raw(log_hex));
-    EXPECT_EQ(result.out, "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n");
-    EXPECT_EQ(result.exit, 1);
-}
-
 TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
     std::string bytes;
     std::string expected;

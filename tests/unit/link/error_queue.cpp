@@ -1,0 +1,34 @@
+#include <link/error_queue.hpp>
+
+#include <support/udp_peer.hpp>
+#include <support/wait.hpp>
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace {
+
+using support::Bytes;
+
+TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
+    support::UdpPeer sender;
+    anogate::keep_error_reports(sender.fd(), false);
+    std::vector<anogate::Endpoint> closed, refused;
+    for (int i = 0; i < 3; ++i) closed.push_back(support::UdpPeer{}.local());
+    for (const anogate::Endpoint& there : closed)
+        while (!sender.send(there, Bytes{1})) {}    // one call fails for what became of the one before
+    std::size_t reports = 0;
+    const auto take = [&] {
+        reports = anogate::take_error_reports(sender.fd(), [&](const anogate::Endpoint& who) { refused.push_back(who); });
+    };
+    pollfd there{sender.fd(), 0, 0};
+    ASSERT_EQ(::poll(&there, 1, 10'000), 1);
+    take();
+    EXPECT_EQ(reports, 3u);
+    EXPECT_EQ(refused, closed);
+    take();
+    EXPECT_EQ(reports, 0u);
+}
+
+}    // namespace
