@@ -246,7 +246,7 @@ void Recordings::save_for(std::string_view why) {
     }
     saved_at_ = now;
     save_as_ = name_by_time(since_1970()) + "-" + std::string{why};
-    save_due_.set(now + 2 * FrameWatch::batch_time);
+    save_due_.set(now + 2 * FrameFilterSettings{}.batch);
 }
 
 void Recordings::save(const std::string& name, RecordingFormat format, Say say) {
