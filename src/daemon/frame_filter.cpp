@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = FrameFilterSettings::Bytes;
 
-constexpr std::string_view filter_names[] = {"from", "to", "id", "link", "direction", "format"};
+constexpr std::string_view filter_names[] = {"from", "to", "id", "link", "direction", "batch", "format"};
 constexpr std::string_view limit_name = "limit.";
 constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
@@ -72,6 +72,14 @@ Fault read_format(std::string_view word, FrameFormat& format) {
     return {};
 }
 
+Fault read_batch(std::string_view word, ano::Duration& batch) {
+    constexpr ano::Duration shortest = std::chrono::milliseconds{1}, longest = std::chrono::seconds{1};
+    const auto time = parse_duration(word);
+    if (!time || *time < shortest || *time > longest) return is_not("batch", word, "is no time from 1ms to 1s");
+    batch = *time;
+    return {};
+}
+
 Fault read_limit(std::string_view message, std::string_view rate, std::vector<LimitRule>& limits) {
     const LimitText limit = parse_limit(message, rate);
     return limit.rule ? add_limit(*limit.rule, limits) : limit.error;
@@ -87,7 +95,7 @@ public:
         const auto* const found = std::find(std::begin(filter_names), std::end(filter_names), field.name);
         if (found == std::end(filter_names))
             return "there is no filter " + ano::in_quotes(field.name) + ano::did_you_mean(field.name, filter_names) +
-                   "; there are from, to, id, link, direction, limit.ID and format";
+                   "; there are from, to, id, link, direction, limit.ID, batch and format";
         if (field.value.empty()) return field.name + "= says nothing: leave it out";
         bool& given = given_[static_cast<std::size_t>(found - std::begin(filter_names))];
         for (const std::string_view word : split(field.value, ',')) {
@@ -107,12 +115,18 @@ private:
         if (name == "id") return read_id(word, given, f.ids);
         if (name == "link") return read_link(word, links_, f.links);
         if (name == "direction") return read_direction(word, given, f.directions);
+        if (name == "batch") return read_batch(word, f.batch);
         return read_format(word, query.format);
     }
 
     std::span<const std::string_view> links_;
     std::array<bool, std::size(filter_names)> given_{};
 };
+
+bool is_all(FrameFilterSettings settings) {
+    settings.batch = FrameFilterSettings{}.batch;
+    return settings == FrameFilterSettings{};
+}
 
 }    // namespace
 
@@ -125,11 +139,7 @@ std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Fi
 }
 
 FrameFilter::FrameFilter(const FrameFilterSettings& settings)
-    : ids_{settings.ids},
-      from_{settings.from},
-      to_{settings.to},
-      takes_all_{settings == FrameFilterSettings{}},
-      directions_{settings.directions} {
+    : ids_{settings.ids}, from_{settings.from}, to_{settings.to}, takes_all_{is_all(settings)}, directions_{settings.directions} {
     if (settings.samples) samples_ = std::make_unique<FrameSamples>();
     if (settings.limit.empty()) return;
     limits_ = std::make_unique<std::array<Limit, 3>>();

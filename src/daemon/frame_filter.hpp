@@ -1,5 +1,6 @@
 // What somebody who watches the frames wants to see of them (GET /frames?...).
 #pragma once
+#include <ano/time.hpp>
 #include <gateway/filter.hpp>
 #include <gateway/frame_record.hpp>
 #include <gateway/ids.hpp>
@@ -7,6 +8,7 @@
 
 #include <array>
 #include <bitset>
+#include <chrono>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,6 +25,8 @@ struct FrameFilterSettings {
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
     bool samples = false;                                // of each link, sender and id about two frames a second
+    /// How long a frame may wait for others, to be told of together with them: 1 ms to 1 s. Each telling costs a wake-up.
+    ano::Duration batch = std::chrono::milliseconds{10};
     bool operator==(const FrameFilterSettings&) const = default;
 };
 
@@ -33,8 +37,8 @@ struct FrameQuery {
     FrameFormat format = FrameFormat::json;
 };
 
-/// Of `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE` and
-/// `format=json|binary`; a name that is given twice adds to the first. `links` are those that there are. Else what is wrong, in words.
+/// Of `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE`,
+/// `batch=40ms` and `format=json|binary`; a name that is given twice adds to the first. `links` are those that there are. Else what is wrong, in words.
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
 

@@ -43,7 +43,7 @@ std::uint8_t number_of(const Channel& channel) noexcept {
 
 }    // namespace
 
-FrameWatch::FrameWatch(Gateway& gateway) : gateway_{gateway}, due_{gateway.alarms(), [this] { deliver(); }} {}
+FrameWatch::FrameWatch(Gateway& gateway) : gateway_{gateway} {}
 
 FrameWatch::~FrameWatch() {
     if (!streams_.empty()) gateway_.remove_observer(*this);
@@ -59,8 +59,8 @@ void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
 
 void FrameWatch::join(Watcher& watcher, const FrameFilterSettings& settings) {
     auto stream = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->settings == settings; });
-    if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(settings));
-    end_batch(**stream);    // what was before is not for him
+    if (stream == streams_.end()) stream = streams_.insert(streams_.end(), std::make_unique<Stream>(gateway_.alarms(), settings));
+    (*stream)->end_batch(gateway_.time());    // what was before is not for him
     (*stream)->filter.set_links(links_called(settings.links, *tables_));
     (*stream)->watchers.push_back(&watcher);
 }
@@ -69,7 +69,7 @@ void FrameWatch::change(Watcher& watcher, const FrameFilterSettings& settings) {
     look_at_links();
     for (const auto& stream : streams_)
         if (std::find(stream->watchers.begin(), stream->watchers.end(), &watcher) != stream->watchers.end()) {
-            end_batch(*stream);
+            stream->end_batch(gateway_.time());
             std::erase(stream->watchers, &watcher);
         }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
@@ -81,13 +81,12 @@ void FrameWatch::remove(Watcher& watcher) {
     for (auto& stream : streams_) {
         const auto place = std::find(stream->watchers.begin(), stream->watchers.end(), &watcher);
         if (place == stream->watchers.end()) continue;
-        end_batch(*stream);    // he may still take what he saw
+        stream->end_batch(gateway_.time());    // he may still take what he saw
         stream->watchers.erase(place);
     }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
     if (!streams_.empty() || before == 0) return;
     gateway_.remove_observer(*this);
-    due_.cancel();
     tables_.reset();
 }
 
@@ -135,17 +134,17 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
         for (Watcher* watcher : stream.watchers) watcher->queue.lose(frame.id(), at);
         return;
     }
-    if (!due_.is_set()) {
+    if (!stream.due.is_set()) {
         read_clocks();
-        due_.set(Clock::now() + batch_time);
+        stream.due.set(Clock::now() + stream.settings.batch);
     }
     if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
     append(*stream.batch, {time + real_ns_, time + boot_ns_, static_cast<std::uint8_t>(event.link), event.direction, event.cause,
                            event.channel, frame});
     if (stream.batch->size() < batch_size) return;
-    end_batch(stream);
-    due_.set(Clock::now());
+    stream.end_batch(gateway_.time());
+    stream.due.set(Clock::now());
 }
 
 // Room for as much as the last one had: it need not grow step by step, and many small ones that wait take no more than they hold.
@@ -170,28 +169,26 @@ void FrameWatch::look_at_links() {
     tables_ = tables_of(gateway_);
     version_ = gateway_.forwarder().version();
     for (const auto& stream : streams_) {
-        end_batch(*stream);
+        stream->end_batch(gateway_.time());
         stream->filter.set_links(links_called(stream->settings.links, *tables_));
         for (Watcher* watcher : stream->watchers) watcher->queue.push(tables_);
     }
 }
 
-void FrameWatch::end_batch(Stream& stream) {
-    const WatchQueue::Batch batch = std::exchange(stream.batch, nullptr);
-    if (!batch) return;
-    stream.usual = batch->size();
-    for (Watcher* watcher : stream.watchers) {
-        if (watcher->queue.push(batch)) continue;
-        std::string_view rest = *batch;
-        while (const auto record = take_record(rest)) watcher->queue.lose(record->frame.id(), gateway_.time());
+void FrameWatch::Stream::end_batch(TimePoint now) {
+    const WatchQueue::Batch ended = std::exchange(batch, nullptr);
+    if (!ended) return;
+    usual = ended->size();
+    for (Watcher* watcher : watchers) {
+        if (watcher->queue.push(ended)) continue;
+        std::string_view rest = *ended;
+        while (const auto record = take_record(rest)) watcher->queue.lose(record->frame.id(), now);
     }
 }
 
-void FrameWatch::deliver() {
-    for (const auto& stream : streams_) {
-        end_batch(*stream);
-        for (Watcher* watcher : stream->watchers) watcher->more();
-    }
+void FrameWatch::Stream::deliver() {
+    end_batch(Clock::now());
+    for (Watcher* watcher : watchers) watcher->more();
 }
 
 }    // namespace anogate

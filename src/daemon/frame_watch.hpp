@@ -27,11 +27,10 @@ protected:
 };
 
 /// It is in the way of no frame while nobody watches. A frame is copied once for all watchers with the same filter: into a batch, which
-/// goes to each of them within some milliseconds. While none of them takes anything, it is only counted.
+/// goes to each of them when its settings say so. While none of them takes anything, it is only counted.
 class FrameWatch final : private Forwarder::Observer {
 public:
-    static constexpr ano::Duration batch_time = std::chrono::milliseconds{10};
-    static constexpr std::size_t batch_size = 64 * 1024;
+    static constexpr std::size_t batch_size = 64 * 1024;    // bytes; one that is as large does not wait
 
     /// `gateway` outlives it.
     explicit FrameWatch(Gateway& gateway);
@@ -49,13 +48,17 @@ public:
 private:
     // Those of the same filter.
     struct Stream {
-        Stream(const FrameFilterSettings& its_settings) : settings{its_settings}, filter{its_settings} {}
+        Stream(AlarmClock& alarms, const FrameFilterSettings& its_settings)
+            : settings{its_settings}, filter{its_settings}, due{alarms, [this] { deliver(); }} {}
+        void end_batch(TimePoint now);
+        void deliver();
 
         FrameFilterSettings settings;
         FrameFilter filter;
         std::vector<Watcher*> watchers;
         std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last
         std::size_t usual = 0;                 // bytes of a batch
+        Alarm due;
     };
     struct Event {
         Direction direction;
@@ -78,11 +81,8 @@ private:
     void read_clocks();
     bool has_other_links() const noexcept;
     void look_at_links();
-    void end_batch(Stream& stream);
-    void deliver();
 
     Gateway& gateway_;
-    Alarm due_;
     std::vector<std::unique_ptr<Stream>> streams_;
     WatchQueue::Tables tables_;
     std::uint64_t version_ = 0;    // of the forwarder, that the tables are of

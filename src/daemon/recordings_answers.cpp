@@ -249,7 +249,7 @@ void Recordings::save_for(std::string_view why) {
     }
     saved_at_ = now;
     save_as_ = name_by_time(since_1970()) + "-" + std::string{why};
-    save_due_.set(now + 2 * FrameWatch::batch_time);
+    save_due_.set(now + 2 * FrameFilterSettings{}.batch);
 }
 
 // One at a time, which sets is_saving_: while the disk hangs, each would hold all frames of its time.

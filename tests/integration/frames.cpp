@@ -157,14 +157,35 @@ TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
         EXPECT_EQ(answer.status, 400u) << answer.body;
         return json::parse(answer.body).at("error").get<std::string>();
     };
-    EXPECT_EQ(refused("idd=3"),
-              "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID and format");
+    EXPECT_EQ(
+        refused("idd=3"),
+        "there is no filter 'idd' (did you mean 'id'?); there are from, to, id, link, direction, limit.ID, batch and format");
     EXPECT_EQ(refused("link=aa"), "there is no link 'aa'");
     EXPECT_EQ(refused("format=binary"), "format=binary is for a WebSocket: as lines there is JSON");
     Ear wrong{door, "/frames?id=wnd"};
     ASSERT_TRUE(door.gateway.until([&] { return wrong.ended.has_value(); }));
     EXPECT_EQ(wrong.ended->answer.status, 400u);
     EXPECT_NE(wrong.ended->answer.body.find("did you mean 'wind'?"), std::string::npos) << wrong.ended->answer.body;
+}
+
+TEST_F(Frames, come_together_as_long_after_the_first_as_is_said) {
+    Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
+    ASSERT_TRUE(until_watches(ear));
+    std::size_t sent = 0;
+    for (std::size_t messages = 0; messages < 4; messages = ear.messages().size()) {
+        for (int i = 0; i < 20; ++i) {    // with so few no batch is full
+            send(euler);
+            ASSERT_TRUE(until_in(++sent));
+        }
+        ASSERT_TRUE(door.gateway.until([&] { return ear.messages().size() > messages; }));
+    }
+    ASSERT_TRUE(until_seen(ear, sent));
+    std::vector<std::chrono::nanoseconds> begun;
+    for (const std::string& message : ear.messages()) {
+        std::string_view rest = message;
+        begun.emplace_back(anogate::take_record(rest)->time_ns);
+    }
+    for (std::size_t i = 1; i < begun.size(); ++i) EXPECT_GT(begun[i] - begun[i - 1], 190ms);
 }
 
 TEST_F(Frames, without_an_upgrade_they_are_lines_that_never_end) {

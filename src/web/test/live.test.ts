@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { CounterRates, drops } from "../src/live/counters";
-import { Liveness } from "../src/live/liveness";
-import { Rate } from "../src/live/rate";
+import { askEvery, Liveness, lostAfter } from "../src/live/liveness";
+import { Arrivals, Rate } from "../src/live/rate";
 import { FrameRows } from "../src/live/rows";
 import { takeRecords, textMessage, type FrameRecord } from "../src/protocol/records";
 
@@ -51,7 +51,7 @@ test("counts how often something comes, and sees that it is late", () => {
   assert.equal(slow.isLate(40), true);
 });
 
-test("a gateway that is silent for a second is lost, on a slow line as well", () => {
+test("a gateway is lost when it was silent for so long that people see it within a second, on a slow line as well", () => {
   const alive = new Liveness();
   assert.equal(alive.contact(0), "never");
   assert.equal(alive.ask(0), 1);
@@ -62,12 +62,30 @@ test("a gateway that is silent for a second is lost, on a slow line as well", ()
   alive.heard(1250);
   alive.ended(1);
   assert.equal(alive.contact(1250), "live");
-  assert.equal(alive.ask(1250), 4);
-  assert.equal(alive.contact(2250), "live");
-  assert.equal(alive.contact(2251), "lost");
+  assert.equal(alive.ask(1649), undefined, "it was just heard");
+  assert.equal(alive.ask(1650), 4);
+  assert.equal(alive.lostAt(), 1250 + lostAfter);
+  assert.equal(alive.contact(1250 + lostAfter - 1), "live");
+  assert.equal(alive.contact(1250 + lostAfter), "lost");
+  const drawing = 3 * (1000 / 60); // a timer that is late by a frame, and two that it takes to be seen
+  assert.ok(lostAfter + drawing < 1000);
   alive.restart(9000);
   assert.equal(alive.contact(9500), "live", "what was hidden asked nothing");
-  assert.equal(alive.contact(10001), "lost");
+  assert.equal(alive.contact(9000 + lostAfter), "lost");
+});
+
+test("who is heard anyway is asked for no more than what the answer says; who is silent, soon", () => {
+  const alive = new Liveness();
+  const asked: number[] = [];
+  for (let now = 0; now < 4500; now += 40) {
+    const question = alive.ask(now);
+    if (question !== undefined) (asked.push(now), alive.ended(question));
+    alive.heard(now);
+  }
+  assert.deepEqual(asked, [0, 1000, 2000, 3000, 4000]);
+  assert.equal(alive.ask(4480 + askEvery - 1), undefined);
+  assert.notEqual(alive.ask(4480 + askEvery), undefined, "half a second is left for the answer");
+  assert.ok(askEvery < lostAfter / 2);
 });
 
 test("rates of counters outlive a gateway that begins anew", () => {
@@ -96,4 +114,22 @@ test("keeps a row for each link, sender and message, and no more than a page can
   for (let from = 0; from < 254; ++from) for (let id = 0; id < 256; ++id) rows.add(record(from, id), 1);
   assert.equal(rows.sorted().length, 2000);
   assert.ok(rows.left_out > 0);
+});
+
+test("what comes in one message was seen one after the other, and a message may be late", () => {
+  const arrivals = new Arrivals(), rate = new Rate();
+  let message = 0;
+  for (let k = 0; k < 100; ++k) { // 100 a second, in messages every 50 ms
+    const now = 500 + k * 0.05 + (k % 7 === 3 ? 0.03 : 0.002);
+    arrivals.begin();
+    const seen = Array.from({ length: 5 }, () => 7000 + message++ * 0.01);
+    arrivals.at(seen[4]!, now);
+    for (const one of seen) {
+      const at = arrivals.at(one, now);
+      assert.ok(at <= now + 1e-9 && at > now - 0.1, `${k}: ${now - at} s ago`);
+      rate.add(at);
+    }
+    if (k > 2) assert.ok(Math.abs(rate.perSecond(now) - 100) < 8, `${k}: ${rate.perSecond(now)}`);
+  }
+  assert.ok(Math.abs(rate.perSecond(504.952) - 100) < 1, String(rate.perSecond(504.952)));
 });

@@ -89,6 +89,15 @@ TEST(FrameFilter, a_limit_is_of_one_id_and_of_each_direction) {
     EXPECT_TRUE(at(100ms, euler, Direction::in));
 }
 
+TEST(FrameFilter, frames_wait_for_each_other_as_long_as_is_said_and_all_are_taken) {
+    EXPECT_EQ(read({}).filter.batch, 10ms);
+    EXPECT_EQ(read({{"batch", "1ms"}}).filter.batch, 1ms);
+    EXPECT_EQ(read({{"batch", "1s"}}).filter.batch, 1s);
+    EXPECT_NE(read({{"batch", "40ms"}}).filter, FrameFilterSettings{}) << "another stream";
+    FrameFilter filter{read({{"batch", "40ms"}}).filter};
+    EXPECT_TRUE(takes(filter, euler, Direction::dropped, 63));
+}
+
 TEST(FrameFilter, samples_are_of_each_link_sender_and_id) {
     FrameFilterSettings settings;
     settings.samples = true;
@@ -107,12 +116,15 @@ TEST(FrameFilter, samples_are_of_each_link_sender_and_id) {
 }
 
 TEST(FrameFilter, what_is_wrong_is_told_in_words) {
-    EXPECT_EQ(fault({"form", "0xDC"}),
-              "there is no filter 'form' (did you mean 'from'?); there are from, to, id, link, direction, limit.ID and format");
+    EXPECT_EQ(
+        fault({"form", "0xDC"}),
+        "there is no filter 'form' (did you mean 'from'?); there are from, to, id, link, direction, limit.ID, batch and format");
     EXPECT_EQ(fault({"id", "eular"}), "id='eular' is no id, range of ids, message or class of messages (did you mean 'euler'?)");
     EXPECT_EQ(fault({"id", ""}), "id= says nothing: leave it out");
     EXPECT_EQ(fault({"link", "grund"}), "there is no link 'grund' (did you mean 'ground'?)");
     EXPECT_EQ(fault({"direction", "inn"}), "direction='inn' is none of in, out and dropped (did you mean 'in'?)");
+    for (const char* time : {"0ms", "2s", "1001ms", "-5ms", "40", "soon"})
+        EXPECT_EQ(fault({"batch", time}), std::string{"batch='"} + time + "' is no time from 1ms to 1s");
     EXPECT_EQ(fault({"format", "xml"}), "format='xml' is neither json nor binary");
     EXPECT_NE(fault({"from", "DC"}).find("did you mean '0xDC'?"), std::string::npos) << fault({"from", "DC"});
     EXPECT_NE(fault({"from", "256"}), "nothing is wrong");

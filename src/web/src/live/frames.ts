@@ -1,5 +1,6 @@
 // The one stream of frames that the page has: each view says what it needs, and gets no more.
 import { onHeard, socketAddress } from "../api";
+import { Arrivals } from "./rate";
 import { takeRecords, textMessage, type FrameRecord, type Lost, type Tables } from "../protocol/records";
 
 export interface FrameWish {
@@ -12,15 +13,19 @@ export interface FrameWish {
 
 export interface FrameUser {
   wish: FrameWish;
-  take(record: FrameRecord): void;
+  /** `at`: when the gateway saw it, in seconds of the page's clock. */
+  take(record: FrameRecord, at: number): void;
   tables?(tables: Tables): void;
   lost?(lost: Lost): void;
   /** Frames that passed meanwhile were not seen. */
   began?(): void;
 }
 
+/** Milliseconds in which the gateway collects frames for one message: the eye sees no step, and each message costs the gateway a wake-up. */
+export const batch = 50;
+
 export function queryOf(wish: FrameWish): string {
-  const parts = ["format=binary"];
+  const parts = ["format=binary", `batch=${batch}ms`];
   if (wish.from?.length) parts.push("from=" + wish.from.join(","));
   if (wish.to?.length) parts.push("to=" + wish.to.join(","));
   if (wish.id?.length) parts.push("id=" + wish.id.join(","));
@@ -73,12 +78,18 @@ class FrameStream {
     const socket = new WebSocket(socketAddress("/frames?" + queryOf(user.wish)));
     socket.binaryType = "arraybuffer";
     this.socket = socket;
+    const arrivals = new Arrivals();
     socket.onopen = () => user.began?.();
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => {
       if (this.socket !== socket) return;
       onHeard.call();
       if (typeof event.data !== "string") {
-        takeRecords(event.data, (record) => user.take(record));
+        const records: FrameRecord[] = [], now = performance.now() / 1000;
+        takeRecords(event.data, (record) => records.push(record));
+        arrivals.begin();
+        const newest = records[records.length - 1];
+        if (newest) arrivals.at(newest.boot, now);
+        for (const record of records) user.take(record, arrivals.at(record.boot, now));
         return;
       }
       const message = textMessage(event.data);

@@ -107,20 +107,42 @@ async function keepDevices(now: number): Promise<void> {
   if (answer.ok && Array.isArray(answer.value.devices)) devices.set(answer.value.devices);
 }
 
-async function askStatus(question: number): Promise<void> {
+const statusEvery = 900; // milliseconds: people read no faster, and it costs the gateway a millisecond each
+let askedForStatus = Number.NEGATIVE_INFINITY;
+
+/** In between, something small: it is there, or not. */
+async function askGateway(question: number): Promise<void> {
+  const now = performance.now();
+  if (now - askedForStatus < statusEvery) {
+    await ask("/jobs", { timeout: 5000 });
+    return liveness.ended(question);
+  }
+  askedForStatus = now;
   const answer = await ask<Status>("/status", { timeout: 5000 });
   liveness.ended(question);
+  if (!answer.ok) askedForStatus = Number.NEGATIVE_INFINITY;
   if (!answer.ok || tokenNeeded.get()) return;
   took(answer.value);
   void keepTable(answer.value);
   void keepDevices(performance.now());
 }
 
+const beatEvery = 100; // milliseconds
+
 function beat(): void {
   if (document.hidden || tokenNeeded.get()) return;
   const now = performance.now();
   const question = liveness.ask(now);
-  if (question !== undefined) void askStatus(question);
+  if (question !== undefined) void askGateway(question);
+  const left = liveness.lostAt() - now;
+  if (left > 0 && left < beatEvery) setTimeout(look, left + 1); // the next beat would be late
+  look();
+}
+
+/** Whether the gateway is there. */
+function look(): void {
+  if (document.hidden || tokenNeeded.get()) return;
+  const now = performance.now();
   const before = contact.get();
   const after = liveness.contact(now);
   contact.set(after);
@@ -137,7 +159,7 @@ export function begin(): void {
     if (!document.hidden) liveness.restart(performance.now());
   });
   beat();
-  setInterval(beat, 100);
+  setInterval(beat, beatEvery);
 }
 
 export async function logIn(token: string): Promise<string> {

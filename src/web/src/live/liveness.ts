@@ -1,7 +1,8 @@
 // Whether the gateway is there, from when it was heard last. It decides only; times are milliseconds of one clock.
 
-export const askEvery = 400;
-export const lostAfter = 1000;
+export const askEvery = 400; // while nothing else is heard
+export const askAtLeastEvery = 1000; // for what the answer says
+export const lostAfter = 940; // with what drawing it takes, people see it within a second
 export const mostOutstanding = 3;
 
 export type Contact = "never" | "live" | "lost";
@@ -26,7 +27,12 @@ export class Liveness {
 
   contact(now: number): Contact {
     if (this.heardAt === Number.NEGATIVE_INFINITY) return "never";
-    return now - Math.max(this.heardAt, this.restartedAt) > lostAfter ? "lost" : "live";
+    return now >= this.lostAt() ? "lost" : "live";
+  }
+
+  /** When it is lost, if nothing is heard until then. */
+  lostAt(): number {
+    return Math.max(this.heardAt, this.restartedAt) + lostAfter;
   }
 
   silentFor(now: number): number {
@@ -37,7 +43,8 @@ export class Liveness {
   ask(now: number): number | undefined {
     const patience = 5000;
     for (const [question, at] of this.outstanding) if (now - at > patience) this.outstanding.delete(question);
-    if (now - this.askedAt < askEvery || this.outstanding.size >= mostOutstanding) return undefined;
+    const silent = Math.min(now - this.askedAt, now - this.heardAt);
+    if ((silent < askEvery && now - this.askedAt < askAtLeastEvery) || this.outstanding.size >= mostOutstanding) return undefined;
     this.askedAt = now;
     this.outstanding.set(++this.asked, now);
     return this.asked;

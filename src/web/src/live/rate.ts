@@ -45,3 +45,20 @@ export class Rate {
     if (gone > 0) this.times.splice(0, gone);
   }
 }
+
+/** When something was seen elsewhere, by the page's clock: what comes in one message was seen one after the other. What was on its way the
+ * shortest tells how far the clocks are apart. */
+export class Arrivals {
+  private ahead = Number.NEGATIVE_INFINITY;
+
+  /** A message has come: its clock may run a little slower than ours. */
+  begin(): void {
+    this.ahead -= 0.0005;
+  }
+
+  /** `seen`: seconds of the other clock, that only grow. */
+  at(seen: number, now: number): number {
+    this.ahead = Math.max(this.ahead, seen - now);
+    return seen - this.ahead;
+  }
+}

@@ -4,7 +4,7 @@ import { nameOf } from "../addresses";
 import { t, titleText, useLanguage } from "../i18n";
 import { remember, remembered } from "../kept";
 import { ChartData, keyOf, type Chosen, type Line } from "../live/chart_data";
-import { frameStream } from "../live/frames";
+import { batch, frameStream } from "../live/frames";
 import { devices, seconds, table } from "../live/gateway";
 import { csvOf } from "../live/series";
 import { useStore, useTick } from "../live/store";
@@ -128,13 +128,13 @@ function useDrawing(data: ChartData | undefined, count: number, view: { current:
     let changed = true;
     const watch = new ResizeObserver(() => { drawn.fit(); changed = true; });
     watch.observe(holder.current);
-    let lead = Number.NEGATIVE_INFINITY; // how far the newest frame is before the page's clock, when it comes without delay
+    let lead = Number.NEGATIVE_INFINITY; // how far the newest frame is before the page's clock, when it comes without delay: what is before that by a batch has come
     let running = 0;
     const step = (): void => {
       running = requestAnimationFrame(step);
       const now = seconds();
       lead = Math.max(lead - 0.0005, data.newest - now);
-      const edge = Number.isFinite(lead) ? now + lead : Date.now() / 1000;
+      const edge = Number.isFinite(lead) ? now + lead - batch / 1000 : Date.now() / 1000;
       const { stopped, width } = view.current;
       const from = stopped ? stopped.from : edge - width, to = stopped ? stopped.to : edge;
       drawn.draw(from, to, changed);

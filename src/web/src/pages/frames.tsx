@@ -90,7 +90,7 @@ function useRows(direction: Direction): { rows: FrameRows; tables: Tables | unde
   const [tables, setTables] = useState<Tables>();
   useEffect(() => rows.setTable(of), [rows, of]);
   useEffect(
-    () => frameStream.use({ wish: { direction }, take: (record) => void rows.add(record, seconds()), tables: setTables }),
+    () => frameStream.use({ wish: { direction }, take: (record, at) => void rows.add(record, at), tables: setTables }),
     [rows, direction],
   );
   return { rows, tables, lost: frameStream.lostFrames };

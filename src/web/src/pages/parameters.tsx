@@ -9,7 +9,7 @@ import { cancel, follow, type Job } from "../live/jobs";
 import { JobLine, OutcomeLine, refusalText, useAction } from "../parts/action";
 import { Confirm } from "../parts/confirm";
 import { download, stamp } from "../parts/download";
-import { changesOf, fileOf, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
+import { changesOf, fileOf, has, isCalibration, isSame, named, nameOf, strangerIn, valuesIn, type Parameter } from "../parts/parameter_set";
 import { hexByte } from "../protocol/table";
 
 interface All {
@@ -119,9 +119,9 @@ export function Parameters({ device }: { device: number }) {
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   const shown = parameters.filter((one) => {
     const name = nameOf(one);
-    if (which === "changed" && !Object.hasOwn(changes, name)) return false;
+    if (which === "changed" && !has(changes, name)) return false;
     if (which === "defaults") return false;
-    if (which === "file" && !Object.hasOwn(differing, name) && !Object.hasOwn(changes, name)) return false;
+    if (which === "file" && !has(differing, name) && !has(changes, name)) return false;
     const text = `${name} ${one.text ?? ""}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });

@@ -30,9 +30,9 @@ function useLatest(of: MessageTable | undefined, device: number): Latest | undef
     const position = known.find((row) => row.name === "position")?.id, gps = known.find((row) => row.name === "gps")?.id;
     return frameStream.use({
       wish: { from: [...new Set([device, ...hosts])], id: known.map((row) => row.id), limit: Object.fromEntries(known.map((row) => [row.id, wanted[row.name]!])) },
-      take: (record) => {
+      take: (record, at) => {
         if (record.from !== device && !(record.id === sticks && record.to === device)) return;
-        latest.take(record, seconds());
+        latest.take(record, at);
         if (record.id === position) addPointOf(latest, device);
         const place = record.id === gps ? placeOf(latest) : undefined;
         if (place) addPlace(device, place);

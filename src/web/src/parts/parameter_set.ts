@@ -3,7 +3,7 @@ export interface Parameter {
   id: number;
   name?: string;
   type?: string | null;
-  value?: number | string | null; // null: it is no number (NaN, infinite)
+  value?: number | string; // "nan", "inf", "-inf" of what is no number
   text?: string;
   min?: number;
   max?: number;
@@ -16,11 +16,12 @@ export const nameOf = (parameter: Parameter): string => parameter.name || String
 export const isCalibration = (name: string): boolean => name.startsWith("CAL_");
 
 /** Devices choose the names of their parameters: "constructor" is one. */
-export const named = <T>(all: Readonly<Record<string, T>> | undefined, name: string): T | undefined => (all && Object.hasOwn(all, name) ? all[name] : undefined);
+export const has = (all: object, name: string): boolean => Object.prototype.hasOwnProperty.call(all, name);
+export const named = <T>(all: Readonly<Record<string, T>> | undefined, name: string): T | undefined => (all && has(all, name) ? all[name] : undefined);
 
 /** The same value, however it is written: 5, 5.0, 0x05. */
-export function isSame(value: number | string | null | undefined, text: string, type: string | null | undefined): boolean {
-  if (value === undefined || value === null) return false;
+export function isSame(value: number | string | undefined, text: string, type: string | null | undefined): boolean {
+  if (value === undefined) return false;
   if (type === "string" || type === "text") return String(value) === text;
   const words = text.trim();
   if (words === String(value)) return true;
@@ -46,7 +47,7 @@ export function changesOf(parameters: readonly Parameter[], typed: Readonly<Reco
 
 /** The form that anoctl writes as well: {device, name, sw, parameters: {NAME: value}}. */
 export function fileOf(device: { address: string; name?: string; sw?: number }, parameters: readonly Parameter[]): string {
-  const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined && one.value !== null).map((one) => [nameOf(one), one.value]));
+  const values = Object.fromEntries(parameters.filter((one) => one.value !== undefined).map((one) => [nameOf(one), one.value]));
   return JSON.stringify({ device: device.address, name: device.name, sw: device.sw, parameters: values }, null, 2) + "\n";
 }
 

@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import dgram from "node:dgram";
 import { test } from "node:test";
-import { asked, confirm, drawnAgain, go, press, shot, textOf, until, wider, world } from "./gateway.mjs";
-import { frame, HostileDevice } from "./hostile_device.mjs";
+import { asked, confirm, drawnAgain, go, outcome, press, shot, textOf, type, until, wider, world } from "./gateway.mjs";
+import { frame, HostileDevice, LargeDevice } from "./hostile_device.mjs";
 
 const here = world(["sim:fc", "udp-listen:127.0.0.1:0,name=ground,max_data=20000"]);
 
@@ -53,6 +53,19 @@ test("a picture that was half gone by is not called lost", async () => {
   await page.waitForSelector("canvas.picture");
   await drawnAgain(page, "main figcaption", 3);
   assert.equal(await page.$("main figcaption .warn"), null);
+  await page.browserContext().close();
+});
+
+test("a second touch on what begins a calibration begins no other, and hides nothing", async () => {
+  const page = await here.open({ hash: "#/220/calibration" });
+  await page.waitForSelector("main button.main");
+  await page.$eval("main button.main", (button) => { button.click(); button.click(); }); // the second before the gateway has answered
+  await page.waitForFunction(() => [...document.querySelectorAll("main button")].some((one) => one.textContent === "Cancel and restore"));
+  await drawnAgain(page, "main", 1).catch(() => undefined);
+  assert.equal(await page.$("main p.bad[role=alert]"), null);
+  assert.equal((await asked(page, "jobs")).jobs.filter((job) => job.kind === "calibration").length, 1);
+  await press(page, "Cancel and restore");
+  await page.waitForSelector("main p.bad[role=alert]");
   await page.browserContext().close();
 });
 
@@ -116,6 +129,32 @@ test("a device whose every word is HTML, and 10 KB long, is shown in words", asy
       await shot(page, "hostile-" + hash.replace(/\W+/g, ""));
     }
     assert.equal(await page.evaluate(() => window.hit), undefined);
+    assert.deepEqual(page.faults, []);
+  } finally {
+    device.stop();
+  }
+  await page.browserContext().close();
+});
+
+const groundPort = async (page) => (await asked(page, "links")).find((link) => link.name === "ground").port;
+
+test("2,000 parameters, called as the device likes, with values that are no numbers, are searched and written", async () => {
+  const page = await here.open({ hash: "#/log" });
+  const device = new LargeDevice(await groundPort(page), 2000);
+  try {
+    await until("it is heard", async () => (await asked(page, "devices")).devices.some((one) => Number(one.address) === 32));
+    await go(page, "#/32/parameters");
+    await page.waitForFunction(() => document.querySelectorAll(".set li").length === 2000, { timeout: 90000 });
+    const shown = (id) => page.$eval("#parameter-" + id, (input) => input.value);
+    assert.deepEqual(await Promise.all([0, 1, 3, 4, 5, 7, 8].map(shown)), ["1", "2", "nan", "1e+38", "-inf", "18446744073709551615", "-9223372036854775808"]);
+    await shot(page, "parameters-2000");
+    for (const [id, value] of [[0, "5"], [1, "6"], [3, "0"], [4, "-1e38"]]) await type(page, "#parameter-" + id, value);
+    await press(page, "Write 4 changed");
+    await outcome(page, ".outcome", /✓ 4 written and read back/);
+    assert.deepEqual([0, 1, 3].map((id) => device.values[id][2].readFloatLE()), [5, 6, 0]);
+    assert.equal(await shown(1), "6");
+    await type(page, ".tools input[type=search]", "p_1999");
+    await page.waitForFunction(() => document.querySelectorAll(".set li").length === 1);
     assert.deepEqual(page.faults, []);
   } finally {
     device.stop();

@@ -61,6 +61,11 @@ export class Gateway {
     this.process.kill("SIGTERM");
     await this.ended;
   }
+  /** After it was killed. */
+  async runAgain() {
+    await this.ended;
+    await this.run(this.port);
+  }
   async restart() {
     await this.stop();
     await this.run(this.port);

@@ -10,6 +10,50 @@ export function frame(from, to, id, data) {
   return bytes;
 }
 
+const f32 = (value) => { const bytes = Buffer.alloc(4); bytes.writeFloatLE(value); return bytes; };
+const f64 = (value) => { const bytes = Buffer.alloc(8); bytes.writeDoubleLE(value); return bytes; };
+
+/** Names that every object has, and numbers that are none or hardly: [type, name, value]. */
+const odd = [
+  [8, "constructor", f32(1)], [8, "__proto__", f32(2)], [8, "toString", f32(3)], [8, "NAN", f32(NaN)], [8, "FAR", f32(1e38)], [8, "ENDLESS", f32(-Infinity)],
+  [9, "FARTHEST", f64(1e308)], [6, "ALL_BITS", Buffer.alloc(8, 255)], [7, "LEAST", Buffer.from([0, 0, 0, 0, 0, 0, 0, 128])], [10, "WORDS", Buffer.from("°C µ \u202e\u{1F681}")],
+];
+
+/** A device behind UDP with so many parameters, some of them odd, that takes what is written. */
+export class LargeDevice {
+  constructor(port, count) {
+    this.values = Array.from({ length: count }, (_, id) => odd[id] ?? [8, "P_" + id, f32(id)]);
+    this.socket = dgram.createSocket("udp4");
+    const send = (id, data, to = 255) => this.socket.send(frame(32, to, id, data), port, "127.0.0.1");
+    this.socket.on("message", (bytes) => {
+      for (let at = 0; at + 8 <= bytes.length; at += 8 + bytes.readUInt16LE(at + 4)) this.take(bytes.subarray(at, at + 8 + bytes.readUInt16LE(at + 4)), send);
+    });
+    this.timer = setInterval(() => send(0x03, [1, 0, 2, 0, 3, 0, 0]), 100);
+  }
+
+  take(bytes, send) {
+    const [, from, to, id, , , cmd] = bytes, data = bytes.subarray(6, -2);
+    if (to !== 32 && to !== 255) return;
+    const number = (n) => [n & 255, n >> 8];
+    if (id === 0xe1) {
+      const [type, name] = this.values[data.readUInt16LE(0)];
+      this.values[data.readUInt16LE(0)] = [type, name, Buffer.from(data.subarray(2))];
+      send(0, [id, ...bytes.subarray(-2)], from);
+    }
+    if (id !== 0xe0) return;
+    const asked = data.readUInt16LE(1), one = this.values[asked];
+    if (cmd === 0) send(0xe3, [32, 100, 0, 100, 0, 0, 0, 0x20, 3, ...Buffer.from("Large")], from);
+    if (cmd === 1) send(0xe0, [1, ...number(this.values.length)], from);
+    if (cmd === 2 && one) send(0xe1, [...number(asked), ...one[2]], from);
+    if (cmd === 3 && one) send(0xe2, [...number(asked), one[0], ...Buffer.from(one[1].padEnd(20, "\0")), ...Buffer.from("m²·s⁻¹ <b>&amp;")], from);
+  }
+
+  stop() {
+    clearInterval(this.timer);
+    this.socket.close();
+  }
+}
+
 /** A device behind UDP whose every word is HTML. */
 export class HostileDevice {
   constructor(port, words) {

@@ -1,9 +1,9 @@
 // Recordings: begun, ended, taken home, deleted; and what is said where the disk takes nothing.
 import assert from "node:assert/strict";
-import { readdirSync } from "node:fs";
+import { copyFileSync, readdirSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { asked, confirm, Gateway, openPage, outcome, press, shot, textOf, type, until, world } from "./gateway.mjs";
+import { asked, confirm, Gateway, openPage, outcome, press, shot, textOf, type, until, wider, world } from "./gateway.mjs";
 
 const folderIn = (folder) => join(folder, "recordings");
 const here = world(["sim:fc"], (folder) => ({ record: { start: false, folder: folderIn(folder), keep_last: "60s" } }));
@@ -73,6 +73,37 @@ test("what was just now is saved when it is asked for", async () => {
   await press(page, "Save them here");
   await outcome(page, ".outcome", /✓ .*\.pcapng: \d+ frames/);
   await page.browserContext().close();
+});
+
+test("a thousand of them are listed, and one that is gone meanwhile is said to be", async () => {
+  const gateway = await Gateway.start(["sim:fc"], (folder) => ({ record: { start: false, folder: folderIn(folder) } }));
+  try {
+    const page = await openPage(here.browser, gateway, { width: 390, height: 844, hash: "#/recordings" });
+    await type(page, ".begin input", "first");
+    await press(page, "Record");
+    await press(page, "End…");
+    await confirm(page);
+    await outcome(page, ".outcome", /✓ first has ended/);
+    const [first] = readdirSync(folderIn(gateway.folder)).filter((name) => name.endsWith(".pcapng"));
+    const copy = (n) => join(folderIn(gateway.folder), first.replace("first", "copy-" + n));
+    for (let n = 1; n < 1000; ++n) copyFileSync(join(folderIn(gateway.folder), first), copy(n));
+    await page.waitForFunction(() => document.querySelectorAll(".recordings li").length === 1000);
+    await shot(page, "recordings-1000");
+    assert.ok((await wider(page)) <= 0);
+    await page.evaluate(() => document.querySelector(".recordings li button").click());
+    await page.waitForSelector(".recordings .confirm");
+    const name = await page.$eval(".recordings li:first-child a", (link) => link.textContent);
+    rmSync(join(folderIn(gateway.folder), name));
+    const last = await page.$eval(".recordings li:last-child a", (link) => link.textContent);
+    await page.waitForFunction((name) => document.querySelector(".recordings li:first-child a").textContent !== name, {}, name);
+    assert.equal(await page.$(".recordings .confirm"), null, "the question was of that one");
+    rmSync(join(folderIn(gateway.folder), last));
+    assert.equal(await page.evaluate((name) => fetch("recordings/" + name, { method: "DELETE" }).then((answer) => answer.status), last), 404);
+    assert.deepEqual(page.faults, []);
+    await page.browserContext().close();
+  } finally {
+    await gateway.end();
+  }
 });
 
 test("a disk that is too full is said to be", async () => {

@@ -12,24 +12,26 @@ const given = process.argv.slice(2);
 const files = given.length > 0 ? given : readdirSync(here).filter((name) => name.endsWith(".test.mjs")).map((name) => join(here, name));
 if (given.length === 0 && existsSync(shots)) for (const name of readdirSync(shots)) if (name.endsWith(".png")) rmSync(join(shots, name));
 
-/** Its exit status, and whether the browser was there to the end. */
+/** Its exit status, and how the browser ended if that was in the middle. */
 async function run() {
   const browser = await launchBrowser();
-  let isThere = true;
-  browser.on("disconnected", () => { isThere = false; });
+  let ended, said = "";
+  browser.process().on("exit", (status, signal) => { ended ??= `${signal ?? `status ${status}`}; its last words:\n${said}`; });
+  browser.process().stderr.on("data", (words) => { said = (said + words).slice(-4000); }); // unread, they would hold it up
   const tests = spawn(process.execPath, ["--test", "--test-reporter=spec", "--test-concurrency=2", ...files], {
     stdio: ["ignore", "inherit", "inherit"],
     env: { ...process.env, ANOGATE_BROWSER: browser.wsEndpoint() },
   });
   const status = await new Promise((done) => tests.on("exit", (code) => done(code ?? 1)));
-  const outcome = { status, isThere };
+  const outcome = { status, ended };
+  ended ??= "";
   await browser.close().catch(() => undefined);
   return outcome;
 }
 
-let { status, isThere } = await run();
-if (status !== 0 && !isThere) {
-  console.log("the browser ended in the middle, by itself: all once more");
+let { status, ended } = await run();
+if (status !== 0 && ended) {
+  console.log(`the browser ended in the middle, by itself: all once more. ${ended}`);
   ({ status } = await run());
 }
 process.exitCode = status;

@@ -1,7 +1,9 @@
 // How fast the page is: ANOGATED=PATH npm run speed
+// and what one that is looked at costs the gateway: ANOGATED=PATH npm run speed cost
 // Prints figures, and judges none: they are of this computer and of what else it does.
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { Gateway, openBrowser, openPage } from "./gateway.mjs";
+import { Traffic } from "./traffic.mjs";
 
 const fields = { 1: ["acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"], 3: ["rol", "pit", "yaw"], 4: ["v0"] };
 const chosen = [220, 221].flatMap((from) => Object.entries(fields).flatMap(([id, names]) => names.map((field) => ({ from, id: Number(id), field }))));
@@ -9,11 +11,8 @@ const pause = (seconds) => new Promise((done) => { setTimeout(done, seconds * 10
 const median = (all) => [...all].sort((a, b) => a - b)[Math.floor(all.length / 2)];
 const percent = (share) => `${(share * 100).toFixed(1)} %`;
 
-/** Seconds of the processor that a process has used. */
-function used(pid) {
-  const words = readFileSync(`/proc/${pid}/stat`, "utf8").split(") ")[1].split(" ");
-  return (Number(words[11]) + Number(words[12])) / 100;
-}
+/** Seconds of the processor that all threads of a process have used. */
+const used = (pid) => readdirSync(`/proc/${pid}/task`).reduce((sum, thread) => sum + Number(readFileSync(`/proc/${pid}/task/${thread}/schedstat`, "utf8").split(" ")[0]) / 1e9, 0);
 
 async function charts(browser, gateway) {
   const page = await openPage(browser, gateway);
@@ -33,18 +32,44 @@ async function costs(gateway, counter, seconds) {
   return { processor: (used(gateway.process.pid) - before) / took, frames: ((await framesIn(counter)) - frames) / took };
 }
 
+const looked = { "#/": ".branch", "#/220/vehicle": ".figure dd small", "#/charts": ".uplot" };
+
 /** With and without a page that looks, in turns: what else the computer does is in both. */
-async function inTurns(browser, gateway, counter) {
+async function inTurns(browser, gateway, counter, hash) {
   const alone = [], watched = [];
   for (let round = 0; round < 5; ++round) {
-    alone.push(await costs(gateway, counter, 3));
-    const page = await openPage(browser, gateway, { hash: "#/220/vehicle" });
-    await page.waitForSelector(".figure dd small");
-    watched.push(await costs(gateway, counter, 3));
+    alone.push(await costs(gateway, counter, 2));
+    const page = await openPage(browser, gateway, { hash });
+    await page.waitForSelector(looked[hash]);
+    await pause(1); // what is asked but once
+    watched.push(await costs(gateway, counter, 2));
     await page.browserContext().close();
   }
   const of = (all, name) => median(all.map((one) => one[name]));
-  console.log(`gateway: ${percent(of(alone, "processor"))} of a core without a page, ${percent(of(watched, "processor"))} with one, ${(of(watched, "processor") / of(alone, "processor")).toFixed(2)} times that; frames/s in: ${of(alone, "frames").toFixed(0)} and ${of(watched, "frames").toFixed(0)}`);
+  const ratios = alone.map((one, i) => watched[i].processor / watched[i].frames / (one.processor / one.frames)).sort((a, b) => a - b);
+  const [without, beside] = [of(alone, "processor"), of(watched, "processor")];
+  console.log(`${hash} at ${of(alone, "frames").toFixed(0)} and ${of(watched, "frames").toFixed(0)} frames/s: ${percent(without)} of a core without a page, ${percent(beside)} with one; ${(beside / of(watched, "frames") * 1e6).toFixed(2)} against ${(without / of(alone, "frames") * 1e6).toFixed(2)} µs a frame, ${median(ratios).toFixed(3)} times that (${ratios[1].toFixed(3)} to ${ratios.at(-2).toFixed(3)})`);
+}
+
+/** What a page costs, beside frames that come by UDP and are told to one listener. */
+async function cost() {
+  const gateway = await Gateway.start(["udp-listen:127.0.0.1:0,name=vehicle", "udp-listen:127.0.0.1:0,name=ground"]);
+  const browser = await openBrowser();
+  const traffic = new Traffic();
+  try {
+    const counter = await openPage(browser, gateway, { hash: "#/none" });
+    await counter.goto(gateway.address + "/status");
+    const port = async (name) => (await counter.evaluate(() => fetch("links").then((answer) => answer.json()))).find((link) => link.name === name).port;
+    for (const rate of [1200, 20000]) {
+      traffic.begin(await port("vehicle"), await port("ground"), rate);
+      await pause(1);
+      for (const hash of Object.keys(looked)) await inTurns(browser, gateway, counter, hash);
+    }
+  } finally {
+    traffic.end();
+    await browser.close();
+    await gateway.end();
+  }
 }
 
 async function drawing(page, gateway) {
@@ -100,20 +125,20 @@ async function opening(page, gateway) {
   console.log(`first values after ${took.map((ms) => ms.toFixed(0)).join(", ")} ms`);
 }
 
-const gateway = await Gateway.start(["sim:fc,hz=100", "sim:imu,hz=100", "sim:flow,hz=100"]);
-const browser = await openBrowser();
-try {
-  const counter = await openPage(browser, gateway, { hash: "#/none" });
-  await counter.goto(gateway.address + "/status"); // no page any more, but it may ask
-  await pause(3);
-  await inTurns(browser, gateway, counter);
-  const page = await charts(browser, gateway);
-  await pause(5);
-  await drawing(page, gateway);
-  await fourPages(browser, gateway, page);
-  await hidden(browser, gateway);
-  await opening(page, gateway);
-} finally {
-  await browser.close();
-  await gateway.end();
+async function speed() {
+  const gateway = await Gateway.start(["sim:fc,hz=100", "sim:imu,hz=100", "sim:flow,hz=100"]);
+  const browser = await openBrowser();
+  try {
+    const page = await charts(browser, gateway);
+    await pause(8);
+    await drawing(page, gateway);
+    await fourPages(browser, gateway, page);
+    await hidden(browser, gateway);
+    await opening(page, gateway);
+  } finally {
+    await browser.close();
+    await gateway.end();
+  }
 }
+
+await { cost, speed }[process.argv[2] ?? "speed"]();
