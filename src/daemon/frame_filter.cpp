@@ -124,11 +124,20 @@ std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Fi
     return reader.query;
 }
 
+namespace {
+
+bool takes_all(FrameFilterSettings settings) {
+    settings.directions = {true, true, true};
+    return settings == FrameFilterSettings{};
+}
+
+}    // namespace
+
 FrameFilter::FrameFilter(const FrameFilterSettings& settings)
     : ids_{settings.ids},
       from_{settings.from},
       to_{settings.to},
-      takes_all_{settings == FrameFilterSettings{}},
+      takes_all_{takes_all(settings)},
       directions_{settings.directions} {
     if (settings.samples) samples_ = std::make_unique<FrameSamples>();
     if (settings.limit.empty()) return;

@@ -50,9 +50,9 @@ FrameWatch::~FrameWatch() {
 }
 
 void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
-    if (streams_.empty()) gateway_.add_observer(*this);
     look_at_links();
     join(watcher, settings);
+    observe();
     watcher.queue.push(tables_);
     watcher.more();
 }
@@ -74,6 +74,7 @@ void FrameWatch::change(Watcher& watcher, const FrameFilterSettings& settings) {
         }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
     join(watcher, settings);
+    observe();
 }
 
 void FrameWatch::remove(Watcher& watcher) {
@@ -85,10 +86,24 @@ void FrameWatch::remove(Watcher& watcher) {
         stream->watchers.erase(place);
     }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
-    if (!streams_.empty() || before == 0) return;
+    if (!streams_.empty()) return observe();
+    if (before == 0) return;
     gateway_.remove_observer(*this);
     due_.cancel();
     tables_.reset();
+    memory_.clear();
+}
+
+// What no filter takes is not told at all.
+void FrameWatch::observe() {
+    Forwarder::Observer::Wants wants{false, false, false};
+    for (const auto& stream : streams_) {
+        const auto& [in, out, dropped] = stream->settings.directions;
+        wants.arrivals = wants.arrivals || in;
+        wants.fates = wants.fates || dropped;
+        wants.departures = wants.departures || out || dropped;
+    }
+    gateway_.add_observer(*this, wants);
 }
 
 void FrameWatch::received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) {
@@ -109,6 +124,12 @@ void FrameWatch::left(const Channel& to, ano::FrameView frame) noexcept {
 
 void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
     note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
+}
+
+// Those who watch are to know it though no frame comes any more.
+void FrameWatch::removed(LinkId) {
+    if (!due_.is_set()) read_clocks();
+    due_.set(Clock::now());
 }
 
 // Without memory for it, the frame counts as lost for all who would have seen it.
@@ -141,18 +162,26 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     }
     if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
-    append(*stream.batch, {time + real_ns_, time + boot_ns_, static_cast<std::uint8_t>(event.link), event.direction, event.cause,
-                           event.channel, frame});
-    if (stream.batch->size() < batch_size) return;
+    const FrameRecord record{time + real_ns_,
+                             time + boot_ns_,
+                             static_cast<std::uint8_t>(event.link),
+                             event.direction,
+                             event.cause,
+                             event.channel,
+                             frame};
+    std::string& batch = *stream.batch;
+    if (const std::size_t end = stream.filled + record.size(); end > batch.size()) batch.resize(std::max(end, 2 * batch.size()));
+    write(batch.data() + stream.filled, record);
+    stream.filled += record.size();
+    if (stream.filled < batch_size) return;
     end_batch(stream);
     due_.set(Clock::now());
 }
 
 // Room for as much as the last one had: it need not grow step by step, and many small ones that wait take no more than they hold.
 void FrameWatch::begin_batch(Stream& stream) {
-    auto batch = std::make_shared<std::string>();
-    batch->reserve(stream.usual + stream.usual / 8);
-    stream.batch = std::move(batch);
+    stream.batch = memory_.take(stream.usual + stream.usual / 8);
+    stream.filled = 0;
 }
 
 void FrameWatch::read_clocks() {
@@ -177,9 +206,10 @@ void FrameWatch::look_at_links() {
 }
 
 void FrameWatch::end_batch(Stream& stream) {
+    if (!stream.batch) return;
+    stream.batch->resize(stream.filled);
+    stream.usual = stream.filled;
     const WatchQueue::Batch batch = std::exchange(stream.batch, nullptr);
-    if (!batch) return;
-    stream.usual = batch->size();
     for (Watcher* watcher : stream.watchers) {
         if (watcher->queue.push(batch)) continue;
         std::string_view rest = *batch;
@@ -188,6 +218,7 @@ void FrameWatch::end_batch(Stream& stream) {
 }
 
 void FrameWatch::deliver() {
+    look_at_links();
     for (const auto& stream : streams_) {
         end_batch(*stream);
         for (Watcher* watcher : stream->watchers) watcher->more();
