@@ -18,8 +18,10 @@ struct FailingDisk {
     std::atomic<long> room{-1};                        // bytes that are still taken, before write_error; -1: all
     std::atomic<bool> hangs{false};                    // until it is false again
     std::atomic<int> hanging{0};                       // calls
+    std::atomic<int> slowness{0};                      // milliseconds that each call takes
 
     void wait() {
+        if (const int time = slowness; time > 0) std::this_thread::sleep_for(std::chrono::milliseconds{time});
         if (!hangs) return;
         ++hanging;
         while (hangs) std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -32,6 +34,7 @@ inline FailingDisk failing_disk;
 struct WellAgain {
     ~WellAgain() {
         failing_disk.hangs = false;
+        failing_disk.slowness = 0;
         failing_disk.write_error = failing_disk.sync_error = 0;
         failing_disk.room = -1;
     }
