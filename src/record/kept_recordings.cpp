@@ -1,18 +1,24 @@
 #include <record/kept_recordings.hpp>
 
 #include <algorithm>
+#include <string_view>
 #include <tuple>
 
 namespace anogate {
 namespace {
 
+// Of the files of one recording that changed in the same second, "flight.pcapng" is the first, and "flight-10.pcapng" behind
+// "flight-9.pcapng".
+auto age_of(const KeptRecording& recording) {
+    return std::tuple{recording.time, recording.name.size(), std::string_view{recording.name}};
+}
+
 std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < recordings.size(); ++i)
         if (!recordings[i].is_written) order.push_back(i);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return std::tie(recordings[a].time, recordings[a].name) < std::tie(recordings[b].time, recordings[b].name);
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return age_of(recordings[a]) < age_of(recordings[b]); });
     return order;
 }
 
