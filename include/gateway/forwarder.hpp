@@ -43,6 +43,14 @@ public:
     /// Is told of every frame, as long as it is registered. It neither adds nor removes observers in a call.
     class Observer {
     public:
+        /// Of what it is told. What nobody wants costs a frame nothing.
+        struct Wants {
+            bool arrivals = true;      // received()
+            bool fates = true;         // passes(), offered(), dropped(), refused()
+            bool departures = true;    // left(), gave_up()
+            bool operator==(const Wants&) const = default;
+        };
+
         /// A good frame came in, as it was sent.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
         /// Nothing keeps it back: it goes to whom it concerns, as these are to see it. True: it is an answer to the gateway itself, so
@@ -58,6 +66,8 @@ public:
         /// What was offered left by `to`, or was dropped while it waited. Outboxes tell it: these must not throw.
         virtual void left(const Channel& /*to*/, ano::FrameView /*frame*/) noexcept {}
         virtual void gave_up(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
+        /// The link is gone, with its channels.
+        virtual void removed(LinkId /*link*/) {}
 
     protected:
         ~Observer() = default;
@@ -168,8 +178,9 @@ public:
     /// Who claimed the address last; nullptr: nobody did.
     const Claimant* claimant(const Conflict& conflict) const;
 
-    /// While there is none, nothing is told and nothing copied.
-    void add_observer(Observer& observer);
+    /// While there is none, nothing is told and nothing copied. One that is there already is told of other things from now on.
+    void add_observer(Observer& observer, Observer::Wants wants);
+    void add_observer(Observer& observer) { add_observer(observer, Observer::Wants{}); }
     void remove_observer(Observer& observer);
     bool is_observed() const noexcept { return !observers_.empty(); }
     /// The open channel bears the port id, by itself.
@@ -272,7 +283,8 @@ private:
     LinkId tunnel_link_{};
     LinkSet carried_;    // whose tunnel frames the tunnel takes
     LinkSet ruled_;      // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
-    std::vector<Observer*> observers_;
+    std::vector<Observer*> observers_;    // all
+    std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_;
     Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
     std::uint64_t version_ = 0;

@@ -28,8 +28,13 @@ struct FrameRecord {
     std::uint8_t cause = 0;    // why it was dropped: a number of frame_causes(); 0: it was not
     std::uint8_t channel = no_channel;
     ano::FrameView frame;
+
+    /// Bytes that write() takes.
+    std::size_t size() const noexcept { return head + frame.bytes().size(); }
 };
 
+/// To `at`, where there is room for it.
+void write(char* at, const FrameRecord& record) noexcept;
 /// Throws std::bad_alloc, and has changed nothing then.
 void append(std::string& records, const FrameRecord& record);
 /// The first, taken off the front; nothing: there is none, or `records` are damaged. Valid as long as their memory.

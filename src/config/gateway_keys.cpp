@@ -89,8 +89,7 @@ constexpr Key<C> own_control_rows[] = {
     row<&C::origins>(
         {.name = "origins",
          .form = Form::texts,
-         .help =
-             "pages of other hosts that may ask it, such as https://app.foxglove.dev; file:// for those of files and of programs",
+         .help = "origins of other pages that may ask it, such as https://app.foxglove.dev or file://; null never may",
          .least = 1,
          .most = max_path}),
     address<&C::host>("host", first_id, last_id, "the address of the host that asks devices for parameters and all else"),

@@ -34,4 +34,10 @@ const FirstFrame* FoundChannels::look_at(const RecordedFrame& frame) {
     return &first_frames_.emplace_back(frame, std::move(found), is_of_new_link);
 }
 
+void FoundChannels::forget(std::string_view link) {
+    std::erase_if(known_, [link](const auto& known) { return known.second.link == link; });
+    for (FirstFrame& first : first_frames_)
+        if (!first.found().empty() && first.found().front().kind.link == link) first.forget();
+}
+
 }    // namespace anogate

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,8 @@ public:
     /// The first of its link: whoever decodes these, in their order, calls the links as they are called here. Valid as long as this.
     std::optional<RecordedFrame> frame() const;
     const std::vector<FoundChannel>& found() const noexcept { return found_; }
+    /// What it showed is no more.
+    void forget() noexcept { found_.clear(); }
 
 private:
     std::string link_, bytes_;
@@ -54,6 +57,8 @@ public:
     /// Null: it showed nothing new.
     const FirstFrame* look_at(const RecordedFrame& frame);
     const std::deque<FirstFrame>& first_frames() const noexcept { return first_frames_; }
+    /// There is no such link any more: what comes by one of that name later is new.
+    void forget(std::string_view link);
 
 private:
     DecodedChannels decoded_;

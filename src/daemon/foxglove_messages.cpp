@@ -161,6 +161,12 @@ std::string advertise(std::span<const Channel> channels) {
     return text_of({{"op", "advertise"}, {"channels", std::move(list)}});
 }
 
+std::string unadvertise(std::span<const std::uint32_t> channels) {
+    Json list = Json::array();
+    for (const std::uint32_t channel : channels) list.push_back(channel);
+    return text_of({{"op", "unadvertise"}, {"channelIds", std::move(list)}});
+}
+
 std::string status(Level level, std::string_view words) {
     return text_of({{"op", "status"}, {"level", static_cast<unsigned>(level)}, {"message", words}});
 }

@@ -64,6 +64,7 @@ struct Channel {
     std::string_view topic, encoding, schema_name, schema, schema_encoding;
 };
 std::string advertise(std::span<const Channel> channels);
+std::string unadvertise(std::span<const std::uint32_t> channels);
 std::string status(Level level, std::string_view words);
 /// `values` are complete JSON each.
 std::string parameter_values(std::span<const Parameter> parameters, const std::optional<std::string>& id);

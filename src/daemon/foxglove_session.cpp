@@ -52,7 +52,9 @@ void FoxgloveSession::hear(const foxglove::Subscribe& said) {
 
 void FoxgloveSession::subscribe(const foxglove::Subscription& wanted) {
     const std::string channel = "channel " + std::to_string(wanted.channel);
-    if (!is_known(wanted.channel)) return say(Level::error, "there is no " + channel + ": it was not advertised");
+    const Known* const its = known(wanted.channel);
+    if (!its && wanted.channel != raw_channel) return say(Level::error, "there is no " + channel + ": it was not advertised");
+    if (its && its->is_gone) return say(Level::warning, channel + " is gone, with its link");
     if (by_id_.contains(wanted.id))
         return say(Level::error, "the subscription " + std::to_string(wanted.id) + " is there already: take another id");
     if (!by_channel_.try_emplace(wanted.channel, wanted.id).second)
@@ -98,14 +100,14 @@ void FoxgloveSession::say(Level level, std::string_view words) {
     else ++unsaid_;
 }
 
-bool FoxgloveSession::is_known(std::uint32_t channel) const noexcept {
-    return channel == raw_channel || (channel >= first_decoded && channel - first_decoded < channels_.size());
+const FoxgloveSession::Known* FoxgloveSession::known(std::uint32_t channel) const noexcept {
+    return channel >= first_decoded && channel - first_decoded < channels_.size() ? &channels_[channel - first_decoded] : nullptr;
 }
 
 void FoxgloveSession::find_wanted() {
     wanted_.clear();
     for (const auto& [channel, id] : by_channel_)
-        if (channel != raw_channel) want(channels_[channel - first_decoded]);
+        if (const Known* const its = known(channel); its && !its->is_gone) want(*its);
     wants_others_ = true;
 }
 
@@ -143,11 +145,14 @@ std::size_t FoxgloveSession::number_of(const DecodedChannel& channel, const Deco
     return known->second;
 }
 
-std::size_t FoxgloveSession::number_of(const DecodedMessage& message) {
-    const auto& all = decoded_.channels();
-    while (numbers_.size() < all.size())
-        numbers_.push_back(number_of(all[numbers_.size()], decoded_.schemas()[all[numbers_.size()].schema]));
-    return numbers_[message.channel];
+// Nothing: it was not learned.
+std::optional<std::size_t> FoxgloveSession::number_of(const DecodedMessage& message) {
+    if (numbers_.size() <= message.channel) numbers_.resize(message.channel + 1);
+    std::optional<std::size_t>& number = numbers_[message.channel];
+    if (number && !channels_[*number].is_gone) return number;
+    const auto known = by_topic_.find(decoded_.channels()[message.channel].topic);
+    number = known == by_topic_.end() ? std::nullopt : std::optional{known->second};
+    return number;
 }
 
 void FoxgloveSession::learn(const FirstFrame& first) {
@@ -161,6 +166,19 @@ void FoxgloveSession::learn(const FirstFrame& first) {
     if (!by_channel_.empty()) find_wanted();
 }
 
+// A subscription of what is gone stays until he ends it: he may not know yet.
+void FoxgloveSession::forget(std::string_view link) {
+    for (std::size_t number = 0; number < channels_.size(); ++number) {
+        Known& channel = channels_[number];
+        if (channel.is_gone || channel.kinds.empty() || channel.kinds.begin()->link != link) continue;
+        channel.is_gone = true;
+        by_topic_.erase(channel.channel->topic);
+        if (number < told_channels_) gone_.push_back(static_cast<std::uint32_t>(number) + first_decoded);
+    }
+    std::erase_if(standard_kinds_, [link](const FrameKind& kind) { return kind.link == link; });
+    if (!by_channel_.empty()) find_wanted();
+}
+
 void FoxgloveSession::show(const RecordedFrame& frame) {
     if (by_channel_.contains(raw_channel)) {
         mcap::encode(frame, raw_);
@@ -168,7 +186,8 @@ void FoxgloveSession::show(const RecordedFrame& frame) {
     }
     if (frame.direction != Direction::in || !wanted_.contains(kind_of(frame))) return;
     for (const DecodedMessage& message : decoded_.decode(frame))
-        send_on(static_cast<std::uint32_t>(number_of(message)) + first_decoded, frame.time_ns, message.data);
+        if (const auto number = number_of(message))
+            send_on(static_cast<std::uint32_t>(*number) + first_decoded, frame.time_ns, message.data);
 }
 
 void FoxgloveSession::send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload) {
@@ -205,6 +224,7 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
             say(Level::error, std::to_string(std::exchange(unsaid_, 0)) + " more faults are not told one by one");
         return status;
     }
+    if (!gone_.empty()) return Message{foxglove::unadvertise(std::exchange(gone_, {}))};
     if (auto channels = next_channels()) return channels;
     if (!messages_.empty()) {
         Message message = std::move(messages_.front());
@@ -225,9 +245,11 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next_channels() {
                             mcap::frame_schema_text, "ros2msg"});
     std::size_t size = 0;
     while (told_channels_ < channels_.size() && size < part_size) {
-        const DecodedChannel& channel = *channels_[told_channels_].channel;
-        const DecodedSchema& schema = *channels_[told_channels_].schema;
-        channels.push_back({static_cast<std::uint32_t>(told_channels_++) + first_decoded, channel.topic, text(encoding_),
+        const Known& next = channels_[told_channels_++];
+        if (next.is_gone) continue;
+        const DecodedChannel& channel = *next.channel;
+        const DecodedSchema& schema = *next.schema;
+        channels.push_back({static_cast<std::uint32_t>(told_channels_ - 1) + first_decoded, channel.topic, text(encoding_),
                             schema.name, schema.text, schema.encoding});
         size += channel.topic.size() + schema.name.size() + schema.text.size();
     }

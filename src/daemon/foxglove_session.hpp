@@ -50,6 +50,8 @@ public:
 
     /// He is to know of its channels; all in the order in which they were found. What found them outlives this.
     void learn(const FirstFrame& first);
+    /// There is no such link any more: its channels are taken back. Behind it, learn() of the same topic makes another channel.
+    void forget(std::string_view link);
     /// A frame that passed filter(): its messages on the channels that he subscribed.
     void show(const RecordedFrame& frame);
     /// Frames that were not shown, for he takes too little.
@@ -81,6 +83,7 @@ private:
         const DecodedSchema* schema;
         std::set<FrameKind> kinds;    // of the frames that it comes of
         bool is_standard;             // it has what frames of other kinds said as well
+        bool is_gone = false;
     };
 
     void hear(const foxglove::Subscribe& said);
@@ -91,27 +94,29 @@ private:
     void subscribe(const foxglove::Subscription& wanted);
     void say(foxglove::Level level, std::string_view words);
     std::size_t number_of(const DecodedChannel& channel, const DecodedSchema& schema);
-    std::size_t number_of(const DecodedMessage& message);
+    std::optional<std::size_t> number_of(const DecodedMessage& message);
     void want(const Known& channel);
     void send_on(std::uint32_t channel, std::uint64_t time_ns, std::string_view payload);
     void find_wanted();
-    bool is_known(std::uint32_t channel) const noexcept;
+    /// nullptr: it is that of whole frames, or was never advertised.
+    const Known* known(std::uint32_t channel) const noexcept;
     std::optional<Message> next_channels();
 
     std::string greeting_;    // empty: it was sent
     DecodedEncoding encoding_;
     DecodedChannels decoded_;
-    std::vector<std::size_t> numbers_;    // in channels_, by number in decoded_
+    std::vector<std::optional<std::size_t>> numbers_;    // in channels_, by number in decoded_
     std::vector<Known> channels_;
-    std::map<std::string_view, std::size_t> by_topic_;
+    std::map<std::string_view, std::size_t> by_topic_;     // without those that are gone
     std::set<FrameKind> standard_kinds_;                   // that standard messages come of
     std::set<FrameKind> wanted_;                           // for what he subscribed
     std::map<std::uint32_t, std::uint32_t> by_channel_;    // the subscription of each channel
     std::map<std::uint32_t, std::uint32_t> by_id_;         // the other way
     bool wants_others_ = false;
     bool raw_is_told_ = false;
-    std::string raw_;                  // the last whole frame, as its message; keeps its memory
-    std::size_t told_channels_ = 0;    // of channels_
+    std::string raw_;                    // the last whole frame, as its message; keeps its memory
+    std::size_t told_channels_ = 0;      // of channels_
+    std::vector<std::uint32_t> gone_;    // of these, which is not told yet
     std::deque<Message> messages_;
     std::deque<std::string> statuses_;
     std::uint64_t unsaid_ = 0;    // statuses

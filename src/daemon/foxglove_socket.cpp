@@ -46,6 +46,11 @@ void FoxgloveSocket::learn(const FirstFrame& first) {
     give_if_idle();
 }
 
+void FoxgloveSocket::forget(std::string_view link) {
+    session_.forget(link);
+    give_if_idle();
+}
+
 void FoxgloveSocket::answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values) {
     session_.answer(question, values);
     give_if_idle();

@@ -30,6 +30,7 @@ public:
 
     DecodedEncoding encoding() const noexcept { return encoding_; }
     void learn(const FirstFrame& first);
+    void forget(std::string_view link);
     void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
     void changed(const std::vector<foxglove::Parameter>& values);
     void warn(std::string_view words);

@@ -101,7 +101,7 @@ FoxgloveSocket* FoxgloveStreams::client(unsigned number) const {
 // What the samples lack, others have: a loss here is told to nobody.
 void FoxgloveStreams::more() {
     while (auto item = queue.next(Clock::now())) {
-        if (auto* tables = std::get_if<WatchQueue::Tables>(&*item)) tables_ = std::move(*tables);
+        if (auto* tables = std::get_if<WatchQueue::Tables>(&*item)) look_at(std::move(*tables));
         const auto* batch = std::get_if<WatchQueue::Batch>(&*item);
         if (batch == nullptr) continue;
         std::string_view rest = **batch;
@@ -119,6 +119,18 @@ void FoxgloveStreams::look_at(const RecordedFrame& frame) {
         if (first == nullptr) continue;
         for (FoxgloveSocket* const socket : sockets_)
             if (socket->encoding() == encoding) socket->learn(*first);
+    }
+}
+
+// Of links that are gone nothing comes any more.
+void FoxgloveStreams::look_at(WatchQueue::Tables tables) {
+    const WatchQueue::Tables before = std::exchange(tables_, std::move(tables));
+    if (!before) return;
+    const std::vector<std::string>& now = tables_->links;
+    for (const std::string& link : before->links) {
+        if (link.empty() || std::find(now.begin(), now.end(), link) != now.end()) continue;
+        for (const DecodedEncoding encoding : {DecodedEncoding::cdr, DecodedEncoding::json}) found(encoding).forget(link);
+        for (FoxgloveSocket* const socket : sockets_) socket->forget(link);
     }
 }
 

@@ -47,6 +47,7 @@ private:
     void warn(unsigned client, std::string_view words);
     void more() override;
     void look_at(const RecordedFrame& frame);
+    void look_at(WatchQueue::Tables tables);
     FoundChannels& found(DecodedEncoding encoding);
 
     void ask(FoxgloveSocket& socket, foxglove::GetParameters question);

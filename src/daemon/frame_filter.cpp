@@ -123,11 +123,6 @@ private:
     std::array<bool, std::size(filter_names)> given_{};
 };
 
-bool is_all(FrameFilterSettings settings) {
-    settings.batch = FrameFilterSettings{}.batch;
-    return settings == FrameFilterSettings{};
-}
-
 }    // namespace
 
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
@@ -138,8 +133,22 @@ std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Fi
     return reader.query;
 }
 
+namespace {
+
+bool takes_all(FrameFilterSettings settings) {
+    settings.directions = {true, true, true};
+    settings.batch = FrameFilterSettings{}.batch;
+    return settings == FrameFilterSettings{};
+}
+
+}    // namespace
+
 FrameFilter::FrameFilter(const FrameFilterSettings& settings)
-    : ids_{settings.ids}, from_{settings.from}, to_{settings.to}, takes_all_{is_all(settings)}, directions_{settings.directions} {
+    : ids_{settings.ids},
+      from_{settings.from},
+      to_{settings.to},
+      takes_all_{takes_all(settings)},
+      directions_{settings.directions} {
     if (settings.samples) samples_ = std::make_unique<FrameSamples>();
     if (settings.limit.empty()) return;
     limits_ = std::make_unique<std::array<Limit, 3>>();

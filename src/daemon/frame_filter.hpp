@@ -74,16 +74,16 @@ public:
     void set_links(LinkSet links) noexcept { links_ = links; }
     /// A limit holds for each direction by itself, and for all links together.
     bool takes(Direction direction, std::uint8_t link, ano::FrameView frame, ano::TimePoint now) noexcept {
-        if (takes_all_) return true;
         const auto way = static_cast<std::size_t>(direction);
-        return directions_[way] && links_.contains(LinkId{link}) && ids_[frame.id()] && from_[frame.source()] &&
-               to_[frame.destination()] && (!limits_ || (*limits_)[way].passes(frame.id(), now)) &&
-               (!samples_ || samples_->passes(link, frame, now));
+        if (!directions_[way]) return false;
+        return takes_all_ ||
+               (links_.contains(LinkId{link}) && ids_[frame.id()] && from_[frame.source()] && to_[frame.destination()] &&
+                (!limits_ || (*limits_)[way].passes(frame.id(), now)) && (!samples_ || samples_->passes(link, frame, now)));
     }
 
 private:
     FrameFilterSettings::Bytes ids_, from_, to_;
-    bool takes_all_;
+    bool takes_all_;    // of its directions
     LinkSet links_ = ~LinkSet{};
     std::array<bool, 3> directions_;
     std::unique_ptr<std::array<Limit, 3>> limits_;    // nullptr: none

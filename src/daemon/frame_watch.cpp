@@ -43,16 +43,20 @@ std::uint8_t number_of(const Channel& channel) noexcept {
 
 }    // namespace
 
-FrameWatch::FrameWatch(Gateway& gateway) : gateway_{gateway} {}
+FrameWatch::FrameWatch(Gateway& gateway)
+    : gateway_{gateway}, links_due_{gateway.alarms(), [this] {
+                                        look_at_links();
+                                        for (const auto& stream : streams_) stream->deliver();
+                                    }} {}
 
 FrameWatch::~FrameWatch() {
     if (!streams_.empty()) gateway_.remove_observer(*this);
 }
 
 void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
-    if (streams_.empty()) gateway_.add_observer(*this);
     look_at_links();
     join(watcher, settings);
+    observe();
     watcher.queue.push(tables_);
     watcher.more();
 }
@@ -74,6 +78,7 @@ void FrameWatch::change(Watcher& watcher, const FrameFilterSettings& settings) {
         }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
     join(watcher, settings);
+    observe();
 }
 
 void FrameWatch::remove(Watcher& watcher) {
@@ -85,9 +90,24 @@ void FrameWatch::remove(Watcher& watcher) {
         stream->watchers.erase(place);
     }
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
-    if (!streams_.empty() || before == 0) return;
+    if (!streams_.empty()) return observe();
+    if (before == 0) return;
     gateway_.remove_observer(*this);
+    links_due_.cancel();
     tables_.reset();
+    memory_.clear();
+}
+
+// What no filter takes is not told at all.
+void FrameWatch::observe() {
+    Forwarder::Observer::Wants wants{false, false, false};
+    for (const auto& stream : streams_) {
+        const auto& [in, out, dropped] = stream->settings.directions;
+        wants.arrivals = wants.arrivals || in;
+        wants.fates = wants.fates || dropped;
+        wants.departures = wants.departures || out || dropped;
+    }
+    gateway_.add_observer(*this, wants);
 }
 
 void FrameWatch::received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) {
@@ -109,6 +129,9 @@ void FrameWatch::left(const Channel& to, ano::FrameView frame) noexcept {
 void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
     note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
 }
+
+// Those who watch are to know it though no frame comes any more.
+void FrameWatch::removed(LinkId) { links_due_.set(Clock::now()); }
 
 // Without memory for it, the frame counts as lost for all who would have seen it.
 void FrameWatch::note(const Event& event, ano::FrameView frame, TimePoint at) noexcept {
@@ -140,18 +163,26 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     }
     if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
-    append(*stream.batch, {time + real_ns_, time + boot_ns_, static_cast<std::uint8_t>(event.link), event.direction, event.cause,
-                           event.channel, frame});
-    if (stream.batch->size() < batch_size) return;
+    const FrameRecord record{time + real_ns_,
+                             time + boot_ns_,
+                             static_cast<std::uint8_t>(event.link),
+                             event.direction,
+                             event.cause,
+                             event.channel,
+                             frame};
+    std::string& batch = *stream.batch;
+    if (const std::size_t end = stream.filled + record.size(); end > batch.size()) batch.resize(std::max(end, 2 * batch.size()));
+    write(batch.data() + stream.filled, record);
+    stream.filled += record.size();
+    if (stream.filled < batch_size) return;
     stream.end_batch(gateway_.time());
     stream.due.set(Clock::now());
 }
 
 // Room for as much as the last one had: it need not grow step by step, and many small ones that wait take no more than they hold.
 void FrameWatch::begin_batch(Stream& stream) {
-    auto batch = std::make_shared<std::string>();
-    batch->reserve(stream.usual + stream.usual / 8);
-    stream.batch = std::move(batch);
+    stream.batch = memory_.take(stream.usual + stream.usual / 8);
+    stream.filled = 0;
 }
 
 void FrameWatch::read_clocks() {
@@ -176,9 +207,10 @@ void FrameWatch::look_at_links() {
 }
 
 void FrameWatch::Stream::end_batch(TimePoint now) {
+    if (!batch) return;
+    batch->resize(filled);
+    usual = filled;
     const WatchQueue::Batch ended = std::exchange(batch, nullptr);
-    if (!ended) return;
-    usual = ended->size();
     for (Watcher* watcher : watchers) {
         if (watcher->queue.push(ended)) continue;
         std::string_view rest = *ended;

@@ -1,5 +1,6 @@
 // Tells those who watch of every frame that comes, leaves or is dropped.
 #pragma once
+#include <daemon/batch_memory.hpp>
 #include <daemon/frame_filter.hpp>
 #include <daemon/watch_queue.hpp>
 #include <gateway/forwarder.hpp>
@@ -56,7 +57,8 @@ private:
         FrameFilterSettings settings;
         FrameFilter filter;
         std::vector<Watcher*> watchers;
-        std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last
+        std::shared_ptr<std::string> batch;    // nullptr: nothing was recorded since the last; as large as there is room
+        std::size_t filled = 0;                // bytes of it
         std::size_t usual = 0;                 // bytes of a batch
         Alarm due;
     };
@@ -73,17 +75,21 @@ private:
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
     void left(const Channel& to, ano::FrameView frame) noexcept override;
     void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
+    void removed(LinkId link) override;
 
     void join(Watcher& watcher, const FrameFilterSettings& settings);
     void note(const Event& event, ano::FrameView frame, TimePoint at) noexcept;
     void record(Stream& stream, const Event& event, ano::FrameView frame, TimePoint at);
     void begin_batch(Stream& stream);
     void read_clocks();
+    void observe();
     bool has_other_links() const noexcept;
     void look_at_links();
 
     Gateway& gateway_;
+    Alarm links_due_;    // a link is gone
     std::vector<std::unique_ptr<Stream>> streams_;
+    BatchMemory memory_;
     WatchQueue::Tables tables_;
     std::uint64_t version_ = 0;    // of the forwarder, that the tables are of
     std::uint64_t real_ns_ = 0;    // what the other clocks are ahead of that of TimePoint

@@ -127,7 +127,9 @@ public:
     ControlLink* control();
     AlarmClock& alarms() noexcept { return alarms_; }
     /// As of the Forwarder.
-    void add_observer(Forwarder::Observer& observer) { forwarder_.add_observer(observer); }
+    void add_observer(Forwarder::Observer& observer, Forwarder::Observer::Wants wants = {}) {
+        forwarder_.add_observer(observer, wants);
+    }
     void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
     /// nullptr: it is no device, as at first. `voice` outlives the gateway's last call, or is taken back.
     void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }

@@ -113,7 +113,7 @@ void write_recording(MetricsText& text, const RecordingFigures& figures) {
     };
     using enum MetricType;
     one("anogate_recording_running", gauge, "recordings that are under way", figures.running);
-    one("anogate_recording_failing", gauge, "of them, those of which nothing is written now; the status says why",
+    one("anogate_recording_failing", gauge, "of them, those of which not all is written now; the status says why",
         figures.failing);
     one("anogate_recording_frames", counter, "frames that were written into recordings", figures.frames);
     one("anogate_recording_written_bytes", counter, "bytes that were written into recordings", figures.bytes);

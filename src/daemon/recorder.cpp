@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds recorder_patience{500};
 constexpr ano::Duration silence_told = std::chrono::milliseconds{750};    // a disk that is told of
+constexpr ano::Duration slowness_told = std::chrono::seconds{10};         // behind the last frame that was lost for it
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
@@ -58,6 +59,8 @@ private:
     bool watches_ = false;
     bool is_ended_ = false;
     bool is_silent_ = false;                                          // the disk
+    TimePoint slow_until_{};                                          // it takes less than comes; in the past: it does not
+    bool is_slow_ = false;                                            // was told
     TimePoint ends_at_{};                                             // at the latest, once end() was called
     std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // not: a call of on_change is under way
 };
@@ -148,9 +151,14 @@ void Recorder::Impl::look() {
 
 // While something is under way.
 void Recorder::Impl::beat() {
-    const ano::Duration silence = thread_->silence(Clock::now());
-    if (const bool was_silent = std::exchange(is_silent_, silence >= silence_told); was_silent != is_silent_) tell();
-    if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || !watches_) beat_.set(Clock::now() + beat_time);
+    const TimePoint now = Clock::now();
+    const ano::Duration silence = thread_->silence(now);
+    const bool was_silent = std::exchange(is_silent_, silence >= silence_told);
+    if (is_silent_ || !news_.error.empty()) slow_until_ = {};    // they lose frames by themselves
+    else if (!was_silent && queue.lost() > 0) slow_until_ = now + slowness_told;
+    const bool was_slow = std::exchange(is_slow_, now < slow_until_);
+    if (was_silent != is_silent_ || was_slow != is_slow_) tell();
+    if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow_ || !watches_) beat_.set(now + beat_time);
     else beat_.cancel();
 }
 
@@ -176,6 +184,8 @@ RecorderReport Recorder::Impl::report() const {
     report.bytes = progress.bytes;
     report.not_written = lost_ + queue.lost() + progress.not_written;
     report.error = is_silent_ ? silence_text(thread_->silence(Clock::now())) : news_.error;
+    report.is_slow = report.error.empty() && is_slow_ && !is_ended_;
+    if (report.is_slow) report.error = "the disk takes less than comes";
     return report;
 }
 

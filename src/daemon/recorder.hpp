@@ -33,7 +33,8 @@ struct RecorderReport {
     std::uint64_t frames = 0;         // written
     std::uint64_t bytes = 0;          // written, in all files
     std::uint64_t not_written = 0;    // frames: for want of room, or of a disk that takes them
-    std::string error;                // why nothing is written now, in a clause; empty: it is
+    std::string error;                // why not all is written now, in a clause; empty: it is
+    bool is_slow = false;             // that is the error: what is written is less than comes
 };
 
 /// All calls are from the loop.

@@ -241,7 +241,9 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     if (error == running.told_error) return;
     if (report.error.empty())
         spdlog::info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
-    else spdlog::warn("recording {}: {}; frames go on, but are not recorded", running.asked.name, report.error);
+    else
+        spdlog::warn("recording {}: {}; frames go on, but {} recorded", running.asked.name, report.error,
+                     report.is_slow ? "not all are" : "are not");
     running.told_error = error;
     look_soon();
 }

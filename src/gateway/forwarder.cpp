@@ -50,8 +50,8 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     if (!held_.empty()) make_room_for(from, frame);
     ++frame_number_;
     note_arrival(from);
-    if (!observers_.empty() && !releasing_) [[unlikely]]
-        for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
+    if (!hear_arrivals_.empty() && !releasing_) [[unlikely]]
+        for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
     if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
 }
 
@@ -129,8 +129,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
 [[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const Said& said,
                                                       std::uint32_t copies) {
     bool is_ours = false;
-    if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) is_ours = observer->passes(from, frame) || is_ours;
+    if (!hear_fates_.empty()) [[unlikely]]
+        for (Observer* observer : hear_fates_) is_ours = observer->passes(from, frame) || is_ours;
     Route route = router_.route(from.id, frame.source(), frame.destination(), now_);
     if (tunnel_ && from.link == tunnel_link_ && is_tunnel_frame(frame)) keep_from_tunnel(route);
     if (!route.guarded.empty()) loop_guard_.remember(said, from.id, route.guarded, now_);
@@ -187,8 +187,8 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
         cause = channel.outbox.push(frame, policy, arrived_at, from);
         to_flush_.insert(to);
     }
-    if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) {
+    if (!hear_fates_.empty()) [[unlikely]]
+        for (Observer* observer : hear_fates_) {
             if (cause) observer->refused(channel.link, frame, cause);
             else observer->offered(channel, frame, from);
         }
@@ -209,8 +209,8 @@ SendCause Forwarder::rewrite(LinkEntry& link, ano::FrameView& frame) {
 
 void Forwarder::drop(Channel& from, ano::FrameView frame, ReceiveCause cause) {
     ++(from.routed.*cause);
-    if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) observer->dropped(from, frame, cause);
+    if (!hear_fates_.empty()) [[unlikely]]
+        for (Observer* observer : hear_fates_) observer->dropped(from, frame, cause);
 }
 
 // A frame that was for the link and for none of its channels.
@@ -218,8 +218,8 @@ void Forwarder::refuse(LinkId to, ano::FrameView frame, SendCause cause) {
     SendCounters& gone = entry(to).traffic.gone_sent;
     ++gone.offered;
     ++(gone.*cause);
-    if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) observer->refused(to, frame, cause);
+    if (!hear_fates_.empty()) [[unlikely]]
+        for (Observer* observer : hear_fates_) observer->refused(to, frame, cause);
 }
 
 }    // namespace anogate

@@ -73,6 +73,7 @@ void Forwarder::remove_link(LinkId id) {
     same_device_.remove_link(id);
     inhibit_.remove_link(id);
     std::erase_if(claimants_, [id](const auto& claimant) { return claimant.second.link == id; });
+    for (Observer* observer : observers_) observer->removed(id);
 }
 
 void Forwarder::restore(LinkId link, const DuplicateGuard::Memory& brought) {
@@ -103,7 +104,7 @@ Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
             opened->outbox, QuestionQueue::Options{settings.outbox.bytes, settings.outbox.age.rest});
     used_.insert(channel);
     ++version_;
-    if (!observers_.empty()) opened->outbox.watch(this, channel);
+    if (!hear_departures_.empty()) opened->outbox.watch(this, channel);
     link.traffic.channels.insert(channel);
     router_.open(channel, id);
     loop_guard_.open(channel, id, settings.route.group, settings.takes_probes, now);
@@ -148,26 +149,34 @@ void Forwarder::link_down(LinkId id) {
     if (link.hello) link.hello->went_down();
 }
 
-void Forwarder::add_observer(Observer& observer) {
-    observers_.push_back(&observer);
+void Forwarder::add_observer(Observer& observer, Observer::Wants wants) {
+    const auto put = [&observer](std::vector<Observer*>& all, bool is_wanted) {
+        const auto place = std::find(all.begin(), all.end(), &observer);
+        if (!is_wanted && place != all.end()) all.erase(place);
+        else if (is_wanted && place == all.end()) all.push_back(&observer);
+    };
+    put(observers_, true);
+    put(hear_arrivals_, wants.arrivals);
+    put(hear_fates_, wants.fates);
+    put(hear_departures_, wants.departures);
     watch_outboxes();
 }
 
 void Forwarder::remove_observer(Observer& observer) {
+    add_observer(observer, {false, false, false});
     std::erase(observers_, &observer);
-    watch_outboxes();
 }
 
 void Forwarder::watch_outboxes() noexcept {
-    for (const ChannelId id : used_) channels_[index(id)]->outbox.watch(observers_.empty() ? nullptr : this, id);
+    for (const ChannelId id : used_) channels_[index(id)]->outbox.watch(hear_departures_.empty() ? nullptr : this, id);
 }
 
 void Forwarder::left(ChannelId channel, ano::FrameView frame) noexcept {
-    for (Observer* observer : observers_) observer->left(*channels_[index(channel)], frame);
+    for (Observer* observer : hear_departures_) observer->left(*channels_[index(channel)], frame);
 }
 
 void Forwarder::dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept {
-    for (Observer* observer : observers_) observer->gave_up(*channels_[index(channel)], frame, cause);
+    for (Observer* observer : hear_departures_) observer->gave_up(*channels_[index(channel)], frame, cause);
 }
 
 void Forwarder::grow_older(Duration time) {

@@ -48,8 +48,8 @@ void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
     ++frame_number_;
     note_arrival(from);
-    if (!observers_.empty()) [[unlikely]]
-        for (Observer* observer : observers_) observer->received(from, frame, arrived_at_);
+    if (!hear_arrivals_.empty()) [[unlikely]]
+        for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
     if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for one of ours
     if (!admit(from, frame) || !admit_unopened(from, frame)) return;
     const Route route = router_.find(from.link, frame.destination(), now_);

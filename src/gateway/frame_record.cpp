@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace anogate {
 namespace {
@@ -58,19 +59,23 @@ std::string_view text(Direction direction) noexcept {
     return "";
 }
 
-void append(std::string& records, const FrameRecord& record) {
+void write(char* at, const FrameRecord& record) noexcept {
+    put(at, record.time_ns);
+    put(at + 8, record.boottime_ns);
+    at[16] = static_cast<char>(record.link);
+    at[17] = static_cast<char>(record.direction);
+    at[18] = static_cast<char>(record.cause);
+    at[19] = static_cast<char>(record.channel);
     const auto frame = record.frame.bytes();
-    if (const std::size_t end = records.size() + FrameRecord::head + frame.size(); end > records.capacity())
+    std::memcpy(at + FrameRecord::head, frame.data(), frame.size());
+}
+
+void append(std::string& records, const FrameRecord& record) {
+    const std::size_t begin = records.size();
+    if (const std::size_t end = begin + record.size(); end > records.capacity())
         records.reserve(std::max(end, 2 * records.capacity()));
-    std::array<char, FrameRecord::head> head;
-    put(head.data(), record.time_ns);
-    put(head.data() + 8, record.boottime_ns);
-    head[16] = static_cast<char>(record.link);
-    head[17] = static_cast<char>(record.direction);
-    head[18] = static_cast<char>(record.cause);
-    head[19] = static_cast<char>(record.channel);
-    records.append(head.data(), head.size());
-    records.append(reinterpret_cast<const char*>(frame.data()), frame.size());
+    records.resize(begin + record.size());
+    write(records.data() + begin, record);
 }
 
 std::optional<FrameRecord> take_record(std::string_view& records) noexcept {

@@ -1,6 +1,7 @@
 #include <record/kept_recordings.hpp>
 
 #include <algorithm>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -9,14 +10,18 @@ namespace {
 
 constexpr std::chrono::seconds clock_was_set{1'577'836'800};    // 2020-01-01
 
+// The oldest is the least. Of the files of one recording that changed in the same second, "flight.pcapng" is the first, and
+// "flight-10.pcapng" behind "flight-9.pcapng".
+auto order_of(const KeptRecording& recording) {
+    return std::tuple{-recording.age, recording.changed, recording.name.size(), std::string_view{recording.name}};
+}
+
 std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < recordings.size(); ++i)
         if (!recordings[i].is_written) order.push_back(i);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return std::tie(recordings[b].age, recordings[a].changed, recordings[a].name) <
-               std::tie(recordings[a].age, recordings[b].changed, recordings[b].name);
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return order_of(recordings[a]) < order_of(recordings[b]); });
     return order;
 }
 

@@ -22,6 +22,7 @@ void measure_idle(Run& run);
 void measure_calls(Run& run);
 void measure_watchers(Run& run);
 void measure_recording(Run& run);
+void measure_replay(Run& run);
 void measure_simulated(Run& run);
 void measure_devices(Run& run);
 

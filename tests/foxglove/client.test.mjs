@@ -28,12 +28,16 @@ function start() {
   });
 }
 
-before(async () => {
-  writeFileSync(join(folder, "token"), `view ${token}\n`, { mode: 0o600 });
+function configure(links) {
   writeFileSync(join(folder, "anogate.json"), JSON.stringify({
-    links: ["sim:fc,name=fc"],
+    links,
     control: { http: "127.0.0.1:0", token_file: join(folder, "token"), origins: ["https://app.foxglove.dev"] },
   }));
+}
+
+before(async () => {
+  writeFileSync(join(folder, "token"), `view ${token}\n`, { mode: 0o600 });
+  configure(["sim:fc,name=fc"]);
   [gateway, port] = await start();
 });
 after(() => {
@@ -47,11 +51,14 @@ function socket(query, protocols = [FoxgloveClient.SUPPORTED_SUBPROTOCOL], heade
 }
 
 // A client with all that it was told.
-function client(query = `?token=${token}`) {
-  const one = new FoxgloveClient({ ws: socket(query, undefined, { Origin: "https://app.foxglove.dev" }) });
+function client(query = `?token=${token}`, protocols = undefined) {
+  const one = new FoxgloveClient({ ws: socket(query, protocols, { Origin: "https://app.foxglove.dev" }) });
   const told = { channels: new Map(), messages: [], statuses: [], parameters: [], info: undefined, error: undefined };
   one.on("serverInfo", (info) => { told.info = info; });
   one.on("advertise", (channels) => { for (const channel of channels) told.channels.set(channel.topic, channel); });
+  one.on("unadvertise", (ids) => {
+    for (const [topic, channel] of told.channels) if (ids.includes(channel.id)) told.channels.delete(topic);
+  });
   one.on("message", (message) => told.messages.push(message));
   one.on("status", (status) => told.statuses.push(status));
   one.on("parameterValues", (values) => told.parameters.push(values));
@@ -104,6 +111,31 @@ test("messages as JSON say the same", { timeout: 60_000 }, async () => {
   const euler = JSON.parse(new TextDecoder().decode(data));
   assert(Math.abs(euler.rol) <= 180, JSON.stringify(euler));
   one.close();
+});
+
+test("channels of a link that a reload removes are taken back, and come with it again", { timeout: 60_000 }, async () => {
+  const subprotocols = [FoxgloveClient.SUPPORTED_SUBPROTOCOL, "foxglove.sdk.v1"];
+  const clients = subprotocols.map((name) => client(undefined, [name]));
+  for (const [, told] of clients) await until("channels", () => told.channels.has("/fc/device_220/euler"));
+  const before = clients.map(([, told]) => told.channels.get("/fc/device_220/euler").id);
+  const subscriptions = clients.map(([one], i) => one.subscribe(before[i]));
+  configure([]);
+  gateway.kill("SIGHUP");
+  for (const [, told] of clients) {
+    await until("the end of channels", () => !told.channels.has("/fc/device_220/euler"));
+    assert.deepEqual([...told.channels.keys()], ["/anogate/frames"]);
+  }
+  clients.forEach(([one], i) => one.unsubscribe(subscriptions[i]));
+  configure(["sim:fc,name=fc"]);
+  gateway.kill("SIGHUP");
+  for (const [i, [one, told]] of clients.entries()) {
+    const channel = await until("channels", () => told.channels.get("/fc/device_220/euler"));
+    assert.notEqual(channel.id, before[i]);
+    const subscription = one.subscribe(channel.id);
+    await until("messages", () => told.messages.some((message) => message.subscriptionId === subscription));
+    assert.deepEqual(told.statuses, []);
+    one.close();
+  }
 });
 
 test("parameters are read, and not written", { timeout: 60_000 }, async () => {

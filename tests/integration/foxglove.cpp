@@ -3,6 +3,7 @@
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
 
+#include <config/difference.hpp>
 #include <daemon/foxglove_messages.hpp>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -128,6 +130,24 @@ TEST_F(Foxglove, what_is_subscribed_is_shown_and_nothing_else) {
     door.gateway.run_for(100ms);
     EXPECT_EQ(plotter.ear.messages().size(), 3u);
     EXPECT_TRUE(plotter.said("status").empty());
+}
+
+TEST_F(Foxglove, channels_of_a_link_that_is_removed_are_taken_back_though_nothing_comes_any_more) {
+    Plotter plotter{door}, other{door, "/", {{"Sec-WebSocket-Protocol", "foxglove.sdk.v1"}}};
+    ASSERT_TRUE(until_told(plotter, "/a/device_220/euler") && until_told(other, "/a/device_220/euler"));
+    anogate::Gateway& gateway = door.gateway.gateway();
+    anogate::Settings settings = gateway.settings();
+    settings.links.clear();
+    bool is_changed = false;
+    gateway.change(settings, anogate::difference(gateway.settings(), settings), 0ms, [&] { is_changed = true; });
+    ASSERT_TRUE(until([&] { return is_changed && !plotter.said("unadvertise").empty() && !other.said("unadvertise").empty(); }));
+    const json gone = plotter.said("unadvertise").front().at("channelIds");
+    EXPECT_NE(std::find(gone.begin(), gone.end(), plotter.channel("/a/device_220/euler").at("id")), gone.end()) << gone;
+    EXPECT_EQ(std::find(gone.begin(), gone.end(), plotter.channel("/anogate/frames").at("id")), gone.end()) << gone;
+    Plotter later{door};
+    ASSERT_TRUE(until([&] { return !later.said("advertise").empty(); }));
+    ASSERT_TRUE(until_heard(later));
+    EXPECT_TRUE(later.channel("/a/device_220/euler").is_null());
 }
 
 TEST_F(Foxglove, another_subscription_takes_nothing_from_the_first) {

@@ -20,8 +20,10 @@ struct FailingDisk {
     std::atomic<bool> hangs{false};                    // until it is false again
     std::atomic<int> hanging{0};                       // calls
     std::atomic<bool> lacks_memory{false};             // a write throws std::bad_alloc, as anything may that is on the way to it
+    std::atomic<int> slowness{0};                      // milliseconds that each call takes
 
     void wait() {
+        if (const int time = slowness; time > 0) std::this_thread::sleep_for(std::chrono::milliseconds{time});
         if (!hangs) return;
         ++hanging;
         while (hangs) std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -34,6 +36,7 @@ inline FailingDisk failing_disk;
 struct WellAgain {
     ~WellAgain() {
         failing_disk.hangs = failing_disk.lacks_memory = false;
+        failing_disk.slowness = 0;
         failing_disk.write_error = failing_disk.sync_error = 0;
         failing_disk.room = -1;
     }

@@ -238,6 +238,32 @@ TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_to
     EXPECT_EQ(written.numbers, wanted);
 }
 
+TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_missing_is_counted) {
+    start();
+    failing_disk.slowness = 200;
+    const int changes_before = changes;
+    while (recorder->report().not_written == 0 && sent < 60'000) send(300, true);
+    const auto begin = ano::Clock::now();
+    ASSERT_TRUE(until_error("the disk takes less than comes", 5s)) << recorder->report().error;
+    EXPECT_LT(ano::Clock::now() - begin, 2s);
+    EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
+    b.forget();
+    send(30);
+    EXPECT_TRUE(gateway.until([&] { return !b.heard().empty(); }));
+    failing_disk.slowness = 0;
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    const RecorderReport report = recorder->report();
+    EXPECT_EQ(report.error, "");
+    EXPECT_GT(report.not_written, 0u);
+    EXPECT_EQ(report.frames + report.not_written, static_cast<std::uint64_t>(sent));
+    const auto written = files();
+    EXPECT_EQ(written.lost, report.not_written);
+    EXPECT_EQ(written.numbers.size(), report.frames);
+    EXPECT_TRUE(std::is_sorted(written.numbers.begin(), written.numbers.end()));
+}
+
 TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
     start();
     failing_disk.hangs = true;

@@ -28,9 +28,12 @@ Json numbers_of(const Json& value) {
     return has_any ? kept : Json{};
 }
 
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 }    // namespace
 
-std::string plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options) {
+std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
+                                   std::size_t most) {
     const Json said = ano::frame_to_json(frame, options);
     const auto fields = said.find("fields");
     if (fields == said.end()) return {};
@@ -38,8 +41,23 @@ std::string plot_json(ano::FrameView frame, const std::string& link, double time
     if (numbers.is_null()) return {};
     const std::string name = said.value("name", ano::hex_byte(frame.id()));
     Json plot{{"timestamp", time}};
-    plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name] = std::move(numbers);
-    return plot.dump(-1, ' ', false, Json::error_handler_t::replace);
+    Json& place = plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name];
+    place = Json::object();
+    const std::size_t around = text_of(plot).size();
+    std::vector<std::string> objects;
+    std::size_t size = around;
+    for (auto field = numbers.begin(); field != numbers.end(); ++field) {
+        const std::size_t more = text_of(Json{{field.key(), field.value()}}).size() - 1;    // a brace gives way to a comma
+        if (size + more > most && !place.empty()) {
+            objects.push_back(text_of(plot));
+            place = Json::object();
+            size = around;
+        }
+        place[field.key()] = std::move(field.value());
+        size += more;
+    }
+    objects.push_back(text_of(plot));
+    return objects;
 }
 
 }    // namespace anoctl

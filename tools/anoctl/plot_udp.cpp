@@ -39,13 +39,11 @@ public:
 
     bool take(ano::FrameView frame, const Passage& passage) override {
         if (!wanted_.takes(frame)) return true;
-        const std::string json = plot_json(frame, passage.link, passage.time, options_);
-        if (json.empty()) return true;
-        const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
-        const int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
-        if (error == 0) ++sent;
-        else ++not_sent;
-        if (error != 0) why = error_text(error);
+        const auto objects = plot_json(frame, passage.link, passage.time, options_);
+        if (objects.empty()) return true;
+        bool all_left = true;
+        for (const std::string& json : objects) all_left = send(json) && all_left;
+        ++(all_left ? sent : not_sent);
         return true;
     }
     bool flush() override { return true; }
@@ -62,6 +60,13 @@ public:
     std::string why;
 
 private:
+    bool send(const std::string& json) {
+        const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
+        const int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
+        if (error != 0) why = error_text(error);
+        return error == 0;
+    }
+
     const Endpoint to_;
     const WantedFrames wanted_;
     const ano::FlexibleLayouts layouts_;

@@ -168,6 +168,67 @@ TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
     }
 }
 
+TEST_F(FoxgloveSessionTest, channels_of_a_link_that_is_gone_are_taken_back_and_come_anew_with_it) {
+    learn(recorded(euler));
+    learn(recorded(wind, "ground"));
+    const auto told = channels();
+    const unsigned of_fc = told.at("/fc/device_220/euler").at("id"), of_ground = told.at("/ground/device_221/wind").at("id");
+    subscribe(1, of_fc);
+    subscribe(2, of_ground);
+    session.take_filter();
+    found.forget("fc");
+    session.forget("fc");
+    auto texts = all().texts;
+    ASSERT_EQ(texts.size(), 1u);
+    EXPECT_EQ(texts[0].at("op"), "unadvertise");
+    json ids = json::array();
+    for (const auto& [topic, channel] : told)
+        if (topic.starts_with("/fc/")) ids.push_back(channel.at("id"));
+    EXPECT_EQ(json(texts[0].at("channelIds")).size(), ids.size());
+    for (const json& id : ids) EXPECT_TRUE(texts[0].at("channelIds").dump().find(id.dump()) != std::string::npos) << id;
+    ASSERT_TRUE(session.wants_other_frames());
+    EXPECT_EQ(session.take_filter()->links, (std::vector<std::string>{"ground"}));
+    session.show(recorded(euler));
+    EXPECT_TRUE(all().data.empty()) << "it came before it was gone";
+    session.show(recorded(wind, "ground"));
+    EXPECT_EQ(all().data.size(), 1u);
+    subscribe(3, of_fc);
+    EXPECT_EQ(statuses(), (std::vector<std::string>{"channel " + std::to_string(of_fc) + " is gone, with its link"}));
+    session.hear(R"({"op":"unsubscribe","subscriptionIds":[1]})");
+    EXPECT_TRUE(statuses().empty()) << "he may end what he began";
+
+    learn(recorded(euler));
+    const auto again = channels();
+    ASSERT_TRUE(again.contains("/fc/device_220/euler"));
+    EXPECT_FALSE(again.contains("/ground/device_221/wind"));
+    EXPECT_NE(again.at("/fc/device_220/euler").at("id"), of_fc);
+    subscribe(4, again.at("/fc/device_220/euler").at("id"));
+    session.show(recorded(euler));
+    EXPECT_EQ(all().data.size(), 1u);
+}
+
+TEST_F(FoxgloveSessionTest, who_comes_later_is_told_nothing_of_a_link_that_is_gone) {
+    learn(recorded(euler));
+    learn(recorded(wind, "ground"));
+    found.forget("fc");
+    FoxgloveSession later{{"anogate", "1"}, DecodedEncoding::cdr, flexible};
+    for (const FirstFrame& first : found.first_frames()) later.learn(first);
+    std::string told;
+    while (const auto message = later.next()) told += message->data;
+    EXPECT_EQ(told.find("/fc/"), std::string::npos) << told;
+    EXPECT_NE(told.find("/ground/device_221/wind"), std::string::npos) << told;
+    EXPECT_EQ(told.find("unadvertise"), std::string::npos) << told;
+}
+
+TEST_F(FoxgloveSessionTest, what_was_not_told_yet_is_not_taken_back) {
+    learn(recorded(euler));
+    session.forget("fc");
+    for (const json& text : all().texts) {
+        EXPECT_NE(text.at("op"), "unadvertise");
+        EXPECT_EQ(text.dump().find("/fc/"), std::string::npos) << text;
+    }
+}
+
 TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) {
     const unsigned channel = channels().at("/anogate/frames").at("id");
     subscribe(1, channel);

@@ -24,8 +24,9 @@ public:
         last_left = {frame.bytes().begin(), frame.bytes().end()};
     }
     void gave_up(const Channel&, ano::FrameView, SendCause cause) noexcept override { ++not_sent[name_of(send_counters, cause)]; }
+    void removed(LinkId) override { ++removals; }
 
-    std::uint64_t in = 0, out = 0, offers = 0;
+    std::uint64_t in = 0, out = 0, offers = 0, removals = 0;
     std::map<std::string, std::uint64_t> dropped_in, not_sent;
     Bytes last_left;
     std::vector<Bytes> passed;
@@ -56,6 +57,52 @@ protected:
 };
 
 }    // namespace
+
+TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
+    Channel& device = add();
+    Channel& taker = add();
+    const auto happen = [&] {
+        tally = Tally{};
+        receive(device, frame(fc, all, 0x03, {1}));
+        taker.outbox.set_congested();
+        receive(device, frame(fc, all, 0x03, {2}));    // in the place of the first
+        std::span<const std::uint8_t> piece[1];
+        while (taker.outbox.gather(piece, now) == 1) taker.outbox.sent_frame();
+        receive(device, frame(fc, 0x77, 0x03, {1}));
+        return tally;
+    };
+    forwarder.add_observer(tally, {true, false, false});
+    Tally told = happen();
+    EXPECT_EQ(told.in, 3u);
+    EXPECT_EQ(told.offers + told.out + told.passed.size() + told.not_sent.size(), 0u);
+    forwarder.add_observer(tally, {false, true, false});
+    told = happen();
+    EXPECT_GE(told.offers, 2u);
+    EXPECT_GE(told.passed.size(), 2u);
+    EXPECT_EQ(told.in + told.out + told.not_sent.count("superseded"), 0u);
+    forwarder.add_observer(tally, {false, false, true});
+    Channel& late = add();    // opened while it wants that
+    told = happen();
+    EXPECT_GT(told.out, 0u);
+    EXPECT_GT(told.not_sent.at("superseded"), 0u);
+    EXPECT_EQ(told.in + told.offers, 0u);
+    std::span<const std::uint8_t> piece[1];
+    ASSERT_EQ(late.outbox.gather(piece, now), 1u);
+    tally = {};
+    late.outbox.sent_frame();
+    EXPECT_EQ(tally.out, 1u);
+    forwarder.remove_observer(tally);
+    told = happen();
+    EXPECT_EQ(told.in + told.out + told.offers, 0u);
+    EXPECT_TRUE(forwarder.is_observed()) << "by the diary";
+}
+
+TEST_F(Watched, a_link_that_is_removed_is_told) {
+    Channel& device = add();
+    forwarder.add_observer(tally, {false, false, false});
+    forwarder.remove_link(device.link);
+    EXPECT_EQ(tally.removals, 1u);
+}
 
 TEST_F(Watched, each_frame_that_was_offered_left_or_was_dropped_for_a_cause) {
     Channel& device = add();

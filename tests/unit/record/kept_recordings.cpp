@@ -53,6 +53,13 @@ TEST(KeptRecordings, the_oldest_go_until_enough_of_the_disk_is_free) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 400), "a b c ");
 }
 
+TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
+    std::vector<KeptRecording> files;
+    for (const char* name : {"f-2.pcapng", "f-10.pcapng", "f.pcapng", "f-9.pcapng", "f-11.pcapng"})
+        files.push_back(recording(name, 1, 5s));
+    EXPECT_EQ(names_of_those_that_go(files, {.bytes = 1, .age = {}, .free = 0}), "f.pcapng f-2.pcapng f-9.pcapng f-10.pcapng ");
+}
+
 TEST(KeptRecordings, none_goes_in_vain_when_others_filled_the_disk) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 399), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = 25s, .free = 1000}, 399), "a ") << "the age holds all the same";
