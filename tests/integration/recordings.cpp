@@ -1,8 +1,10 @@
 // What the gateway records itself: by its configuration, when asked, of the last while; and what it leaves alone.
 #include <support/pty_device.hpp>
 #include <support/recorded.hpp>
+#include <support/recorded_files.hpp>
 #include <support/recording_gateway.hpp>
 #include <support/sanitized.hpp>
+#include <support/small_disk.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -29,7 +31,26 @@ using nlohmann::json;
 
 const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 
-using Recordings = RecordingGateway;
+constexpr auto told_within = std::chrono::seconds{2} * (sanitized ? 5 : 1);    // one, and what a busy machine needs
+
+class Recordings : public RecordingGateway {
+protected:
+    /// Of what is recorded, the first.
+    json running() const { return gateway->status().at("recording").at("running").at(0); }
+    bool until_error(const std::string& words) const {
+        return gateway->until([&](const json& status) {
+            const json& all = status.at("recording").at("running");
+            return !all.empty() && all[0].at("error").get<std::string>().find(words) != std::string::npos;
+        });
+    }
+    std::string metric(const std::string& name) const {
+        const std::string all = ask("GET", "/metrics").body;
+        const std::size_t at = all.find("\n" + name + " ");
+        if (at == std::string::npos) return {};
+        const std::size_t begin = at + name.size() + 2;
+        return all.substr(begin, all.find('\n', begin) - begin);
+    }
+};
 
 TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     start();
@@ -240,6 +261,77 @@ TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames
     EXPECT_EQ(ended.at("frames"), 0);
     EXPECT_EQ(ended.at("not_written"), 20) << "they waited in memory for the disk";
     EXPECT_TRUE(names().empty());
+}
+
+TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_begin_when_it_is_well) {
+    fs::create_directories(folder);
+    const SmallDisk disk{folder, "4m"};
+    if (!disk.why_not().empty() || !disk.read_only(true)) GTEST_SKIP() << disk.why_not();
+    start(R"(, "record": {"free": 0})");
+    const auto begun = std::chrono::steady_clock::now();
+    ASSERT_TRUE(until_error("Read-only file system"));
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
+    EXPECT_TRUE(gateway->until_says("Read-only file system; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_EQ(metric("anogate_recording_failing"), "1");
+    refuses(507, "POST", "/recordings", R"({"name": "flight"})", "nothing is recorded: ");
+    send_numbered(20);
+    ASSERT_TRUE(disk.read_only(false));
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").at(0).at("frames") == 20; })) << get();
+    EXPECT_EQ(running().at("error"), "");
+    EXPECT_EQ(running().at("not_written"), 0) << "they waited in memory";
+    EXPECT_EQ(metric("anogate_recording_failing"), "0");
+    stop();
+    ASSERT_EQ(names().size(), 1u);
+    EXPECT_EQ(read_pcapng(content(names()[0])).items.size(), 20u);
+}
+
+TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_is_missing_is_counted) {
+    fs::create_directories(folder);
+    const SmallDisk disk{folder, "64k"};
+    if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
+    start(R"(, "record": {"free": 0})");
+    ASSERT_TRUE(until([](const json& all) { return all.at("running").size() == 1 && all.at("running")[0].at("files") == 1; }));
+    std::ofstream{folder + "/filler"} << std::string(64 * 1024, '.') << std::flush;
+    const auto begun = std::chrono::steady_clock::now();
+    send_numbered(200);
+    ASSERT_TRUE(until_error("No space left on device"));
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
+    EXPECT_TRUE(gateway->until_says("No space left on device; frames go on, but are not recorded")) << gateway->output();
+    EXPECT_EQ(metric("anogate_recording_failing"), "1");
+    send_numbered(20);
+    const json ended = end(running().at("name"));
+    EXPECT_EQ(ended.at("frames").get<int>() + ended.at("not_written").get<int>(), 220);
+    EXPECT_GE(ended.at("not_written"), 20);
+    EXPECT_EQ(metric("anogate_recording_not_written_total"), ended.at("not_written").dump());
+}
+
+TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_configuration_says) {
+    start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "60kB"}})");
+    const auto gone = [&] { return gateway->output().find(" is deleted, as \"keep\" says") != std::string::npos; };
+    for (int round = 0; round < 50 && !gone(); ++round) {
+        send_numbered(150);
+        ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_; })) << get();
+    }
+    ASSERT_TRUE(gone()) << gateway->output();
+    const std::string name = running().at("name");
+    const int files = running().at("files");
+    EXPECT_GE(files, 3);
+    stop();
+    std::vector<int> numbers;
+    int left = 0;
+    for (int number = 1; number <= 100; ++number) {
+        const std::string file = folder + "/" + name + (number > 1 ? "-" + std::to_string(number) : "") + ".pcapng";
+        if (!fs::exists(file)) continue;
+        const auto read = read_pcapng(text_of(file));
+        EXPECT_TRUE(read.has_end) << file;
+        EXPECT_LT(fs::file_size(file), 60'000u) << file;
+        for (const auto& item : read.items) numbers.push_back(number_of(item.frame));
+        ++left;
+    }
+    EXPECT_LT(left, files) << "the oldest went";
+    ASSERT_FALSE(numbers.empty());
+    for (std::size_t i = 1; i < numbers.size(); ++i) ASSERT_EQ(numbers[i], numbers[i - 1] + 1);
+    EXPECT_EQ(numbers.back(), sent_ - 1);
 }
 
 TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
