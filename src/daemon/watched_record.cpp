@@ -40,7 +40,7 @@ std::uint64_t in_nanoseconds(ano::Duration time) {
 std::size_t RecordedNames::cost() const noexcept {
     std::size_t cost = sizeof *this;
     for (const Names* names : {&links, &kinds, &peers})
-        for (const std::string& name : *names) cost += sizeof name + name.size();
+        for (const std::string& name : *names) cost += sizeof(std::string) + name.size();
     return cost;
 }
 
