@@ -188,7 +188,7 @@ private:
             what = std::to_string(skipped.count) +
                    (skipped.count == 1 ? " damaged part of it is left out, at byte "
                                        : " damaged parts of it are left out, the first at byte ") +
-                   std::to_string(skipped.first.front().at) + ": " + skipped.first.front().why;
+                   std::to_string(skipped.first.front().at) + ": " + std::string{skipped.first.front().why};
         if (reader.is_damaged()) what = "it is damaged behind byte " + where + ", and nothing is read there: " + reader.fault();
         else if (reader.unfinished() > 0) what = "it is cut off: what is behind byte " + where + " is not whole";
         if (what.empty()) return {};

@@ -22,7 +22,7 @@ namespace anogate {
 struct SkippedPart {
     std::uint64_t at = 0, size = 0;             // bytes of the file
     std::optional<std::uint64_t> messages{};    // that it has, as the index behind it or its kind tells; nothing: none does
-    const char* why = "";                       // in a clause
+    std::string_view why;                       // in a clause; lives as long as the program
 
     friend bool operator==(const SkippedPart&, const SkippedPart&) = default;
 };

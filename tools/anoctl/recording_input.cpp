@@ -113,7 +113,7 @@ std::string note_on(const anogate::SkippedPart& part, anogate::RecordingFormat f
     if (!part.messages) line += "with nothing behind it that tells what it had";
     else if (*part.messages == 0) line += "without messages";
     else line += counted(*part.messages, "message");
-    return line + ": " + part.why;
+    return line + ": " + std::string{part.why};
 }
 
 void add_notes_on(const anogate::SkippedParts& skipped, anogate::RecordingFormat format, std::vector<std::string>& lines) {

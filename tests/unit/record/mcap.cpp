@@ -271,7 +271,7 @@ TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
     const auto skipped = [](const std::string& record) -> std::string {
         const auto read = read_recording(file_of(record));
         EXPECT_EQ(read.fault, "");
-        return read.skipped.count == 1 ? read.skipped.first.front().why : "";
+        return read.skipped.count == 1 ? std::string{read.skipped.first.front().why} : "";
     };
     std::string packed;
     ZstdPacker{}.pack(std::string(1000, '\1'), packed);
