@@ -306,7 +306,7 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
 }
 
 TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_configuration_says) {
-    start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "60kB"}})");
+    start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "100kB"}})");
     const auto gone = [&] { return gateway->output().find(" is deleted, as \"keep\" says") != std::string::npos; };
     for (int round = 0; round < 50 && !gone(); ++round) {
         send_numbered(150);
