@@ -198,6 +198,8 @@ void DiskWriter::leave_file() noexcept {
 void DiskWriter::report() {
     progress_.frames = safe_frames_ + written_frames_;
     progress_.bytes = bytes_before_ + (file_ ? file_->size() : 0);
+    progress_.file_frames = file_ ? safe_frames_ + written_frames_ - frames_before_ : 0;
+    progress_.file_bytes = file_ ? file_->size() : 0;
     progress_.files = files_;
 }
 

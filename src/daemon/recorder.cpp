@@ -199,6 +199,8 @@ RecorderReport Recorder::Impl::report() const {
     report.frames = progress.frames;
     report.bytes = progress.bytes;
     report.waiting = progress.in_flight;
+    report.file_frames = progress.file_frames;
+    report.file_bytes = progress.file_bytes;
     report.not_written = lost_ + queue.lost() + progress.not_written;
     report.error = is_silent_ ? silence_text(thread_->silence(Clock::now())) : news_.error;
     report.is_slow = report.error.empty() && is_slow_ && !is_ended_;

@@ -70,6 +70,8 @@ Json Recordings::json_of(const Running& running) const {
               {"format", text(running.asked.format)},
               {"frames", report.frames},
               {"bytes", report.bytes},
+              {"file_frames", report.file_frames},
+              {"file_bytes", report.file_bytes},
               {"not_written", report.not_written},
               {"error", report.error},
               {"since", json_seconds(running.began_ns)},

@@ -102,7 +102,7 @@ private:
             note += (note.empty() ? "" : "; ") + counted(missing, "frame") + " not written";
         const std::string file = text_at(one, "file");
         return {file.empty() ? text_at(one, "name") : file, note.empty() ? "recording" : "troubled",
-                size_of(number_at(one, "bytes")),           text_at(one, "frames"),
+                size_of(number_at(one, "file_bytes")),      text_at(one, "file_frames"),
                 time_text(number_at(one, "seconds")),       note};
     }
     static Table::Line cells_of_file(const Json& one) {
