@@ -31,6 +31,9 @@ std::vector<std::string> not_zero(const ano::Json& object, const std::vector<std
 /// `head` and `items` with ", " between them, on lines of at most 80 cells; the next ones are indented as far as `head`.
 std::string list_text(const std::string& head, const std::vector<std::string>& items);
 
+/// Of the status' `recording`: a line for each that runs, with what is wrong with it, and one when keep_last was not saved.
+std::vector<std::string> recording_lines(const ano::Json& recording);
+
 /// The counters of frames that were to be sent and were not.
 const std::vector<std::string>& drop_causes();
 /// All counters but the frames of their direction.

@@ -34,6 +34,23 @@ TEST(GatewayJson, counters_that_are_not_zero_are_listed) {
     EXPECT_EQ(causes_out().front(), "bytes_out");
 }
 
+TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
+    using Lines = std::vector<std::string>;
+    const auto lines_of = [](const std::string& text) { return recording_lines(parse_answer(text)); };
+    EXPECT_EQ(lines_of("{}"), Lines{});
+    EXPECT_EQ(lines_of(R"({"running": [], "keep_last": null})"), Lines{});
+    EXPECT_EQ(
+        lines_of(R"({"running": [{"name": "flight", "file": "flight-2.mcap", "frames": 7, "not_written": 0, "error": ""}]})"),
+        Lines{"recording: flight-2.mcap: 7 frames"});
+    EXPECT_EQ(
+        lines_of(
+            R"({"running": [{"name": "flight", "file": "", "frames": 0, "not_written": 12, "error": "/a: Permission denied"}],
+                           "keep_last": {"error": ""}})"),
+        Lines{"recording: flight: /a: Permission denied; not written: 12"});
+    EXPECT_EQ(lines_of(R"({"keep_last": {"error": "last.mcap is not saved: Input/output error"}})"),
+              Lines{"recording: the last frames are not saved: last.mcap is not saved: Input/output error"});
+}
+
 TEST(GatewayJson, long_lists_take_several_lines) {
     EXPECT_EQ(list_text("in: ", {}), "in: ");
     EXPECT_EQ(list_text("in: ", {"a 1", "b 2"}), "in: a 1, b 2");
