@@ -109,8 +109,22 @@ TEST(Config, a_size_of_recordings_whose_unit_was_forgotten_is_refused) {
               "/record/keep/free: 'keep.free' must be 0 or at least 1MB, not 500 bytes: give it a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"free": "999kB"}})"),
               "/record/free: 'free' must be 0 or at least 1MB, not 999000 bytes: give it a unit, such as 20GB\n");
-    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "100kB", "free": "1MB"}, "rotate": {"size": 10000}, "free": 1000000}})"), "");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "100kB", "free": "1MB"}, "rotate": {"size": 10000}, "free": 1000000}})"),
+              "");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 0, "free": 0}, "rotate": {"size": "0"}, "free": 0}})"), "");
+}
+
+TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
+    const auto warnings_in = [](const std::string& record) {
+        return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
+    };
+    const std::string warned =
+        "anogated: /record/message_encoding: warning: 'message_encoding' has no effect on what is recorded as pcapng: "
+        "give 'format' \"mcap\", which alone has decoded messages\n";
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json"})"), warned);
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "pcapng"})"), warned);
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "mcap"})"), "");
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "cdr"})"), "");
 }
 
 TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
