@@ -97,7 +97,7 @@ private:
     void keep_clock();
     void look_soon();
     void look();
-    void looked(std::optional<std::uint64_t> free, const std::vector<std::string>& gone, const std::string& fault);
+    void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
     void save_for(std::string_view why);
@@ -118,7 +118,9 @@ private:
     std::unique_ptr<FaultEar> ear_;
     std::optional<TimePoint> saved_at_;    // by itself, the last time
     std::string last_saved_, save_fault_;
-    std::string save_as_;    // when it is due:
+    std::set<std::string> just_saved_;    // since the last look
+    std::string told_to_stay_;            // beyond what is kept
+    std::string save_as_;                 // when it is due:
     Alarm save_due_;
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it

@@ -306,16 +306,24 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now) {
-    std::vector<std::string> gone;
+DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
+                             const std::set<std::string>& just_saved) {
+    DeletedRecordings deleted;
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
-        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording, {}});
+        kept.push_back({file.name,
+                        file.bytes,
+                        file.changed,
+                        file.state == FoundRecording::State::recording,
+                        {},
+                        just_saved.contains(file.name)});
     ages.look(kept, now.real, now.steady);
-    for (const std::size_t i : recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX)))
-        if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);
-    return gone;
+    const RecordingsToDelete old = recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX));
+    for (const std::size_t i : old.going)
+        if (!remove_recording(folder, kept[i].name)) deleted.gone.push_back(kept[i].name);
+    if (old.stays) deleted.stays = kept[*old.stays].name;
+    return deleted;
 }
 
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,

@@ -25,6 +25,14 @@ std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings)
     return order;
 }
 
+// In the order of oldest_first(). One that is written now is the newest of all.
+std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
+    std::vector<bool> stay(recordings.size());
+    for (std::size_t i = 0; i < recordings.size(); ++i) stay[i] = recordings[i].is_written || recordings[i].is_just_saved;
+    if (!order.empty() && order.size() == recordings.size()) stay[order.back()] = true;
+    return stay;
+}
+
 }    // namespace
 
 void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady) {
@@ -45,25 +53,34 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
     looked_at_ = steady;
 }
 
-std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::uint64_t free_bytes) {
+RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
+                                        std::uint64_t free_bytes) {
     const std::vector<std::size_t> order = oldest_first(recordings);
+    const std::vector<bool> stay = which_stay(recordings, order);
     std::uint64_t all = 0, may_go = 0;
-    for (const KeptRecording& recording : recordings) all += recording.bytes;
-    for (const std::size_t i : order) may_go += recordings[i].bytes;
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+        all += recordings[i].bytes;
+        if (!stay[i]) may_go += recordings[i].bytes;
+    }
     std::uint64_t wanted = free_bytes < limits.free ? limits.free - free_bytes : 0;
     if (wanted > may_go) wanted = 0;
 
-    std::vector<std::size_t> going;
+    RecordingsToDelete result;
     for (const std::size_t i : order) {
         const KeptRecording& recording = recordings[i];
         const bool is_too_old = limits.age > std::chrono::seconds::zero() && recording.age > limits.age;
-        if (!is_too_old && (limits.bytes == 0 || all <= limits.bytes) && wanted == 0) break;
-        going.push_back(i);
+        const bool is_beyond = limits.bytes != 0 && all > limits.bytes;
+        if (!is_too_old && !is_beyond && wanted == 0) break;
+        if (!is_too_old && stay[i]) {
+            if (is_beyond) result.stays = i;
+            continue;
+        }
+        result.going.push_back(i);
         all -= recording.bytes;
         wanted -= std::min(wanted, recording.bytes);
     }
-    return going;
+    if (limits.bytes == 0 || all <= limits.bytes) result.stays.reset();
+    return result;
 }
 
 }    // namespace anogate

@@ -18,6 +18,7 @@ struct KeptRecording {
     std::chrono::seconds changed{};    // the last time, since 1970, by the clock as it was then
     bool is_written = false;           // now: it never goes
     std::chrono::seconds age{};        // since its last change; RecordingAges knows it
+    bool is_just_saved = false;        // since the last look: it does not go for want of room
 };
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
@@ -48,9 +49,14 @@ struct KeepLimits {
     std::uint64_t free = 0;        // bytes of the disk that stay free
 };
 
-/// The places in `recordings` of those that go, the oldest first. For the sake of free bytes none goes when all of them were not enough:
-/// they would be lost for nothing.
-std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::uint64_t free_bytes);
+/// Places in a list of recordings.
+struct RecordingsToDelete {
+    std::vector<std::size_t> going;        // the oldest first
+    std::optional<std::size_t> stays{};    // the newest that stays though it is beyond `bytes`
+};
+/// Only its age has one go that was just saved, or that is the newest of all: "it is saved" would be said of what is gone a moment later.
+/// For the sake of free bytes none goes when all of them were not enough: they would be lost for nothing.
+RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
+                                        std::uint64_t free_bytes);
 
 }    // namespace anogate

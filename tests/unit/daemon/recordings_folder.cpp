@@ -159,7 +159,7 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
     EXPECT_TRUE(repair_recordings(folder).empty());
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), recording(3, false));
     RecordingAges ages;
-    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).empty());
+    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).gone.empty());
 }
 
 TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
@@ -244,13 +244,16 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     fs::last_write_time(dir / "foreign.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{100});
     RecordingAges ages;
     const auto gone = [&](const KeepLimits& limits) {
-        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}});
+        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}}).gone;
     };
     EXPECT_TRUE(gone({}).empty());
     EXPECT_EQ(gone({3 * size, {}, 0}), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
     EXPECT_EQ(gone({0, std::chrono::minutes{150}, 0}), std::vector<std::string>{"flight-2.pcapng"});
     EXPECT_EQ(names(), (std::vector<std::string>{"flight-3.pcapng", "flight-4.pcapng"}));
     EXPECT_TRUE(is_there("foreign.pcapng"));
+    const DeletedRecordings old = delete_old(folder, {1, {}, 0}, ages, {now, std::chrono::seconds{500}}, {"flight-3.pcapng"});
+    EXPECT_TRUE(old.gone.empty()) << "the one was just saved, the other is the newest";
+    EXPECT_EQ(old.stays, "flight-4.pcapng");
 }
 
 TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,7 @@ KeptRecording recording(std::string name, std::uint64_t bytes, std::chrono::seco
 std::string names_of_those_that_go(const std::vector<KeptRecording>& kept, const KeepLimits& limits,
                                    std::uint64_t free = plenty) {
     std::string names;
-    for (const std::size_t i : recordings_to_delete(kept, limits, free)) names += kept.at(i).name + " ";
+    for (const std::size_t i : recordings_to_delete(kept, limits, free).going) names += kept.at(i).name + " ";
     return names;
 }
 
@@ -38,7 +39,7 @@ TEST(KeptRecordings, the_oldest_go_until_the_others_fit) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 600, .age = {}, .free = 0}), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 599, .age = {}, .free = 0}), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 499, .age = {}, .free = 0}), "a b ");
-    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 1, .age = {}, .free = 0}), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the newest stays";
 }
 
 TEST(KeptRecordings, what_is_older_than_the_age_goes) {
@@ -50,7 +51,26 @@ TEST(KeptRecordings, the_oldest_go_until_enough_of_the_disk_is_free) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 1000), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 900), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 899), "a b ");
-    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 400), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 700), "a b ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 699), "") << "the newest stays";
+}
+
+TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
+    EXPECT_EQ(recordings_to_delete(three, {.bytes = 299, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    EXPECT_EQ(recordings_to_delete(three, {.bytes = 300, .age = {}, .free = 0}, plenty).stays, std::nullopt);
+    EXPECT_EQ(names_of_those_that_go({recording("a", 100, 30s)}, {.bytes = 1, .age = {}, .free = 0}), "");
+    std::vector<KeptRecording> kept = three;
+    kept[0].is_just_saved = true;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 500, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "there is room";
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 499, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    kept[1].is_written = true;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{0});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 899), "") << "its bytes can't be had";
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 19s, .free = 0}), "a b ") << "the age holds all the same";
+    kept[0].is_just_saved = false;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the one that is written is newer";
 }
 
 TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
