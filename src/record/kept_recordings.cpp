@@ -33,19 +33,42 @@ std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const st
     return stay;
 }
 
+// Of each time of a change that tells one: how much older than the newest it is, without the longest pause in between. The one that is
+// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set.
+std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
+                                                                  std::chrono::seconds since_1970) {
+    const bool is_set = since_1970 >= clock_was_set;
+    std::map<std::chrono::seconds, std::chrono::seconds> ages;
+    for (const KeptRecording& recording : recordings)
+        if (!recording.is_written && recording.changed >= clock_was_set && (!is_set || recording.changed <= since_1970))
+            ages[recording.changed] = {};
+    if (ages.empty()) return ages;
+    std::chrono::seconds newer = ages.rbegin()->first, sum{}, longest{};
+    for (auto older = ages.rbegin(); older != ages.rend(); ++older) {
+        const std::chrono::seconds pause = std::exchange(newer, older->first) - older->first;
+        sum += pause;
+        longest = std::max(longest, pause);
+        older->second = sum - longest;
+    }
+    return ages;
+}
+
 }    // namespace
 
 void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady) {
+    std::map<seconds, seconds> ages;
+    if (!looked_at_) ages = ages_by_time(recordings, since_1970);
+    const auto age_when_seen = [&](const KeptRecording& recording) {
+        if (recording.changed < clock_was_set) return seconds::zero();
+        if (looked_at_) return std::min(std::max(since_1970 - recording.changed, seconds::zero()), steady - *looked_at_);
+        const auto told = ages.find(recording.changed);
+        return told == ages.end() ? seconds::zero() : told->second;
+    };
     std::map<std::string, Seen> seen;
     for (KeptRecording& recording : recordings) {
         const auto before = seen_.find(recording.name);
-        if (before != seen_.end() && before->second.changed == recording.changed) {
-            seen.insert(*before);
-        } else {
-            const bool is_known = recording.changed >= clock_was_set;
-            const seconds told = is_known ? std::max(since_1970 - recording.changed, seconds::zero()) : seconds::zero();
-            seen[recording.name] = {recording.changed, looked_at_ ? std::min(told, steady - *looked_at_) : told, steady};
-        }
+        if (before != seen_.end() && before->second.changed == recording.changed) seen.insert(*before);
+        else seen[recording.name] = {recording.changed, age_when_seen(recording), steady};
         const Seen& is = seen.at(recording.name);
         recording.age = is.age + (steady - is.at);
     }

@@ -23,15 +23,17 @@ struct KeptRecording {
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
 /// the middle of a flight, and a receiver may take it into another century. A recording ages with the clock that nobody sets from the
-/// time when it was first seen as it is; what it was by then is at most the time since the look before.
+/// time when it was first seen as it is; what it was by then is at most the time since the look before. At the first look nothing but
+/// the clock tells how old one is, and it may not be set yet, as it may not have been set when others were written: the newest has no
+/// age then, the others are as much older as their times say, and the longest pause among them does not count.
 ///
 /// Flow, one look after the other:    ages.look(recordings, since_1970, by_the_other_clock)
 class RecordingAges {
 public:
     using seconds = std::chrono::seconds;
 
-    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look the clock is all that
-    /// tells how old one is, and one from before 2020 has no age: the clock was not set then.
+    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look one from before 2020
+    /// has no age: the clock was not set then.
     void look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady);
 
 private:

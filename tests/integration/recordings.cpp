@@ -384,16 +384,18 @@ TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the
     fs::create_directories(folder);
     std::ofstream{folder + "/notes.pcapng"} << std::string(100'000, 'x');
     start();
-    for (const char* name : {"first", "second"}) {
+    for (const char* name : {"first", "second", "third"}) {
         begin({{"name", name}});
         send_numbered(100);
         end(name);
     }
-    fs::last_write_time(folder + "/first.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{2});
+    const auto now = fs::file_time_type::clock::now();
+    fs::last_write_time(folder + "/first.pcapng", now - std::chrono::hours{4});
+    fs::last_write_time(folder + "/second.pcapng", now - std::chrono::hours{2});
     write_config(R"(, "record": {"start": false, "keep": {"age": "1h"}})");
     gateway->signal(SIGHUP);
     EXPECT_TRUE(gateway->until_says("first.pcapng is deleted, as \"keep\" says")) << gateway->output();
-    EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng"}));
+    EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng", "third.pcapng"}));
 }
 
 TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_commands) {

@@ -131,35 +131,73 @@ protected:
     std::chrono::seconds real = now, steady{500};
 };
 
-TEST_F(AgesOfRecordings, are_told_by_the_clock_at_first_and_go_on_with_the_time) {
-    write("old", now - 5h);
-    write("later", now + 5h);
-    EXPECT_EQ(age_of("old"), 5h);
-    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old";
+TEST_F(AgesOfRecordings, are_told_by_their_times_at_first_and_go_on_with_the_time) {
+    write("oldest", now - 20h);
+    write("old", now - 9h);
+    write("new", now - 5h);
+    write("later", now + 500h);
+    EXPECT_EQ(age_of("oldest"), 4h) << "older than the newest, without the longest pause";
+    EXPECT_EQ(age_of("old"), 0s) << "without the only pause";
+    EXPECT_EQ(age_of("new"), 0s);
+    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old, and makes no other one old";
     pass(10s);
-    EXPECT_EQ(age_of("old"), 5h + 10s);
+    EXPECT_EQ(age_of("oldest"), 4h + 10s);
     EXPECT_EQ(age_of("later"), 10s);
+}
+
+TEST_F(AgesOfRecordings, are_at_first_what_they_were_however_far_ahead_the_clock_is) {
+    for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
+    real += 80 * 365 * 24h;    // 2106
+    all.push_back({"now", 100, real, true, {}});
+    EXPECT_EQ(age_of("flight-4"), 72h);
+    EXPECT_EQ(age_of("flight-0"), 0s);
+    RecordingAges next_start;    // and the clock is what it was: there is one of 2106 now
+    all.back().is_written = false;
+    next_start.look(all, real + 1h, 0s);
+    EXPECT_EQ(all[4].age, 96h);
+    EXPECT_EQ(all[0].age, 0s);
+}
+
+TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_set_yet) {
+    for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
+    real = 100s;    // 1970
+    EXPECT_EQ(age_of("flight-4"), 72h);
+    pass(10s);
+    real = now;
+    EXPECT_EQ(age_of("flight-4"), 72h + 10s);
+    EXPECT_EQ(age_of("flight-0"), 10s);
+}
+
+TEST_F(AgesOfRecordings, without_a_pause_that_is_left_out_come_with_the_time) {
+    write("flight", now - 500h);
+    EXPECT_EQ(age_of("flight"), 0s);
+    pass(30h);
+    EXPECT_EQ(age_of("flight"), 30h);
 }
 
 TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
     write("flight", now - 5h);
-    ASSERT_EQ(age_of("flight"), 5h);
+    write("others", now);
+    write("oldest", now - 11h);
+    ASSERT_EQ(age_of("oldest"), 5h);
     pass(8s);
-    write("flight");
+    write("oldest");
     pass(2s);
-    EXPECT_EQ(age_of("flight"), 2s);
+    EXPECT_EQ(age_of("oldest"), 2s);
     pass(10s);
-    EXPECT_EQ(age_of("flight"), 12s);
+    EXPECT_EQ(age_of("oldest"), 12s);
 }
 
 TEST_F(AgesOfRecordings, are_not_told_by_a_clock_that_was_never_set) {
     write("flight", 300s);
     EXPECT_EQ(age_of("flight"), 0s) << "1970";
-    write("first", 1'577'836'800s);
+    write("oldest", 1'577'836'800s);
     write("before", 1'577'836'799s);
+    write("second", now - 1h);
+    write("third", now);
     RecordingAges others;
     others.look(all, now, steady);
-    EXPECT_EQ(all[1].age, now - 1'577'836'800s);
+    EXPECT_EQ(all[1].age, 1h);
     EXPECT_EQ(all[2].age, 0s);
 }
 
@@ -189,7 +227,9 @@ TEST_F(AgesOfRecordings, stay_as_they_are_when_the_clock_is_set) {
 
 TEST_F(AgesOfRecordings, of_one_that_was_gone_meanwhile_begin_anew) {
     write("flight", now - 5h);
-    ASSERT_EQ(age_of("flight"), 5h);
+    ASSERT_EQ(age_of("flight"), 0s);
+    pass(10s);
+    ASSERT_EQ(age_of("flight"), 10s);
     const std::vector<KeptRecording> there = std::exchange(all, {});
     pass(10s);
     EXPECT_EQ(age_of("flight"), -1s);
