@@ -25,6 +25,10 @@ struct RecorderSettings {
     std::uint64_t keep_free = 500'000'000;    // bytes of the disk that stay free: nothing is written while there are fewer
 };
 
+/// So many bytes of the disk must be free for more to be written, where `free` stay so: what is written until that is looked at again,
+/// and what ends a file, fit in between. 0 where none is to stay free.
+constexpr std::uint64_t room_needed(std::uint64_t free) noexcept { return free == 0 ? 0 : free + std::uint64_t{5} * 1024 * 1024; }
+
 /// What became of it until now.
 struct RecorderReport {
     bool is_ended = false;

@@ -3,7 +3,7 @@
 // GET /recordings answers
 //   {"folder": "/var/lib/anogate/recordings",
 //    "free_bytes": 12000000000,            null: it is not known
-//    "free_needed": 500000000,             while fewer are free, nothing is written
+//    "free_needed": 505242880,             while fewer are free, nothing is written
 //    "error": "",                          why the folder can't be looked at
 //    "others": 0,                          files in it that the gateway did not write
 //    "keep_last": null,                    or {"seconds": 60, "held_s": 59.9, "frames": 1200, "bytes": 48000, "saved": 2,

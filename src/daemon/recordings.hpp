@@ -136,6 +136,8 @@ private:
 
 /// What the section `record` says, for the parts that carry it out.
 FrameFilterSettings frames_of(const RecordSettings& settings);
+/// With room to write in any case: of a disk on which keep.free is free, nothing would be deleted while nothing can be written.
+KeepLimits limits_of(const RecordSettings& settings);
 /// "20261123-154735Z"
 std::string name_by_time(std::chrono::seconds since_1970);
 

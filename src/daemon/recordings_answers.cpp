@@ -84,7 +84,7 @@ Json Recordings::json_of(const Running& running) const {
 void Recordings::describe(Json& recording) {
     recording["folder"] = folder_;
     recording["free_bytes"] = free_ ? Json(*free_) : Json(nullptr);
-    recording["free_needed"] = settings_.free;
+    recording["free_needed"] = room_needed(settings_.free);
     recording["keep_last"] = nullptr;
     if (memory_) {
         const FrameMemory::Figures kept = memory_->figures();
@@ -302,11 +302,8 @@ void Recordings::look() {
         DeletedRecordings old;
     };
     const auto seen = std::make_shared<Seen>();
-    const KeepLimits limits{settings_.keep_size,
-                            std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_age.value_or(ano::Duration{})),
-                            settings_.keep_free};
     disk_.run_for_nobody(
-        [seen, limits, folder = folder_, ages = ages_, saved = std::exchange(just_saved_, {})] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = std::exchange(just_saved_, {})] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
             if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, saved);

@@ -338,7 +338,10 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
         std::string bytes;
         while (more && bytes.size() < bytes_at_a_time) more = writing.next(bytes);
         const auto is_free = free_bytes(folder);
-        if (is_free && *is_free < free + bytes.size()) fault = "the disk has only " + std::to_string(*is_free) + " bytes free";
+        const std::uint64_t needed = free + bytes.size();
+        if (is_free && *is_free < needed)
+            fault = "only " + std::to_string(*is_free) + " bytes of the disk are free, and " + std::to_string(needed) +
+                    " must be";
         else if (const int error = file.append(bytes); error != 0) fault = error_text(error);
     }
     if (const int error = fault.empty() ? file.sync() : 0; error != 0) fault = error_text(error);

@@ -302,6 +302,11 @@ TEST_F(RecordingsFolder, saves_nothing_where_too_little_is_free) {
     const auto saved = save_frames(folder, "last", RecordingFormat::pcapng, std::uint64_t{1} << 60, kept_frames(10));
     ASSERT_TRUE(std::holds_alternative<Refusal>(saved));
     EXPECT_EQ(std::get<Refusal>(saved).status, 507u);
+    const auto other = save_frames(folder, "other", RecordingFormat::pcapng, 0, kept_frames(10));
+    const std::uint64_t needed = (std::uint64_t{1} << 60) + std::get<SavedFrames>(other).bytes;
+    EXPECT_NE(std::get<Refusal>(saved).words.find(" bytes of the disk are free, and " + std::to_string(needed) + " must be"),
+              std::string::npos)
+        << std::get<Refusal>(saved).words;
     EXPECT_FALSE(is_there("last.pcapng"));
 }
 
