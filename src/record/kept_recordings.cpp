@@ -33,15 +33,14 @@ std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const st
     return stay;
 }
 
-// Of each time of a change that tells one: how much older than the newest it is, without the longest pause in between. The one that is
+// Of each time of a change: how much older than the newest it is, without the longest pause in between. The one that is
 // written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set.
 std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
                                                                   std::chrono::seconds since_1970) {
     const bool is_set = since_1970 >= clock_was_set;
     std::map<std::chrono::seconds, std::chrono::seconds> ages;
     for (const KeptRecording& recording : recordings)
-        if (!recording.is_written && recording.changed >= clock_was_set && (!is_set || recording.changed <= since_1970))
-            ages[recording.changed] = {};
+        if (!recording.is_written && (!is_set || recording.changed <= since_1970)) ages[recording.changed] = {};
     if (ages.empty()) return ages;
     std::chrono::seconds newer = ages.rbegin()->first, sum{}, longest{};
     for (auto older = ages.rbegin(); older != ages.rend(); ++older) {
@@ -95,7 +94,7 @@ RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recording
         const bool is_beyond = limits.bytes != 0 && all > limits.bytes;
         if (!is_too_old && !is_beyond && wanted == 0) break;
         if (!is_too_old && stay[i]) {
-            if (is_beyond) result.stays = i;
+            result.stays = i;
             continue;
         }
         result.going.push_back(i);

@@ -64,6 +64,12 @@ TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 500, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "there is room";
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 499, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    kept[0].is_just_saved = false;
+    kept[2].is_just_saved = true;
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 400, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "a newer one goes";
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 399, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    kept[2].is_just_saved = false;
+    kept[0].is_just_saved = true;
     kept[1].is_written = true;
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{0});
@@ -184,6 +190,8 @@ TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
     write("oldest");
     pass(2s);
     EXPECT_EQ(age_of("oldest"), 2s);
+    write("later", real + 5h);
+    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old";
     pass(10s);
     EXPECT_EQ(age_of("oldest"), 12s);
 }
