@@ -71,6 +71,13 @@ std::vector<std::string> recording_lines(const Json& recording) {
     return lines;
 }
 
+std::optional<double> length_of_recording(const Json& file) {
+    constexpr double year_2020 = 1'577'836'800, most = 366.0 * 24 * 3600;
+    const double begun = number_at(file, "begun"), length = number_at(file, "time") - begun;
+    if (begun < year_2020 || length < 0 || length > most) return std::nullopt;
+    return length;
+}
+
 std::string names_at(const Json& object, std::string_view key) {
     std::string all;
     for (const Json& name : at(object, key))

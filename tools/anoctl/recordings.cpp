@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -106,12 +107,12 @@ private:
                 time_text(number_at(one, "seconds")),       note};
     }
     static Table::Line cells_of_file(const Json& one) {
-        const double begun = number_at(one, "begun"), length = number_at(one, "time") - begun;
+        const std::optional<double> length = length_of_recording(one);
         return {text_at(one, "name"),
                 text_at(one, "state"),
                 size_of(number_at(one, "bytes")),
                 text_at(one, "frames"),
-                begun > 0 && length >= 0 ? time_text(length) : "",
+                length ? time_text(*length) : "",
                 ""};
     }
 

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace anoctl {
 namespace {
 
@@ -49,6 +51,21 @@ TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
         Lines{"recording: flight: /a: Permission denied; not written: 12"});
     EXPECT_EQ(lines_of(R"({"keep_last": {"error": "last.mcap is not saved: Input/output error"}})"),
               Lines{"recording: the last frames are not saved: last.mcap is not saved: Input/output error"});
+}
+
+TEST(GatewayJson, a_recording_whose_times_are_of_two_clocks_has_no_length) {
+    const auto length = [](const std::string& begun, const std::string& time) {
+        return length_of_recording(parse_answer("{\"begun\": " + begun + ", \"time\": " + time + "}"));
+    };
+    EXPECT_EQ(length("1763898044.5", "1763898050"), 5.5);
+    EXPECT_EQ(length("1763898044", "1763898044"), 0);
+    EXPECT_EQ(length("1577836800", "1577836801"), 1) << "2020";
+    EXPECT_EQ(length("1577836799", "1577836801"), std::nullopt) << "the clock was not set";
+    EXPECT_EQ(length("0", "100"), std::nullopt);
+    EXPECT_EQ(length("1763898044", "1763898043"), std::nullopt) << "it was set back";
+    EXPECT_EQ(length("1700000000", "1731622400"), 31'622'400) << "a year";
+    EXPECT_EQ(length("1700000000", "1731622401"), std::nullopt);
+    EXPECT_EQ(length_of_recording(parse_answer("{}")), std::nullopt);
 }
 
 TEST(GatewayJson, long_lists_take_several_lines) {
