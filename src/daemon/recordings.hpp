@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -42,6 +43,7 @@ public:
     static constexpr std::size_t most_asked = 4;     // that run at once
     static constexpr std::size_t most_ending = 2;    // of the configuration, that the disk keeps from their end
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // of keep_last by itself
+    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // to be fetched, though keep has no room for it
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
     /// `usual_folder`: where the configuration names none; empty: there is no such place. The gateway outlives it.
@@ -97,6 +99,7 @@ private:
     void keep_clock();
     void look_soon();
     void look();
+    std::set<std::string> just_saved();
     void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
@@ -118,9 +121,9 @@ private:
     std::unique_ptr<FaultEar> ear_;
     std::optional<TimePoint> saved_at_;    // by itself, the last time
     std::string last_saved_, save_fault_;
-    std::set<std::string> just_saved_;    // since the last look
-    std::string told_to_stay_;            // beyond what is kept
-    std::string save_as_;                 // when it is due:
+    std::map<std::string, TimePoint> just_saved_;    // and until when they stay
+    std::string told_to_stay_;                       // beyond what is kept
+    std::string save_as_;                            // when it is due:
     Alarm save_due_;
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it

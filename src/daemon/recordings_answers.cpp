@@ -283,7 +283,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     ++past_.saved;
     save_fault_.clear();
     last_saved_ = file.name;
-    just_saved_.insert(file.name);
+    just_saved_[file.name] = Clock::now() + saved_stays;
     spdlog::info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
@@ -296,6 +296,13 @@ void Recordings::look_soon() {
     else look();
 }
 
+std::set<std::string> Recordings::just_saved() {
+    std::erase_if(just_saved_, [now = Clock::now()](const auto& saved) { return saved.second <= now; });
+    std::set<std::string> names;
+    for (const auto& [name, until] : just_saved_) names.insert(name);
+    return names;
+}
+
 void Recordings::look() {
     struct Seen {
         std::optional<std::uint64_t> free;
@@ -303,7 +310,7 @@ void Recordings::look() {
     };
     const auto seen = std::make_shared<Seen>();
     disk_.run_for_nobody(
-        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = std::exchange(just_saved_, {})] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = just_saved()] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
             if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, saved);

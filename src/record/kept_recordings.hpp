@@ -18,7 +18,7 @@ struct KeptRecording {
     std::chrono::seconds changed{};    // the last time, since 1970, by the clock as it was then
     bool is_written = false;           // now: it never goes
     std::chrono::seconds age{};        // since its last change; RecordingAges knows it
-    bool is_just_saved = false;        // since the last look: it does not go for want of room
+    bool is_just_saved = false;        // it does not go for want of room
 };
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in

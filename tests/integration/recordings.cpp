@@ -352,6 +352,21 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }
 
+TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_they_can_be_fetched) {
+    start(R"(, "record": {"keep_last": "60s", "rotate": {"size": "10kB"}, "keep": {"size": "100kB"}})");
+    send_numbered(1500);
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1500; }));
+    ASSERT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "incident"})").status, 200u);
+    ASSERT_GT(fs::file_size(folder + "/incident.pcapng"), 100'000u);
+    EXPECT_TRUE(gateway->until_says("incident.pcapng stays, though \"keep\" has no room for it: keep.size is too small"));
+    const int files = running().at("files");
+    for (int round = 0; round < 50 && running().at("files") < files + 3; ++round) {
+        send_numbered(150);
+        ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_; })) << get();
+    }
+    EXPECT_EQ(read_pcapng(content("incident.pcapng")).items.size(), 1500u);
+}
+
 TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_once_a_minute_at_most) {
     start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]})");
     send(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
