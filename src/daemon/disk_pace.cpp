@@ -5,7 +5,7 @@
 namespace anogate {
 
 ano::Duration DiskPace::silence_that_is_told() const noexcept {
-    return is_troubled_ ? std::max(holds, 2 * longest_) : silence_told;
+    return is_troubled_ ? std::max(hang_told, 2 * longest_) : silence_told;
 }
 
 // The first look behind a silence that was told is no sign of slowness: what waited through it is still on its way.
@@ -18,9 +18,11 @@ DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept 
     if (!is_quiet) longest_ = std::max(longest_, silence_);
     silence_ = is_quiet ? signs.silence : ano::Duration{};
 
+    if (!was_silent) before_ = state_;
     if (is_quiet) state_ = was_silent || signs.silence >= silence_that_is_told() ? State::silent : State::slow;
-    else if (signs.is_behind && !signs.fails && !was_silent) state_ = State::slow;
-    else if (was_silent || !is_troubled_) state_ = State::well;
+    else if (was_silent) state_ = is_troubled_ ? before_ : State::well;
+    else if (signs.is_behind && !signs.fails) state_ = State::slow;
+    else if (!is_troubled_) state_ = State::well;
 
     if (is_quiet || (signs.is_behind && state_ == State::slow)) {
         is_troubled_ = !signs.fails;

@@ -12,12 +12,13 @@ namespace anogate {
 class DiskPace {
 public:
     static constexpr ano::Duration silence_told = std::chrono::milliseconds{750};
-    static constexpr ano::Duration holds = std::chrono::seconds{10};    // what is told, behind the last sign of it
+    static constexpr ano::Duration hang_told = std::chrono::seconds{30};    // a silence of one that is told of as slow
+    static constexpr ano::Duration holds = std::chrono::seconds{10};        // what is told, behind the last sign of it
 
     enum class State : std::uint8_t {
         well,
         slow,     // it takes less than comes, or is silent once more
-        silent    // it takes nothing: for silence_told, or behind another trouble for much longer than before
+        silent    // it takes nothing: for silence_told, or in the middle of a trouble for hang_told and twice as long as before
     };
     struct Signs {
         ano::Duration silence{};    // since the disk answered last, while something is asked of it; 0: nothing is
@@ -31,6 +32,7 @@ private:
     ano::Duration silence_that_is_told() const noexcept;
 
     State state_ = State::well;
+    State before_ = State::well;             // it was silent
     bool is_troubled_ = false;               // or was, just before
     ano::TimePoint troubled_until_{};        // where it is
     ano::Duration silence_{}, longest_{};    // of this trouble, that is under way; of those before it
