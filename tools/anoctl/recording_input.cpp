@@ -70,6 +70,7 @@ RecordingFacts RecordingInput::facts() const {
     facts.has_end = reader_->has_end();
     facts.foreign = reader_->foreign();
     facts.skipped = reader_->skipped();
+    facts.mismatches = reader_->mismatches();
     if (reader_->is_damaged()) facts.fault = reader_->fault();
     return facts;
 }
@@ -129,6 +130,8 @@ void add_notes_on(const anogate::SkippedParts& skipped, anogate::RecordingFormat
 std::vector<std::string> RecordingFacts::notes() const {
     std::vector<std::string> lines;
     add_notes_on(skipped, format, lines);
+    for (const std::string_view mismatch : mismatches)
+        lines.push_back("damaged: " + std::string{mismatch} + "; what can be read is read as it stands there");
     const std::string rest = std::to_string(size - read) + " of " + std::to_string(size) + " bytes";
     if (!fault.empty()) lines.push_back("damaged behind byte " + std::to_string(read) + ", " + rest + " are not read: " + fault);
     else if (read < size) lines.push_back("cut off: the last " + rest + " are no whole block");

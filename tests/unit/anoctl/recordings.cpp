@@ -251,6 +251,40 @@ TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
     EXPECT_EQ(told["fault"], nullptr);
 }
 
+TEST(Info, finds_what_is_damaged_outside_of_chunks) {
+    const support::TempDir folder;
+    const std::string file = folder / "flight.mcap";
+    ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
+    const std::string whole = text_of(file);
+    EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
+    const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
+    const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the place of its offsets, in front of CRC and magic
+    const std::pair<std::size_t, const char*> places[] = {{in_data, "in front of its DataEnd does not match the CRC there"},
+                                                          {in_summary, "its summary does not match the CRC in its Footer"},
+                                                          {in_footer, "its summary does not match the CRC in its Footer"}};
+    for (const auto& [place, words] : places) {
+        std::string damaged = whole;
+        damaged[place] ^= 1;
+        const auto said = anoctl({"info", "--all", folder.write("damaged.mcap", damaged)});
+        EXPECT_EQ(said.exit, 1) << place;
+        EXPECT_NE(said.out.find(words), std::string::npos) << said.out;
+        EXPECT_NE(said.out.find("4 frames in 2.0 s"), std::string::npos) << said.out;
+        const auto made = anoctl({"convert", folder / "damaged.mcap", folder / "good.pcapng", "--force"});
+        EXPECT_EQ(made.exit, 1);
+        EXPECT_NE(made.err.find(words), std::string::npos) << made.err;
+        EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).items.size(), 5u);
+    }
+}
+
+TEST(Info, does_not_miss_a_crc_that_is_not_told) {
+    const support::TempDir folder;
+    const std::string file = folder / "flight.mcap";
+    ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
+    std::string whole = text_of(file);
+    whole.replace(whole.size() - 8 - 4, 4, 4, '\0');
+    EXPECT_EQ(anoctl({"info", "--all", folder.write("untold.mcap", whole)}).exit, 0);
+}
+
 TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     const std::string whole = flight();
     std::string damaged = whole;
