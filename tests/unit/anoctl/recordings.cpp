@@ -304,6 +304,24 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
 }
 
+TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
+    const support::TempDir folder;
+    const auto record = [&](const std::string& name) {
+        return anoctl({"record", folder / name, "--control", folder / "none.sock"});
+    };
+    for (const char* name : {"f.mcap.gz", "f.PCAP", "f.csv"}) {
+        const auto refused = record(name);
+        EXPECT_EQ(refused.exit, 2) << name;
+        EXPECT_NE(refused.err.find("name it .pcapng or .mcap"), std::string::npos) << refused.err;
+    }
+    EXPECT_NE(record("flight2").err.find("flight2: pcapng is written; for MCAP end the name with .mcap"), std::string::npos);
+    EXPECT_EQ(record("F.MCAP").err.find(".pcapng"), std::string::npos);
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "A.MCAP", "--message-encoding", "json"}).exit, 0);
+    EXPECT_TRUE(text_of(folder / "A.MCAP").starts_with(anogate::mcap::magic));
+    EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
+}
+
 TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {
     const support::TempDir folder;
     std::string file{anogate::mcap::magic};
