@@ -71,7 +71,7 @@ public:
     /// Packets that are no whole frame: of another program, or damaged.
     virtual std::uint64_t foreign() const noexcept = 0;
     /// It is of the format, but nothing in it tells of frames: another program wrote it.
-    virtual bool is_strange() const noexcept { return false; }
+    virtual bool is_strange() const noexcept = 0;
 };
 
 /// By how the file begins.

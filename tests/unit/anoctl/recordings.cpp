@@ -304,6 +304,35 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
 }
 
+// Of a section header and the description of an interface of `link_type`, with a packet.
+std::string capture_of(char link_type) {
+    const auto word = [](std::uint32_t number) {
+        std::string text;
+        for (int shift = 0; shift < 32; shift += 8) text += static_cast<char>(number >> shift & 0xFF);
+        return text;
+    };
+    const auto block = [&](std::uint32_t type, const std::string& body) {
+        const auto size = static_cast<std::uint32_t>(body.size() + 12);
+        return word(type) + word(size) + body + word(size);
+    };
+    return block(0x0A0D0D0A, word(0x1A2B3C4D) + word(1) + word(~0u) + word(~0u)) +
+           block(1, std::string{link_type, 0, 0, 0} + word(0)) +
+           block(6, word(0) + word(0) + word(0) + word(4) + word(4) + "abcd");
+}
+
+TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
+    const support::TempDir folder;
+    const std::string file = folder.write("network.pcapng", capture_of(1));
+    const std::vector<std::vector<std::string>> all{{"info", file}, {"convert", file, folder / "a.mcap"},
+                                                    {"replay", file, "udp:127.0.0.1:9"}};
+    for (const auto& words : all) {
+        const auto said = anoctl(words);
+        EXPECT_EQ(said.exit, 1) << words[0];
+        EXPECT_NE(said.err.find("it is a capture of a network, not of a gateway: "), std::string::npos) << said.err;
+    }
+    EXPECT_EQ(anoctl({"info", "-"}, capture_of(static_cast<char>(147))).exit, 0);    // LINKTYPE_USER0
+}
+
 TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
     const support::TempDir folder;
     const auto record = [&](const std::string& name) {
