@@ -43,8 +43,9 @@ LinkError why_absent(const std::string& file, const std::string& what) {
 }
 
 const char* why_strange(RecordingFormat format) {
-    return format == RecordingFormat::pcapng ? "it is a capture of a network, not of a gateway: anoctl record makes recordings of one"
-                                             : "it is of another program: it has no frames of V8";
+    return format == RecordingFormat::pcapng
+               ? "it is a capture of a network, not of a gateway: anoctl record makes recordings of one"
+               : "it is of another program: it has no frames of V8";
 }
 
 void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {

@@ -158,8 +158,9 @@ private:
         const std::string name = file.substr(file.rfind('/') + 1);
         if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
         if (name.rfind('.') != name.npos)
-            throw UsageError{file + ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl "
-                                    "convert makes others of it"};
+            throw UsageError{file +
+                             ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl "
+                             "convert makes others of it"};
         tell(streams, file + ": pcapng is written; for MCAP end the name with .mcap");
     }
     anogate::RecordingFormat format() const {

@@ -52,8 +52,9 @@ std::optional<anogate::Recorded> RecordingInput::next() {
         if (const auto item = reader_->next()) return item;
     while (read());
     if (reader_->is_strange() && reader_->format() == anogate::RecordingFormat::pcapng)
-        throw Failure{path_ + ": it is a capture of a network, not of a gateway: Wireshark shows the frames in its packets, with the "
-                              "dissector of anoctl messages --lua; anoctl record makes recordings of a gateway"};
+        throw Failure{path_ +
+                      ": it is a capture of a network, not of a gateway: Wireshark shows the frames in its packets, with the "
+                      "dissector of anoctl messages --lua; anoctl record makes recordings of a gateway"};
     if (reader_->is_strange())
         throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " +
                       std::string{anogate::mcap::frames_topic} + ", and of others no frames can be made"};

@@ -323,8 +323,8 @@ std::string capture_of(char link_type) {
 TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
     const support::TempDir folder;
     const std::string file = folder.write("network.pcapng", capture_of(1));
-    const std::vector<std::vector<std::string>> all{{"info", file}, {"convert", file, folder / "a.mcap"},
-                                                    {"replay", file, "udp:127.0.0.1:9"}};
+    const std::vector<std::vector<std::string>> all{
+        {"info", file}, {"convert", file, folder / "a.mcap"}, {"replay", file, "udp:127.0.0.1:9"}};
     for (const auto& words : all) {
         const auto said = anoctl(words);
         EXPECT_EQ(said.exit, 1) << words[0];
@@ -349,6 +349,21 @@ TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
     EXPECT_EQ(anoctl({"convert", file, folder / "A.MCAP", "--message-encoding", "json"}).exit, 0);
     EXPECT_TRUE(text_of(folder / "A.MCAP").starts_with(anogate::mcap::magic));
     EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
+}
+
+TEST(WithoutAGateway, each_command_tells_its_own_way) {
+    const support::TempDir folder;
+    const std::string none = folder / "none.sock", starts = "; anogated LINK... starts one";
+    const auto said = [&](std::vector<std::string> words) {
+        words.insert(words.end(), {"--control", none});
+        return anoctl(words).err;
+    };
+    for (const std::string& err : {said({"record", folder / "a.mcap"}), said({"recordings"})})
+        EXPECT_TRUE(err.ends_with(starts + "\n")) << err;
+    const std::string plot = said({"plot-udp", "127.0.0.1:9870"}), monitor = said({"monitor"}), list = said({"param", "list"});
+    EXPECT_TRUE(plot.ends_with(starts + ", and anoctl plot-udp IP:PORT LINK does without\n")) << plot;
+    EXPECT_TRUE(monitor.ends_with(starts + ", and anoctl monitor LINK does without\n")) << monitor;
+    EXPECT_TRUE(list.ends_with(starts + ", and --link LINK does without\n")) << list;
 }
 
 TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {
