@@ -86,6 +86,18 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
     return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
 }
 
+/// "; 'e1.mcap' was taken for a value of --id: …": of an option that takes every word behind it, the last, if it looks like a file.
+std::string taken_for_a_value(const CLI::App& command, const Options& options) {
+    for (const Option& option : options) {
+        if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
+        const std::vector<std::string> words = command.get_option(option.name)->results();
+        if (words.empty() || words.back().find_first_of("./") == std::string::npos) continue;
+        return "; " + ano::in_quotes(words.back()) + " was taken for a value of " + option.name + ": write it in front of " +
+               option.name;
+    }
+    return {};
+}
+
 void reject_unknown_command(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
     for (const std::string_view shared : {"--json", "--control"})
@@ -261,8 +273,10 @@ int run(int argc, const char* const* given, Streams& streams) {
         const auto unknown = app.remaining();
         const auto chosen = app.get_subcommands();
         const bool stranger = chosen.empty() && !unknown.empty();
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0])
-                          : what_is_missing(e, chosen.empty() ? Options{} : declared[chosen.front()]),
+        complain(stranger         ? "there is no option " + ano::in_quotes(unknown[0])
+                 : chosen.empty() ? what_is_missing(e, {})
+                                  : what_is_missing(e, declared[chosen.front()]) +
+                                        taken_for_a_value(*chosen.front(), declared[chosen.front()]),
                  usage);
         streams.err << "Run with --help for more information.\n";
         return usage;

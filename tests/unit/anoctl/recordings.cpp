@@ -351,6 +351,15 @@ TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
     EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
 }
 
+TEST(Record, says_where_the_name_of_its_file_went) {
+    const auto said = anoctl({"record", "--id", "euler", "power", "e1.mcap", "--seconds", "2"});
+    EXPECT_EQ(said.exit, 2);
+    EXPECT_NE(said.err.find("FILE is missing; 'e1.mcap' was taken for a value of --id: write it in front of --id"),
+              std::string::npos)
+        << said.err;
+    EXPECT_EQ(anoctl({"record", "--id", "euler", "power", "--seconds", "2"}).err.find("was taken"), std::string::npos);
+}
+
 TEST(WithoutAGateway, each_command_tells_its_own_way) {
     const support::TempDir folder;
     const std::string none = folder / "none.sock", starts = "; anogated LINK... starts one";
