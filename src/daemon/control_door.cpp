@@ -107,8 +107,12 @@ bool ControlDoor::prepare_network() {
     network_door_.port = network_.port;
     network_door_.needs_token = network_.needs_token;
     network_door_.hosts = settings_.hosts;
-    http::AdmissionRules rules{
-        {}, host_name(), settings_.hosts, settings_.origins, {foxglove::subprotocols.begin(), foxglove::subprotocols.end()}};
+    http::AdmissionRules rules{{},
+                               host_name(),
+                               settings_.hosts,
+                               settings_.origins,
+                               {"/", "/foxglove"},
+                               {foxglove::subprotocols.begin(), foxglove::subprotocols.end()}};
     if ((network_.needs_token || !settings_.token_file.empty()) && !prepare_tokens(rules)) return false;
     server_.admission().set(std::move(rules));
     if (settings_.tls.key.empty()) return true;

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds recorder_patience{500};
 constexpr ano::Duration silence_told = std::chrono::milliseconds{750};    // a disk that is told of
+constexpr ano::Duration behind_told = std::chrono::seconds{1};            // what is not on the disk for sure
 constexpr ano::Duration slowness_told = std::chrono::seconds{10};         // behind the last frame that was lost for it
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
@@ -45,6 +46,7 @@ private:
     bool give_next();
     void look();
     void beat();
+    ano::Duration behind(TimePoint now);
     void tell();
 
     Gateway& gateway_;
@@ -55,7 +57,9 @@ private:
     Descriptor said_;
     Alarm beat_;
     RecorderThread::News news_;
-    std::uint64_t lost_ = 0;    // frames, told in the file or not
+    std::uint64_t lost_ = 0;                  // frames, told in the file or not
+    std::uint64_t given_ = 0, marked_ = 0;    // bytes, to the thread; and until marked_at_
+    TimePoint marked_at_{};
     bool watches_ = false;
     bool is_ended_ = false;
     bool is_silent_ = false;                                          // the disk
@@ -115,7 +119,9 @@ bool Recorder::Impl::give_next() {
         item.names = std::make_shared<const RecordedNames>(recorded_names(*std::get<WatchQueue::Tables>(*next), gateway_));
     }
     const std::uint64_t frames = watches_ ? 0 : item.frames();    // which the last of them may have no place for
-    if (!thread_->give(std::move(item))) lost_ += frames;
+    const std::size_t bytes = item.bytes();
+    if (thread_->give(std::move(item))) given_ += bytes;
+    else lost_ += frames;
     return true;
 }
 
@@ -149,13 +155,23 @@ void Recorder::Impl::look() {
     if (is_new) tell();
 }
 
+// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much.
+ano::Duration Recorder::Impl::behind(TimePoint now) {
+    if (is_silent_ || given_ - thread_->progress().in_flight >= marked_) {
+        marked_ = given_;
+        marked_at_ = now;
+    }
+    return now - marked_at_;
+}
+
 // While something is under way.
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
     const bool was_silent = std::exchange(is_silent_, silence >= silence_told);
+    const bool is_behind = behind(now) >= behind_told;
     if (is_silent_ || !news_.error.empty()) slow_until_ = {};    // they lose frames by themselves
-    else if (!was_silent && queue.lost() > 0) slow_until_ = now + slowness_told;
+    else if (!was_silent && (is_behind || queue.lost() > 0)) slow_until_ = now + slowness_told;
     const bool was_slow = std::exchange(is_slow_, now < slow_until_);
     if (was_silent != is_silent_ || was_slow != is_slow_) tell();
     if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow_ || !watches_) beat_.set(now + beat_time);
@@ -182,6 +198,7 @@ RecorderReport Recorder::Impl::report() const {
     report.files = progress.files;
     report.frames = progress.frames;
     report.bytes = progress.bytes;
+    report.waiting = progress.in_flight;
     report.not_written = lost_ + queue.lost() + progress.not_written;
     report.error = is_silent_ ? silence_text(thread_->silence(Clock::now())) : news_.error;
     report.is_slow = report.error.empty() && is_slow_ && !is_ended_;

@@ -32,9 +32,10 @@ struct RecorderReport {
     std::uint64_t files = 0;          // that were begun
     std::uint64_t frames = 0;         // written
     std::uint64_t bytes = 0;          // written, in all files
+    std::uint64_t waiting = 0;        // bytes of frames that are not on the disk for sure
     std::uint64_t not_written = 0;    // frames: for want of room, or of a disk that takes them
     std::string error;                // why not all is written now, in a clause; empty: it is
-    bool is_slow = false;             // that is the error: what is written is less than comes
+    bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it
 };
 
 /// All calls are from the loop.

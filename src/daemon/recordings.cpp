@@ -145,7 +145,9 @@ void Recordings::check_end() {
     if (!end_by_ || (!running_.empty() && Clock::now() < *end_by_)) return;
     end_by_.reset();
     clock_.stop();
-    for (const auto& running : running_) spdlog::warn("recording {}: the disk is not waited for any longer", running->asked.name);
+    for (const auto& running : running_)
+        spdlog::warn("recording {}: the disk is not waited for any longer, {} kB of frames may not be on it", running->asked.name,
+                     (running->recorder->report().waiting + 999) / 1000);
     running_.clear();
     disk_.stop();
 }

@@ -105,7 +105,8 @@ bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_
 }
 
 bool Admission::may_have_it_in_query(const Request& request) const {
-    return is_web_socket(request) && !offered_subprotocol(request, rules_.subprotocols).empty();
+    return std::find(rules_.paths.begin(), rules_.paths.end(), split(request.target).path) != rules_.paths.end() &&
+           is_web_socket(request) && !offered_subprotocol(request, rules_.subprotocols).empty();
 }
 
 // Empty: none was given. What is said for this request counts before what a browser adds by itself.

@@ -24,8 +24,9 @@ struct AdmissionRules {
     std::string host_name;               // ours: it and HOST.local are names of ours
     std::vector<std::string> hosts;      // more of them: "vehicle.lan"
     std::vector<std::string> origins;    // pages of others that may ask: "https://ground.example:8443"
-    /// A WebSocket that offers one of these may have its token in the query, ?token=: its clients have no other place for it.
-    std::vector<std::string_view> subprotocols{};
+    /// A WebSocket at one of these paths that offers one of these may have its token in the query, ?token=: its clients have no other
+    /// place for it.
+    std::vector<std::string_view> paths{}, subprotocols{};
 };
 
 class Admission {

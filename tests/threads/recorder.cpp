@@ -264,6 +264,22 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
     EXPECT_TRUE(std::is_sorted(written.numbers.begin(), written.numbers.end()));
 }
 
+TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_frame_is_lost) {
+    start();
+    failing_disk.slowness = 600;    // less than what is told as a disk that takes nothing
+    const auto begin = ano::Clock::now();
+    while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
+    EXPECT_EQ(recorder->report().error, "the disk takes less than comes");
+    EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_GT(recorder->report().waiting, 0u);
+    EXPECT_EQ(recorder->report().not_written, 0u);
+    failing_disk.slowness = 0;
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(recorder->report().frames, static_cast<std::uint64_t>(sent));
+    EXPECT_EQ(recorder->report().waiting, 0u);
+}
+
 TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
     start();
     failing_disk.hangs = true;

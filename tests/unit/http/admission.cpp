@@ -85,6 +85,7 @@ Request upgrade(std::string target, std::string subprotocols, std::vector<Field>
 constexpr std::string_view spoken = "plot.v1";
 Admission admission_of_plots() {
     AdmissionRules rules;
+    rules.paths = {"/", "/plot"};
     rules.subprotocols = {spoken};
     return admission_with(std::move(rules));
 }
@@ -94,6 +95,8 @@ TEST(Admission, a_token_in_the_query_is_for_the_subprotocols_whose_clients_have_
     EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v2, plot.v1")), view);
     EXPECT_EQ(judged(admission, upgrade("/?a=b&token=" + acts + "&c", "plot.v1")), control);
     EXPECT_EQ(judged(admission, upgrade("/?tok%65n=view%2Dtoken-0123456789", "plot.v1")), view);
+    EXPECT_EQ(judged(admission, upgrade("/plot?token=" + looks, "plot.v1")), view);
+    EXPECT_EQ(judged(admission, upgrade("/link?name=x&token=" + acts, "plot.v1")), open) << "where something else is spoken";
     EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "")), open);
     EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v2")), open);
     EXPECT_EQ(judged(admission, upgrade("/?Token=" + looks, "plot.v1")), open);
