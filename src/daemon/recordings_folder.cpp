@@ -1,3 +1,4 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/recording_file.hpp>
 #include <daemon/recordings_folder.hpp>
 #include <daemon/served_file.hpp>
@@ -160,8 +161,23 @@ FolderView quick_view_of(const std::string& folder) {
     return view;
 }
 
-Refusal refusal_of_open(const std::string& name, int error) {
-    if (error == ENOENT) return {404, "there is no recording " + name};
+/// "; there is flight.mcap", or what may have been meant.
+std::string there_is(int folder, const std::string& name) {
+    std::vector<std::string> files = names_in(folder);
+    std::erase_if(files, [](const std::string& file) { return !recording_format_of(file); });
+    std::string same;
+    for (const std::string& file : files)
+        if (file.substr(0, file.rfind('.')) == name.substr(0, recording_format_of(name) ? name.rfind('.') : name.npos))
+            same += (same.empty() ? "; there is " : " and ") + file;
+    if (!same.empty()) return same;
+    return ano::did_you_mean(name, std::vector<std::string_view>(files.begin(), files.end()));
+}
+
+Refusal refusal_of_open(int folder, const std::string& name, int error) {
+    struct stat is {};
+    if (error == 0 && is_name(name, most_file_name) && ::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
+        error = errno;
+    if (error == ENOENT) return {404, "there is no recording " + name + there_is(folder, name)};
     if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
     return {error == EACCES || error == EPERM ? 403u : 503u, error_text(name, error)};
 }
@@ -271,7 +287,7 @@ std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const 
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     auto file = open_ours(at.get(), name);
-    if (!file) return refusal_of_open(name, errno);
+    if (!file) return refusal_of_open(at.get(), name, errno);
     return std::move(file->fd);
 }
 
@@ -280,7 +296,7 @@ std::optional<Refusal> remove_recording(const std::string& folder, const std::st
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);
-    if (!file) return refusal_of_open(name, errno);
+    if (!file) return refusal_of_open(at.get(), name, errno);
     if (is_locked(file->fd.get())) return Refusal{409, name + " is being written: end it before it is deleted"};
     return unlink_same(at.get(), name, file->is);
 }

@@ -89,6 +89,19 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     refuses(404, "GET", "/recordings/flight.pcapng", {}, "there is no recording flight.pcapng");
 }
 
+TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_file_is_written) {
+    start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
+    for (const char* name : {"flight", "flight.pcapng", "flight-2.pcapng"}) {
+        begin({{"name", "flight"}});
+        for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
+        refuses(404, "POST", "/recordings/fligth/end", {}, "under that name (did you mean 'flight'?)");
+        EXPECT_GE(end(name).at("files"), 2) << name;
+        refuses(404, "POST", "/recordings/flight/end", {}, "under that name; anoctl recordings says");
+        refuses(404, "DELETE", "/recordings/flight", {}, "there is no recording flight; there is flight.pcapng");
+        for (const auto& file : names()) EXPECT_EQ(ask("DELETE", "/recordings/" + file).status, 200u) << file;
+    }
+}
+
 TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {
     start();
     begin({{"name", "in"}, {"id", {"wind"}}, {"seconds", 1}});
