@@ -23,7 +23,7 @@ Json json_of(const FoundRecording& file) {
     Json json{{"name", file.name}, {"format", text(file.format)}, {"bytes", file.bytes}};
     json["frames"] = file.frames ? Json(*file.frames) : Json(nullptr);
     json["begun"] = json_seconds(file.begun_ns);
-    json["time"] = file.changed.count();
+    json["time"] = json_seconds(file.changed_ns);
     json["state"] = text(file.state);
     return json;
 }

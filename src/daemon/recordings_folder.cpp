@@ -118,6 +118,12 @@ std::vector<std::string> names_in(int folder) {
     return names;
 }
 
+// 0: of a clock that stood before 1970.
+std::uint64_t nanoseconds_of(const timespec& time) noexcept {
+    if (time.tv_sec < 0) return 0;
+    return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(time.tv_nsec);
+}
+
 FoundRecording found(const std::string& name, const OpenRecording& file) {
     FoundRecording recording;
     recording.name = name;
@@ -125,7 +131,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     recording.bytes = static_cast<std::uint64_t>(file.is.st_size);
     recording.frames = file.glance.frames;
     recording.begun_ns = file.glance.head.time_ns;
-    recording.changed = std::chrono::seconds{file.is.st_mtim.tv_sec};
+    recording.changed_ns = nanoseconds_of(file.is.st_mtim);
     using State = FoundRecording::State;
     recording.state = is_locked(file.fd.get()) ? State::recording : file.glance.is_ended ? State::ended : State::unfinished;
     return recording;
@@ -156,7 +162,7 @@ FolderView quick_view_of(const std::string& folder) {
         else ++view.others;
     }
     std::sort(view.files.begin(), view.files.end(), [](const FoundRecording& a, const FoundRecording& b) {
-        return std::tie(b.changed, b.begun_ns, b.name) < std::tie(a.changed, a.begun_ns, a.name);
+        return std::tie(b.changed_ns, b.begun_ns, b.name) < std::tie(a.changed_ns, a.begun_ns, a.name);
     });
     return view;
 }
@@ -327,7 +333,11 @@ std::vector<std::string> delete_old(const std::string& folder, const KeepLimits&
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
-        kept.push_back({file.name, file.bytes, file.changed, file.state == FoundRecording::State::recording, {}});
+        kept.push_back({file.name,
+                        file.bytes,
+                        std::chrono::seconds{file.changed_ns / 1'000'000'000},
+                        file.state == FoundRecording::State::recording,
+                        {}});
     ages.look(kept, now.real, now.steady);
     for (const std::size_t i : recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX)))
         if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);

@@ -72,6 +72,7 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     EXPECT_EQ(file.at("state"), "ended");
     EXPECT_EQ(file.at("frames"), 50);
     EXPECT_EQ(file.at("bytes"), ended.at("bytes"));
+    EXPECT_GT(file.at("time").get<double>() + 0.02, file.at("begun")) << "both with what is behind the second";
     struct stat is {};
     ASSERT_EQ(::stat((folder + "/flight.pcapng").c_str(), &is), 0);
     EXPECT_EQ(is.st_mode & 07777, 0640u);

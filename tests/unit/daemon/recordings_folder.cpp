@@ -104,6 +104,13 @@ TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) 
     }
 }
 
+TEST_F(RecordingsFolder, tells_when_a_file_was_written_last_with_what_is_behind_the_second) {
+    const std::string file = dir.write("flight.pcapng", recording(1));
+    const timespec times[] = {{1763898063, 0}, {1763898063, 987654321}};
+    ASSERT_EQ(::utimensat(AT_FDCWD, file.c_str(), times, 0), 0);
+    EXPECT_EQ(view_of(folder).files.at(0).changed_ns, 1763898063'987654321u);
+}
+
 TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {
     dir.write("flight.mcap", recording(300, true, "anogated 0.1.0", RecordingFormat::mcap));
     dir.write("cut.mcap", recording(300, false, "anogated 0.1.0", RecordingFormat::mcap));
