@@ -216,7 +216,9 @@ Recordings::Running* Recordings::configured_one() {
 
 Recordings::Running* Recordings::find(const std::string& name) {
     for (const auto& running : running_)
-        if (running->asked.name == name || (running->recorder && file_name_of(*running) == name)) return running.get();
+        if (running->asked.name == name || name == running->asked.name + "." + std::string{text(running->asked.format)} ||
+            (running->recorder && file_name_of(*running) == name))
+            return running.get();
     return nullptr;
 }
 

@@ -1,4 +1,5 @@
 // What Recordings tells of itself and answers to clients, and what it does on the disk for that.
+#include <ano_json/nearest.hpp>
 #include <daemon/answer_json.hpp>
 #include <daemon/recorder_thread.hpp>
 #include <daemon/running_recording.hpp>
@@ -22,7 +23,7 @@ Json json_of(const FoundRecording& file) {
     Json json{{"name", file.name}, {"format", text(file.format)}, {"bytes", file.bytes}};
     json["frames"] = file.frames ? Json(*file.frames) : Json(nullptr);
     json["begun"] = json_seconds(file.begun_ns);
-    json["time"] = file.changed.count();
+    json["time"] = json_seconds(file.changed_ns);
     json["state"] = text(file.state);
     return json;
 }
@@ -178,7 +179,12 @@ void Recordings::named(const AskedRecording& asked, const std::string& fault, co
 
 http::Response Recordings::end(const std::string& name) {
     Running* const found = find(name);
-    if (!found) return http::error(404, "nothing is being recorded under that name; anoctl recordings says what is");
+    if (!found) {
+        std::vector<std::string_view> names;
+        for (const auto& running : running_) names.emplace_back(running->asked.name);
+        return http::error(404, "nothing is being recorded under that name" + ano::did_you_mean(name, names) +
+                                    "; anoctl recordings says what is");
+    }
     http::Response response = http::later([this, found](const Say& say) {
         found->ended.push_back(say);
         if (!std::exchange(found->is_ending, true)) found->recorder->end();

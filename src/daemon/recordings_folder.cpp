@@ -1,3 +1,4 @@
+#include <ano_json/nearest.hpp>
 #include <daemon/recording_file.hpp>
 #include <daemon/recordings_folder.hpp>
 #include <daemon/served_file.hpp>
@@ -117,6 +118,12 @@ std::vector<std::string> names_in(int folder) {
     return names;
 }
 
+// 0: of a clock that stood before 1970.
+std::uint64_t nanoseconds_of(const timespec& time) noexcept {
+    if (time.tv_sec < 0) return 0;
+    return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(time.tv_nsec);
+}
+
 FoundRecording found(const std::string& name, const OpenRecording& file) {
     FoundRecording recording;
     recording.name = name;
@@ -124,7 +131,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     recording.bytes = static_cast<std::uint64_t>(file.is.st_size);
     recording.frames = file.glance.frames;
     recording.begun_ns = file.glance.head.time_ns;
-    recording.changed = std::chrono::seconds{file.is.st_mtim.tv_sec};
+    recording.changed_ns = nanoseconds_of(file.is.st_mtim);
     using State = FoundRecording::State;
     recording.state = is_locked(file.fd.get()) ? State::recording : file.glance.is_ended ? State::ended : State::unfinished;
     return recording;
@@ -155,13 +162,28 @@ FolderView quick_view_of(const std::string& folder) {
         else ++view.others;
     }
     std::sort(view.files.begin(), view.files.end(), [](const FoundRecording& a, const FoundRecording& b) {
-        return std::tie(b.changed, b.begun_ns, b.name) < std::tie(a.changed, a.begun_ns, a.name);
+        return std::tie(b.changed_ns, b.begun_ns, b.name) < std::tie(a.changed_ns, a.begun_ns, a.name);
     });
     return view;
 }
 
-Refusal refusal_of_open(const std::string& name, int error) {
-    if (error == ENOENT) return {404, "there is no recording " + name};
+/// "; there is flight.mcap", or what may have been meant.
+std::string there_is(int folder, const std::string& name) {
+    std::vector<std::string> files = names_in(folder);
+    std::erase_if(files, [](const std::string& file) { return !recording_format_of(file); });
+    std::string same;
+    for (const std::string& file : files)
+        if (file.substr(0, file.rfind('.')) == name.substr(0, recording_format_of(name) ? name.rfind('.') : name.npos))
+            same += (same.empty() ? "; there is " : " and ") + file;
+    if (!same.empty()) return same;
+    return ano::did_you_mean(name, std::vector<std::string_view>(files.begin(), files.end()));
+}
+
+Refusal refusal_of_open(int folder, const std::string& name, int error) {
+    struct stat is {};
+    if (error == 0 && is_name(name, most_file_name) && ::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
+        error = errno;
+    if (error == ENOENT) return {404, "there is no recording " + name + there_is(folder, name)};
     if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
     return {error == EACCES || error == EPERM ? 403u : 503u, error_text(name, error)};
 }
@@ -271,7 +293,7 @@ std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const 
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     auto file = open_ours(at.get(), name);
-    if (!file) return refusal_of_open(name, errno);
+    if (!file) return refusal_of_open(at.get(), name, errno);
     return std::move(file->fd);
 }
 
@@ -280,7 +302,7 @@ std::optional<Refusal> remove_recording(const std::string& folder, const std::st
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);
-    if (!file) return refusal_of_open(name, errno);
+    if (!file) return refusal_of_open(at.get(), name, errno);
     if (is_locked(file->fd.get())) return Refusal{409, name + " is being written: end it before it is deleted"};
     return unlink_same(at.get(), name, file->is);
 }
@@ -314,7 +336,7 @@ DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits
     for (const FoundRecording& file : view.files)
         kept.push_back({file.name,
                         file.bytes,
-                        file.changed,
+                        std::chrono::seconds{file.changed_ns / 1'000'000'000},
                         file.state == FoundRecording::State::recording,
                         {},
                         just_saved.contains(file.name)});

@@ -29,7 +29,7 @@ struct FoundRecording {
     std::uint64_t bytes = 0;
     std::optional<std::uint64_t> frames;    // nothing: the file does not tell
     std::uint64_t begun_ns = 0;             // since 1970; 0: not known
-    std::chrono::seconds changed{};         // since 1970
+    std::uint64_t changed_ns = 0;           // since 1970
     State state{};
 };
 std::string_view text(FoundRecording::State state) noexcept;

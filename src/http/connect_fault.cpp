@@ -23,8 +23,10 @@ bool lists(const group& members, const std::string& name) {
 
 std::string no_permission(const std::string& path, const SocketFile& file) {
     const std::string no = "no permission for " + path + ": ";
-    if (!file.can_be_seen) return no + "the folder that it is in lets this user not in";
-    if (!file.is_for_group) return no + "it is for user " + file.owner + " alone";
+    if (!file.can_be_seen) return no + "the folder that it is in lets this user not in: sudo anoctl ...";
+    if (!file.is_for_group)
+        return no + "it is for user " + file.owner + " alone: be that user (sudo -u " + file.owner + " anoctl ...)";
+    if (file.group == "root") return no + "it is for group root: sudo anoctl ...";
     const std::string belongs = no + "it belongs to group " + file.group;
     if (file.lists_us) return belongs + ", and you are in it from your next login on: log in again";
     return belongs + "; sudo usermod -aG " + file.group + " $USER, then log in again";

@@ -42,6 +42,12 @@ LinkError why_absent(const std::string& file, const std::string& what) {
     return {"no_recording", file + ": " + what, {{"file", file}, {"what", what}}};
 }
 
+const char* why_strange(RecordingFormat format) {
+    return format == RecordingFormat::pcapng
+               ? "it is a capture of a network, not of a gateway: anoctl record makes recordings of one"
+               : "it is of another program: it has no frames of V8";
+}
+
 void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
     a.of_hosts += b.of_hosts;
     a.commands += b.commands;
@@ -132,7 +138,7 @@ private:
         if (reader->position() == 0)
             return why_absent(settings_.file,
                               reader->is_damaged() ? reader->fault() : "it ends before the head of a recording does");
-        if (reader->is_strange()) return why_absent(settings_.file, "it is of another program: it has no frames of V8");
+        if (reader->is_strange()) return why_absent(settings_.file, why_strange(reader->format()));
         note_ = note_on(*reader, plan.is_over());
         return {};
     }

@@ -40,7 +40,28 @@ void McapReader::take(const mcap::Record& record) {
     if (const auto message = mcap::message_of(record.body)) item_ = items_.item_of(*message);
 }
 
+// The data are all that is in front of DataEnd, the first magic included; the summary ends with the fields of Footer in front of its CRC.
+void McapReader::check(const mcap::Record& record) {
+    using mcap::Opcode;
+    if (records_.position() == mcap::magic.size() + record.whole.size()) crc_.add(mcap::magic);
+    const bool is_end = record.opcode == Opcode::data_end, is_footer = record.opcode == Opcode::footer;
+    if (!is_end && !is_footer) return crc_.add(record.whole);
+    mcap::Fields fields{record.body};
+    if (is_footer) {
+        const std::size_t in_front = 2 * sizeof(std::uint64_t);    // where the summary is, and its offsets
+        fields.bytes(in_front);
+        crc_.add(record.whole.substr(0, mcap::record_head + in_front));
+    }
+    const auto told = fields.number<std::uint32_t>();
+    const bool is_known = is_end ? skipped_.count > 0 : !is_data_over_;
+    if (told != 0 && told != crc_.value() && !is_known)
+        mismatches_.push_back(is_end ? "what stands in front of its DataEnd does not match the CRC there"
+                                     : "its summary does not match the CRC in its Footer");
+    crc_ = {};
+}
+
 void McapReader::take_outer(const mcap::Record& record) {
+    check(record);
     if (is_data_over_) {    // the summary repeats what was read, and what was in a chunk that could not be
         if (skipped_.count > 0 && record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
         return;

@@ -3,6 +3,7 @@
 // What is read stands in the order of the file; indexes are not looked at. Nothing in a file makes it take more memory than its largest
 // record and the largest chunk, mcap::max_chunk.
 #pragma once
+#include <record/crc32.hpp>
 #include <record/mcap_chunk.hpp>
 #include <record/mcap_items.hpp>
 #include <record/mcap_records.hpp>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace anogate {
 
@@ -29,6 +31,8 @@ public:
     RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
     const char* fault() const noexcept override { return records_.fault(); }
     SkippedParts skipped() const override;
+    /// Of DataEnd and Footer. A CRC of 0 is none.
+    std::vector<std::string_view> mismatches() const override { return mismatches_; }
     std::uint64_t position() const noexcept override { return records_.position(); }
     std::size_t unfinished() const noexcept override { return records_.unfinished(); }
 
@@ -42,6 +46,7 @@ private:
     void take_outer(const mcap::Record& record);
     void take_chunk(const mcap::Record& record);
     void take_index_of_skipped(const mcap::Record& record);
+    void check(const mcap::Record& record);
 
     mcap::Records records_;
     mcap::ChunkOpener opener_;
@@ -52,6 +57,8 @@ private:
     std::string_view rest_;           // of them
     std::optional<Recorded> item_;    // of the record that was read last
     SkippedParts skipped_;
+    Crc32 crc_;    // of the data so far, and behind DataEnd of the summary
+    std::vector<std::string_view> mismatches_;
     bool is_behind_skipped_ = false;    // indexes that come now are of the chunk that was left out last
     std::map<std::uint16_t, std::uint64_t> skipped_by_channel_;    // messages, by those indexes
 };

@@ -172,6 +172,7 @@ void PcapngReader::add_interface(Bytes body) {
         return skip("the description of an interface is too short", false);
     }
     interface.ours = u16(body, 0) == link_type_user0;
+    (interface.ours ? has_ours_ : has_strangers_) = true;
     interface.per_second = 1'000'000;
     for (Bytes options = body.subspan(8); const auto option = take_option(options);) {
         if (option->code == if_name) interface.name = text_in(option->value);

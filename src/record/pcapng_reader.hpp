@@ -35,6 +35,7 @@ public:
     const RecordingHead& head() const noexcept override { return head_; }
     bool has_end() const noexcept override { return has_end_; }
     std::uint64_t foreign() const noexcept override { return foreign_; }
+    bool is_strange() const noexcept override { return has_strangers_ && !has_ours_; }
 
 private:
     using Bytes = std::span<const std::uint8_t>;
@@ -73,6 +74,7 @@ private:
     SkippedParts skipped_;
 
     bool begun_ = false, swapped_ = false, has_end_ = false;
+    bool has_ours_ = false, has_strangers_ = false;    // interfaces
     RecordingHead head_;
     std::vector<Interface> interfaces_;
     std::array<std::string, 256> peers_;

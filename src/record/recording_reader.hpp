@@ -59,6 +59,9 @@ public:
     virtual std::uint64_t position() const noexcept = 0;
     /// What before position() was left out.
     virtual SkippedParts skipped() const = 0;
+    /// In clauses, which checksums over parts of the file do not match, where nothing that was left out explains it; they live as
+    /// long as the program. What was given is right where its own checksums are.
+    virtual std::vector<std::string_view> mismatches() const { return {}; }
     /// Bytes behind position(): the begin of something whose end is not there.
     virtual std::size_t unfinished() const noexcept = 0;
 
@@ -68,7 +71,7 @@ public:
     /// Packets that are no whole frame: of another program, or damaged.
     virtual std::uint64_t foreign() const noexcept = 0;
     /// It is of the format, but nothing in it tells of frames: another program wrote it.
-    virtual bool is_strange() const noexcept { return false; }
+    virtual bool is_strange() const noexcept = 0;
 };
 
 /// By how the file begins.

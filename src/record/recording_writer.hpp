@@ -21,8 +21,8 @@ enum class RecordingFormat : std::uint8_t { pcapng, mcap };
 
 /// "pcapng", "mcap": also the end of the name of a file, behind its dot.
 std::string_view text(RecordingFormat format) noexcept;
-/// Of a file's name.
-std::optional<RecordingFormat> recording_format_of(std::string_view file) noexcept;
+/// Of a file's name, whose end may be in capitals.
+std::optional<RecordingFormat> recording_format_of(std::string_view file);
 
 class RecordingWriter {
 public:

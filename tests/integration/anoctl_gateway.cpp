@@ -169,14 +169,17 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
     ASSERT_EQ(::chmod(socket.c_str(), 0600), 0);
     const Result alone = anoctl({"status", "--control", socket}, {}, become_nobody);
     EXPECT_EQ(alone.exit, 1);
-    EXPECT_EQ(alone.said, "anoctl: no permission for " + socket + ": it is for user root alone\n");
+    EXPECT_EQ(alone.said,
+              "anoctl: no permission for " + socket + ": it is for user root alone: be that user (sudo -u root anoctl ...)\n");
     ASSERT_EQ(::chmod(socket.c_str(), 0660), 0);
+    ASSERT_EQ(::chown(socket.c_str(), 0, 1), 0);
     const Result group = anoctl({"status", "--control", socket}, {}, become_nobody);
     EXPECT_EQ(group.exit, 1);
     EXPECT_NE(group.said.find("it belongs to group "), std::string::npos) << group.said;
     EXPECT_NE(group.said.find("sudo usermod -aG "), std::string::npos) << group.said;
     ASSERT_EQ(::chmod(dir.path().c_str(), 0700), 0);
-    EXPECT_NE(anoctl({"status", "--control", socket}, {}, become_nobody).said.find("lets this user not in"), std::string::npos);
+    EXPECT_NE(anoctl({"status", "--control", socket}, {}, become_nobody).said.find("lets this user not in: sudo anoctl"),
+              std::string::npos);
 }
 
 TEST_F(AnoctlGateway, that_does_not_run_is_told) {

@@ -76,6 +76,24 @@ TEST_F(AnoctlPlotUdp, needs_no_gateway_for_a_link_of_its_own) {
     EXPECT_DOUBLE_EQ(all[0][device.path()]["0xDC"]["euler"]["rol"], 1.23) << all[0];
 }
 
+TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
+    PtyDevice device{dir / "tty"};
+    const std::string nobody = UdpPeer{}.local().text();    // that is gone again
+    Process plot{ANOCTL, {"plot-udp", nobody, "serial:" + device.path()}};
+    ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
+    const std::string words = "nothing listens at " + nobody + ": ";
+    ASSERT_TRUE(wait_until([&] {
+        device.write(euler);
+        return plot.output().find(words) != std::string::npos;
+    })) << plot.output();
+    for (int i = 0; i < 3; ++i) device.write(euler);
+    plot.signal(SIGINT);
+    EXPECT_EQ(plot.wait(), 0) << plot.output();
+    EXPECT_EQ(plot.output().find(words), plot.output().rfind(words)) << plot.output();
+    EXPECT_NE(plot.output().find(" sent to " + nobody), std::string::npos) << plot.output();
+    EXPECT_EQ(plot.output().find(" were not: "), std::string::npos) << plot.output();
+}
+
 TEST_F(AnoctlPlotUdp, refuses_what_is_no_address) {
     for (const char* wrong : {"localhost:9870", "127.0.0.1", "127.0.0.1:0"}) {
         Process plot{ANOCTL, {"plot-udp", wrong}};

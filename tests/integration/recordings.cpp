@@ -72,6 +72,7 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     EXPECT_EQ(file.at("state"), "ended");
     EXPECT_EQ(file.at("frames"), 50);
     EXPECT_EQ(file.at("bytes"), ended.at("bytes"));
+    EXPECT_GT(file.at("time").get<double>() + 0.02, file.at("begun")) << "both with what is behind the second";
     struct stat is {};
     ASSERT_EQ(::stat((folder + "/flight.pcapng").c_str(), &is), 0);
     EXPECT_EQ(is.st_mode & 07777, 0640u);
@@ -87,6 +88,19 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     EXPECT_EQ(ask("DELETE", "/recordings/flight.pcapng").status, 200u);
     EXPECT_TRUE(names().empty());
     refuses(404, "GET", "/recordings/flight.pcapng", {}, "there is no recording flight.pcapng");
+}
+
+TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_file_is_written) {
+    start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
+    for (const char* name : {"flight", "flight.pcapng", "flight-2.pcapng"}) {
+        begin({{"name", "flight"}});
+        for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
+        refuses(404, "POST", "/recordings/fligth/end", {}, "under that name (did you mean 'flight'?)");
+        EXPECT_GE(end(name).at("files"), 2) << name;
+        refuses(404, "POST", "/recordings/flight/end", {}, "under that name; anoctl recordings says");
+        refuses(404, "DELETE", "/recordings/flight", {}, "there is no recording flight; there is flight.pcapng");
+        for (const auto& file : names()) EXPECT_EQ(ask("DELETE", "/recordings/" + file).status, 200u) << file;
+    }
 }
 
 TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {

@@ -86,6 +86,18 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
     return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
 }
 
+/// "; 'e1.mcap' was taken for a value of --id: …": of an option that takes every word behind it, the last, if it looks like a file.
+std::string taken_for_a_value(const CLI::App& command, const Options& options) {
+    for (const Option& option : options) {
+        if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
+        const std::vector<std::string> words = command.get_option(option.name)->results();
+        if (words.empty() || words.back().find_first_of("./") == std::string::npos) continue;
+        return "; " + ano::in_quotes(words.back()) + " was taken for a value of " + option.name + ": write it in front of " +
+               option.name;
+    }
+    return {};
+}
+
 void reject_unknown_command(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"no command" + commands() + ", and anoctl COMMAND --help says more"};
     for (const std::string_view shared : {"--json", "--control"})
@@ -182,12 +194,21 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
            ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
 }
 
-/// What is told of a failure of `app`: where no gateway runs, what can be done about it as well.
-std::string with_a_way_out(const std::string& what, const CLI::App& app) {
+/// ", and --link LINK does without", of a command that can have a link of its own; --link of several is a filter.
+std::string way_without(const std::string& command, const Options& options) {
+    std::string words = "anoctl " + command;
+    for (const Option& option : options) {
+        if (option.name == "--link" && std::holds_alternative<std::string*>(option.into)) return ", and --link LINK does without";
+        if (option.name == "link") return ", and " + words + " LINK does without";
+        if (option.required) words += " " + option.value;
+    }
+    return {};
+}
+
+/// What is told of a failure of the command that was `chosen`: where no gateway runs, what can be done about it as well.
+std::string with_a_way_out(const std::string& what, const std::string& chosen, const Options& options) {
     if (!what.starts_with("no gateway is running at ")) return what;
-    const auto chosen = app.get_subcommands();
-    const bool does_without = !chosen.empty() && chosen.front()->get_option_no_throw("--link") != nullptr;
-    return what + "; anogated LINK... starts one" + (does_without ? ", and --link LINK does without" : "");
+    return what + "; anogated LINK... starts one" + way_without(chosen, options);
 }
 
 }    // namespace
@@ -231,6 +252,10 @@ int run(int argc, const char* const* given, Streams& streams) {
         tell(streams, what);
         return code;
     };
+    const auto fail = [&](const std::string& what, int code) {
+        const auto chosen = app.get_subcommands();
+        return complain(chosen.empty() ? what : with_a_way_out(what, chosen.front()->get_name(), declared[chosen.front()]), code);
+    };
     try {
         reject_unknown_command(argc, argv);
         app.parse(argc, argv);
@@ -248,8 +273,10 @@ int run(int argc, const char* const* given, Streams& streams) {
         const auto unknown = app.remaining();
         const auto chosen = app.get_subcommands();
         const bool stranger = chosen.empty() && !unknown.empty();
-        complain(stranger ? "there is no option " + ano::in_quotes(unknown[0])
-                          : what_is_missing(e, chosen.empty() ? Options{} : declared[chosen.front()]),
+        complain(stranger         ? "there is no option " + ano::in_quotes(unknown[0])
+                 : chosen.empty() ? what_is_missing(e, {})
+                                  : what_is_missing(e, declared[chosen.front()]) +
+                                        taken_for_a_value(*chosen.front(), declared[chosen.front()]),
                  usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
@@ -259,11 +286,11 @@ int run(int argc, const char* const* given, Streams& streams) {
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const UsageError& e) {
-        return complain(with_a_way_out(e.what(), app), usage);
+        return fail(e.what(), usage);
     } catch (const Interrupted& e) {
         return complain(e.what(), interrupted);
     } catch (const std::exception& e) {
-        return complain(with_a_way_out(e.what(), app), failed);
+        return fail(e.what(), failed);
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
+#include <ano_json/lower_case.hpp>
 #include <ano_json/text.hpp>
 #include <record/csv.hpp>
 #include <record/recording_writer.hpp>
@@ -200,11 +201,12 @@ private:
     }
     std::unique_ptr<Target> make_target(const ano::JsonOptions& options, bool one, Streams& streams) const {
         const auto format = anogate::recording_format_of(out);
+        const std::string lower = ano::lower_case(out);
         if (encoding && format != anogate::RecordingFormat::mcap)
             throw UsageError{"--message-encoding says how MCAP has decoded messages: name OUT_FILE .mcap"};
-        if (out.ends_with(".csv") || (out == "-" && one && !frames.json))
+        if (lower.ends_with(".csv") || (out == "-" && one && !frames.json))
             return std::make_unique<CsvTarget>(out, one, force, options, streams);
-        if (out.ends_with(".ndjson") || out.ends_with(".jsonl") || out == "-")
+        if (lower.ends_with(".ndjson") || lower.ends_with(".jsonl") || out == "-")
             return std::make_unique<JsonTarget>(out, force, options, streams);
         if (format)
             return std::make_unique<RecordingTarget>(

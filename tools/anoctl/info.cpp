@@ -140,6 +140,7 @@ Json json_of(const std::string& file, const RecordingCounts& counts, const Recor
               {"lost_messages", counts.lost_messages},
               {"foreign", facts.foreign},
               {"skipped", json_of(facts.skipped)},
+              {"mismatches", facts.mismatches},
               {"unread", facts.size - facts.read},
               {"fault", facts.fault.empty() ? Json(nullptr) : Json(facts.fault)},
               {"links", Json::array()},

@@ -10,6 +10,7 @@
 #include "watch.hpp"
 
 #include <ano_json/text.hpp>
+#include <link/error_queue.hpp>
 #include <link/errors.hpp>
 #include <link/ip_socket.hpp>
 
@@ -28,13 +29,14 @@ using namespace anogate;
 
 class Plotted final : public FrameTaker {
 public:
-    Plotted(const Endpoint& to, const WantedFrames& wanted, const FrameOptions& frames)
-        : to_{to}, wanted_{wanted}, layouts_{frames.layouts()}, options_{frames.json_options(layouts_)} {
+    Plotted(const Endpoint& to, const WantedFrames& wanted, const FrameOptions& frames, Streams& streams)
+        : to_{to}, wanted_{wanted}, layouts_{frames.layouts()}, options_{frames.json_options(layouts_)}, streams_{streams} {
         EndpointSpec any;
         any.address = to.address.v6 ? *IpAddress::parse("::") : IpAddress::v4(0, 0, 0, 0);
         auto opened = open_udp(any, false);
         if (!opened) throw Failure{opened.error().text};
         socket_ = std::move(*opened);
+        keep_error_reports(socket_.get(), to.address.v6);
     }
 
     bool take(ano::FrameView frame, const Passage& passage) override {
@@ -62,16 +64,29 @@ public:
 private:
     bool send(const std::string& json) {
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
-        const int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
+        int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
+        if (may_be_reported(error)) {    // of one before it, in whose place this one did not leave
+            take_error_reports(socket_.get(), [this](const Endpoint&) { tell_that_nobody_listens(); });
+            error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
+        }
         if (error != 0) why = error_text(error);
         return error == 0;
+    }
+
+    void tell_that_nobody_listens() {
+        if (std::exchange(is_told_, true)) return;
+        tell(streams_, "nothing listens at " + to_.text() +
+                           ": start PlotJuggler's UDP Server there, with the protocol json; frames "
+                           "are sent there all the while");
     }
 
     const Endpoint to_;
     const WantedFrames wanted_;
     const ano::FlexibleLayouts layouts_;
     const ano::JsonOptions options_;
+    Streams& streams_;
     UniqueFd socket_;
+    bool is_told_ = false;    // that nobody listens
 };
 
 struct PlotOptions {
@@ -88,7 +103,7 @@ struct PlotOptions {
                              "looked up"};
         const auto there = endpoint_now(*written);
         if (!there) throw Failure{no_interface(written->interface).text};
-        Plotted plotted{*there, {ids, from, addresses}, frames};
+        Plotted plotted{*there, {ids, from, addresses}, frames, streams};
         const std::string why = link.empty() ? watch_frames(gateway.socket(), query(), plotted)
                                              : listen_at_link(plotted, streams);
         plotted.sum_up(streams);

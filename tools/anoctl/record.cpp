@@ -130,13 +130,8 @@ struct Record {
     int run(Streams& streams) const {
         if (encoding && format() != anogate::RecordingFormat::mcap)
             throw UsageError{"--message-encoding says how MCAP has decoded messages: name the file .mcap"};
+        check_ending(streams);
         if (last) return save_last(streams);
-        for (const char* other : {".csv", ".json", ".ndjson", ".jsonl"})
-            if (file.ends_with(other))
-                throw UsageError{
-                    file +
-                    ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert "
-                    "makes others of it"};
         const anogate::RecordingOptions options{.encoding = encoding.value_or(anogate::DecodedEncoding::cdr), .packed = true};
         if (file == "-" && streams.terminal)
             throw UsageError{"a recording is nothing for a terminal: say a file, or put a pipe behind it: | wireshark -k -i -"};
@@ -159,6 +154,15 @@ struct Record {
     }
 
 private:
+    void check_ending(Streams& streams) const {
+        const std::string name = file.substr(file.rfind('/') + 1);
+        if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
+        if (name.rfind('.') != name.npos)
+            throw UsageError{file +
+                             ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl "
+                             "convert makes others of it"};
+        tell(streams, file + ": pcapng is written; for MCAP end the name with .mcap");
+    }
     anogate::RecordingFormat format() const {
         return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
     }

@@ -51,6 +51,10 @@ std::optional<anogate::Recorded> RecordingInput::next() {
     do
         if (const auto item = reader_->next()) return item;
     while (read());
+    if (reader_->is_strange() && reader_->format() == anogate::RecordingFormat::pcapng)
+        throw Failure{path_ +
+                      ": it is a capture of a network, not of a gateway: Wireshark shows the frames in its packets, with the "
+                      "dissector of anoctl messages --lua; anoctl record makes recordings of a gateway"};
     if (reader_->is_strange())
         throw Failure{path_ + ": it is an MCAP file, but not of a gateway: it has no channel " +
                       std::string{anogate::mcap::frames_topic} + ", and of others no frames can be made"};
@@ -70,6 +74,7 @@ RecordingFacts RecordingInput::facts() const {
     facts.has_end = reader_->has_end();
     facts.foreign = reader_->foreign();
     facts.skipped = reader_->skipped();
+    facts.mismatches = reader_->mismatches();
     if (reader_->is_damaged()) facts.fault = reader_->fault();
     return facts;
 }
@@ -129,6 +134,8 @@ void add_notes_on(const anogate::SkippedParts& skipped, anogate::RecordingFormat
 std::vector<std::string> RecordingFacts::notes() const {
     std::vector<std::string> lines;
     add_notes_on(skipped, format, lines);
+    for (const std::string_view mismatch : mismatches)
+        lines.push_back("damaged: " + std::string{mismatch} + "; what can be read is read as it stands there");
     const std::string rest = std::to_string(size - read) + " of " + std::to_string(size) + " bytes";
     if (!fault.empty()) lines.push_back("damaged behind byte " + std::to_string(read) + ", " + rest + " are not read: " + fault);
     else if (read < size) lines.push_back("cut off: the last " + rest + " are no whole block");

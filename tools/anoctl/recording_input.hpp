@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace anoctl {
@@ -24,9 +25,10 @@ struct RecordingFacts {
     std::uint64_t foreign = 0;    // packets that are no frame
     std::string fault;            // why nothing is read behind that; empty: all was read
     anogate::SkippedParts skipped{};
+    std::vector<std::string_view> mismatches{};    // of checksums, in clauses; found where all was read
 
-    /// Something of it can't be read.
-    bool is_damaged() const { return !fault.empty() || skipped.count > 0; }
+    /// Something of it can't be read, or is not as it was written.
+    bool is_damaged() const { return !fault.empty() || skipped.count > 0 || !mismatches.empty(); }
     /// "it was not ended: …", "damaged behind …", lines for people.
     std::vector<std::string> notes() const;
 };

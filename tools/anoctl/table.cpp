@@ -102,12 +102,12 @@ std::string plural(std::size_t number, const std::string& word) {
 }
 
 std::string time_text(double seconds) {
-    if (seconds < 10) {
+    if (seconds < 9.95) {
         std::array<char, 16> text{};
         std::snprintf(text.data(), text.size(), "%.1f s", std::max(seconds, 0.0));
         return text.data();
     }
-    const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15));
+    const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15) + 0.5);
     const auto two = [](std::uint64_t large, const char* unit, std::uint64_t small, const char* lesser) {
         return std::to_string(large) + unit + (small == 0 ? "" : " " + std::to_string(small) + lesser);
     };

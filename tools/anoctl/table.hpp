@@ -47,7 +47,7 @@ std::string without_controls(std::string_view text);
 /// "1 waypoint", "3 waypoints"
 std::string plural(std::size_t number, const std::string& word);
 
-/// "0.3 s", "12 s", "5 min", "3 h 12 min", "2 d 3 h"
+/// "0.3 s", "12 s", rounded to the nearest; from two minutes on what is whole: "5 min", "3 h 12 min", "2 d 3 h"
 std::string time_text(double seconds);
 
 }    // namespace anoctl

@@ -251,6 +251,40 @@ TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
     EXPECT_EQ(told["fault"], nullptr);
 }
 
+TEST(Info, finds_what_is_damaged_outside_of_chunks) {
+    const support::TempDir folder;
+    const std::string file = folder / "flight.mcap";
+    ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
+    const std::string whole = text_of(file);
+    EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
+    const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
+    const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the place of its offsets, in front of CRC and magic
+    const std::pair<std::size_t, const char*> places[] = {{in_data, "in front of its DataEnd does not match the CRC there"},
+                                                          {in_summary, "its summary does not match the CRC in its Footer"},
+                                                          {in_footer, "its summary does not match the CRC in its Footer"}};
+    for (const auto& [place, words] : places) {
+        std::string damaged = whole;
+        damaged[place] ^= 1;
+        const auto said = anoctl({"info", "--all", folder.write("damaged.mcap", damaged)});
+        EXPECT_EQ(said.exit, 1) << place;
+        EXPECT_NE(said.out.find(words), std::string::npos) << said.out;
+        EXPECT_NE(said.out.find("4 frames in 2.0 s"), std::string::npos) << said.out;
+        const auto made = anoctl({"convert", folder / "damaged.mcap", folder / "good.pcapng", "--force"});
+        EXPECT_EQ(made.exit, 1);
+        EXPECT_NE(made.err.find(words), std::string::npos) << made.err;
+        EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).items.size(), 5u);
+    }
+}
+
+TEST(Info, does_not_miss_a_crc_that_is_not_told) {
+    const support::TempDir folder;
+    const std::string file = folder / "flight.mcap";
+    ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
+    std::string whole = text_of(file);
+    whole.replace(whole.size() - 8 - 4, 4, 4, '\0');
+    EXPECT_EQ(anoctl({"info", "--all", folder.write("untold.mcap", whole)}).exit, 0);
+}
+
 TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     const std::string whole = flight();
     std::string damaged = whole;
@@ -268,6 +302,77 @@ TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
     EXPECT_EQ(made.exit, 1);
     EXPECT_NE(made.err.find("the block at byte "), std::string::npos) << made.err;
     EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
+}
+
+// Of a section header and the description of an interface of `link_type`, with a packet.
+std::string capture_of(char link_type) {
+    const auto word = [](std::uint32_t number) {
+        std::string text;
+        for (int shift = 0; shift < 32; shift += 8) text += static_cast<char>(number >> shift & 0xFF);
+        return text;
+    };
+    const auto block = [&](std::uint32_t type, const std::string& body) {
+        const auto size = static_cast<std::uint32_t>(body.size() + 12);
+        return word(type) + word(size) + body + word(size);
+    };
+    return block(0x0A0D0D0A, word(0x1A2B3C4D) + word(1) + word(~0u) + word(~0u)) +
+           block(1, std::string{link_type, 0, 0, 0} + word(0)) +
+           block(6, word(0) + word(0) + word(0) + word(4) + word(4) + "abcd");
+}
+
+TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
+    const support::TempDir folder;
+    const std::string file = folder.write("network.pcapng", capture_of(1));
+    const std::vector<std::vector<std::string>> all{
+        {"info", file}, {"convert", file, folder / "a.mcap"}, {"replay", file, "udp:127.0.0.1:9"}};
+    for (const auto& words : all) {
+        const auto said = anoctl(words);
+        EXPECT_EQ(said.exit, 1) << words[0];
+        EXPECT_NE(said.err.find("it is a capture of a network, not of a gateway: "), std::string::npos) << said.err;
+    }
+    EXPECT_EQ(anoctl({"info", "-"}, capture_of(static_cast<char>(147))).exit, 0);    // LINKTYPE_USER0
+}
+
+TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
+    const support::TempDir folder;
+    const auto record = [&](const std::string& name) {
+        return anoctl({"record", folder / name, "--control", folder / "none.sock"});
+    };
+    for (const char* name : {"f.mcap.gz", "f.PCAP", "f.csv"}) {
+        const auto refused = record(name);
+        EXPECT_EQ(refused.exit, 2) << name;
+        EXPECT_NE(refused.err.find("name it .pcapng or .mcap"), std::string::npos) << refused.err;
+    }
+    EXPECT_NE(record("flight2").err.find("flight2: pcapng is written; for MCAP end the name with .mcap"), std::string::npos);
+    EXPECT_EQ(record("F.MCAP").err.find(".pcapng"), std::string::npos);
+    const std::string file = folder.write("flight.pcapng", flight());
+    EXPECT_EQ(anoctl({"convert", file, folder / "A.MCAP", "--message-encoding", "json"}).exit, 0);
+    EXPECT_TRUE(text_of(folder / "A.MCAP").starts_with(anogate::mcap::magic));
+    EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
+}
+
+TEST(Record, says_where_the_name_of_its_file_went) {
+    const auto said = anoctl({"record", "--id", "euler", "power", "e1.mcap", "--seconds", "2"});
+    EXPECT_EQ(said.exit, 2);
+    EXPECT_NE(said.err.find("FILE is missing; 'e1.mcap' was taken for a value of --id: write it in front of --id"),
+              std::string::npos)
+        << said.err;
+    EXPECT_EQ(anoctl({"record", "--id", "euler", "power", "--seconds", "2"}).err.find("was taken"), std::string::npos);
+}
+
+TEST(WithoutAGateway, each_command_tells_its_own_way) {
+    const support::TempDir folder;
+    const std::string none = folder / "none.sock", starts = "; anogated LINK... starts one";
+    const auto said = [&](std::vector<std::string> words) {
+        words.insert(words.end(), {"--control", none});
+        return anoctl(words).err;
+    };
+    for (const std::string& err : {said({"record", folder / "a.mcap"}), said({"recordings"})})
+        EXPECT_TRUE(err.ends_with(starts + "\n")) << err;
+    const std::string plot = said({"plot-udp", "127.0.0.1:9870"}), monitor = said({"monitor"}), list = said({"param", "list"});
+    EXPECT_TRUE(plot.ends_with(starts + ", and anoctl plot-udp IP:PORT LINK does without\n")) << plot;
+    EXPECT_TRUE(monitor.ends_with(starts + ", and anoctl monitor LINK does without\n")) << monitor;
+    EXPECT_TRUE(list.ends_with(starts + ", and --link LINK does without\n")) << list;
 }
 
 TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {

@@ -85,7 +85,10 @@ TEST(Table, shows_no_control_characters) {
 TEST(Table, writes_times_as_people_say_them) {
     EXPECT_EQ(time_text(-1), "0.0 s");
     EXPECT_EQ(time_text(0.34), "0.3 s");
-    EXPECT_EQ(time_text(12.9), "12 s");
+    EXPECT_EQ(time_text(9.94), "9.9 s");
+    EXPECT_EQ(time_text(9.96), "10 s");
+    EXPECT_EQ(time_text(12.4), "12 s");
+    EXPECT_EQ(time_text(12.9), "13 s");
     EXPECT_EQ(time_text(119), "119 s");
     EXPECT_EQ(time_text(310), "5 min");
     EXPECT_EQ(time_text(3600 * 3 + 720), "3 h 12 min");

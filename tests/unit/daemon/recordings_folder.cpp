@@ -64,6 +64,21 @@ TEST(RecordingName, has_only_what_every_system_takes) {
     EXPECT_FALSE(is_recording_name(std::string_view{"a\0b", 3}));
 }
 
+TEST_F(RecordingsFolder, says_of_a_name_that_is_not_there_what_may_be_meant) {
+    dir.write("flight.pcapng", recording(1));
+    dir.write("notes", "x");
+    const auto words = [&](const std::string& name) {
+        const auto refusal = remove_recording(folder, name);
+        return refusal ? std::to_string(refusal->status) + " " + refusal->words : std::string{};
+    };
+    EXPECT_EQ(words("flight"), "404 there is no recording flight; there is flight.pcapng");
+    EXPECT_EQ(words("flight.mcap"), "404 there is no recording flight.mcap; there is flight.pcapng");
+    EXPECT_EQ(words("fligth.pcapng"), "404 there is no recording fligth.pcapng (did you mean 'flight.pcapng'?)");
+    EXPECT_EQ(words("entirely-else"), "404 there is no recording entirely-else");
+    EXPECT_EQ(words("notes"), "403 notes was not written by the gateway, and is left alone");
+    EXPECT_EQ(std::get<Refusal>(open_recording(folder, "flight")).status, 404u);
+}
+
 TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) {
     dir.write("flight.pcapng", recording(3));
     dir.write("cut.pcapng", recording(2, false));
@@ -87,6 +102,13 @@ TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) 
             EXPECT_EQ(file.begun_ns, 1763898044'000000000u);
         }
     }
+}
+
+TEST_F(RecordingsFolder, tells_when_a_file_was_written_last_with_what_is_behind_the_second) {
+    const std::string file = dir.write("flight.pcapng", recording(1));
+    const timespec times[] = {{1763898063, 0}, {1763898063, 987654321}};
+    ASSERT_EQ(::utimensat(AT_FDCWD, file.c_str(), times, 0), 0);
+    EXPECT_EQ(view_of(folder).files.at(0).changed_ns, 1763898063'987654321u);
 }
 
 TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {

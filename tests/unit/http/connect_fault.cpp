@@ -49,12 +49,16 @@ TEST(ConnectFault, without_permission_says_how_to_get_it) {
     EXPECT_EQ(connect_fault(path, EACCES, file),
               "no permission for /run/anogate/control.sock: it belongs to group anogate, and "
               "you are in it from your next login on: log in again");
+    file.group = "root";
+    EXPECT_EQ(connect_fault(path, EACCES, file),
+              "no permission for /run/anogate/control.sock: it is for group root: sudo anoctl ...");
     file.is_for_group = false;
     file.owner = "li";
-    EXPECT_EQ(connect_fault(path, EACCES, file), "no permission for /run/anogate/control.sock: it is for user li alone");
+    EXPECT_EQ(connect_fault(path, EACCES, file),
+              "no permission for /run/anogate/control.sock: it is for user li alone: be that user (sudo -u li anoctl ...)");
     file.can_be_seen = false;
     EXPECT_EQ(connect_fault(path, EACCES, file),
-              "no permission for /run/anogate/control.sock: the folder that it is in lets this user not in");
+              "no permission for /run/anogate/control.sock: the folder that it is in lets this user not in: sudo anoctl ...");
 }
 
 TEST(ConnectFault, of_what_is_no_gateway_says_so) {
