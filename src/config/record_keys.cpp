@@ -3,6 +3,7 @@
 #include <config/config_error.hpp>
 #include <config/frame_words.hpp>
 #include <config/key_rows.hpp>
+#include <config/values.hpp>
 
 #include <algorithm>
 
@@ -37,6 +38,22 @@ std::string put_limit(const KeyFacts&, Value value, RecordSettings& record) {
     return {};
 }
 
+// A few bytes are a number whose unit was forgotten, and with that limit nearly all recordings would be deleted.
+template <auto Field, std::uint64_t least>
+constexpr Key<Rec> size_from(std::string_view name, std::string_view help) {
+    Key<Rec> key = size<Field>(name, help);
+    key.put = [](const KeyFacts& facts, Value value, RecordSettings& record) -> std::string {
+        const std::uint64_t bytes = std::get<std::uint64_t>(value);
+        if (bytes != 0 && bytes < least)
+            return in_quotes(facts.name) + " must be 0 or at least " + size_text(least) + ", not " + std::to_string(bytes) +
+                   " bytes: give it a unit, such as 20GB";
+        store(facts, std::move(value), record.*Field);
+        return {};
+    };
+    return key;
+}
+
+constexpr std::uint64_t kB = 1000, MB = 1000 * kB;
 constexpr std::uint64_t most_age = 3650 * day, most_in_memory = 3600 * second;
 
 constexpr Key<Rec> record_rows[] = {
@@ -62,12 +79,14 @@ constexpr Key<Rec> record_rows[] = {
     Key<Rec>{{.name = "limit", .form = Form::limits, .help = "frames a second of an id or message that are recorded at most"},
              get_limit,
              put_limit},
-    size<&Rec::rotate_size>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
+    size_from<&Rec::rotate_size, 10 * kB>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
     duration<&Rec::rotate_time>("rotate.time", second, most_age, "and one that is so old (default: never)"),
-    size<&Rec::keep_size>("keep.size", "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
+    size_from<&Rec::keep_size, 100 * kB>("keep.size",
+                                         "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
     duration<&Rec::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
-    size<&Rec::keep_free>("keep.free", "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
-    size<&Rec::free>("free", "while fewer bytes of the disk are free, nothing is written"),
+    size_from<&Rec::keep_free, MB>("keep.free",
+                                   "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
+    size_from<&Rec::free, MB>("free", "while fewer bytes of the disk are free, nothing is written"),
     duration<&Rec::keep_last>(
         "keep_last", second, most_in_memory,
         "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "

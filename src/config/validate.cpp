@@ -264,6 +264,10 @@ private:
     }
 
     void record(const RecordSettings& record) {
+        if (record.format != "mcap" && record.message_encoding != "cdr")
+            warning(draft_.record.key("message_encoding"), "'message_encoding' has no effect on what is recorded as " +
+                                                               record.format +
+                                                               ": give 'format' \"mcap\", which alone has decoded messages");
         for (std::size_t i = 0; i < record.links.size(); ++i)
             must_exist(record.links[i], draft_.record, "link/" + std::to_string(i), {}, true);
         if (record.keep_free != 0 && record.keep_free < record.free)

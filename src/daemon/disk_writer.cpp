@@ -128,7 +128,9 @@ std::string DiskWriter::begin(ano::TimePoint now) {
     return write(now);
 }
 
-// Looked at every few MiB, and so much more is asked for: what is written until the next look, and what ends a file, fit in there.
+static_assert(room_needed(1) > DiskWriter::room_between_looks + 4 * DiskWriter::much);
+
+// Looked at every few MiB.
 std::string DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t size = file_ ? file_->size() + waiting_.size() : 0;
     if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
@@ -137,10 +139,11 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     if (settings_.keep_free == 0) return {};
     const std::uint64_t free = free_bytes(settings_.folder).value_or(UINT64_MAX);
     progress_.is_busy();
-    if (free >= settings_.keep_free + room_between_looks + 4 * much) return {};
+    const std::uint64_t needed = room_needed(settings_.keep_free);
+    if (free >= needed) return {};
     look_for_room_at_ = now;
-    return settings_.folder + ": only " + room_text(free) + " of the disk are free, and " + room_text(settings_.keep_free) +
-           " stay so";
+    return settings_.folder + ": only " + room_text(free) + " of the disk are free, and " + room_text(needed) +
+           " must be to write more";
 }
 
 std::string DiskWriter::write(ano::TimePoint now) {
@@ -198,6 +201,8 @@ void DiskWriter::leave_file() noexcept {
 void DiskWriter::report() {
     progress_.frames = safe_frames_ + written_frames_;
     progress_.bytes = bytes_before_ + (file_ ? file_->size() : 0);
+    progress_.file_frames = file_ ? safe_frames_ + written_frames_ - frames_before_ : 0;
+    progress_.file_bytes = file_ ? file_->size() : 0;
     progress_.files = files_;
 }
 

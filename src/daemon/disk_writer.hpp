@@ -32,6 +32,7 @@ struct RecorderItem {
 /// How far it is, for another thread.
 struct DiskProgress {
     std::atomic<std::uint64_t> frames{0}, bytes{0}, files{0};    // written
+    std::atomic<std::uint64_t> file_frames{0}, file_bytes{0};    // of them, in the file that is written
     std::atomic<std::uint64_t> not_written{0};                   // frames that were taken, and given up at the end
     std::atomic<std::size_t> in_flight{0};    // bytes of the items that are not on the disk for sure; the other thread adds to it
     std::atomic<std::int64_t> busy_since{0};    // when the disk did something last (Clock, ns); 0: nothing is asked of it

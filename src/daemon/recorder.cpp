@@ -1,3 +1,4 @@
+#include <daemon/disk_pace.hpp>
 #include <daemon/frame_watch.hpp>
 #include <daemon/gateway.hpp>
 #include <daemon/recorder.hpp>
@@ -16,9 +17,7 @@ namespace anogate {
 namespace {
 
 constexpr std::chrono::milliseconds recorder_patience{500};
-constexpr ano::Duration silence_told = std::chrono::milliseconds{750};    // a disk that is told of
-constexpr ano::Duration behind_told = std::chrono::seconds{1};            // what is not on the disk for sure
-constexpr ano::Duration slowness_told = std::chrono::seconds{10};         // behind the last frame that was lost for it
+constexpr ano::Duration behind_told = std::chrono::seconds{1};    // what is not on the disk for sure
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
@@ -47,6 +46,7 @@ private:
     void look();
     void beat();
     ano::Duration behind(TimePoint now);
+    bool is_silent() const noexcept { return disk_ == DiskPace::State::silent; }
     void tell();
 
     Gateway& gateway_;
@@ -62,9 +62,8 @@ private:
     TimePoint marked_at_{};
     bool watches_ = false;
     bool is_ended_ = false;
-    bool is_silent_ = false;                                          // the disk
-    TimePoint slow_until_{};                                          // it takes less than comes; in the past: it does not
-    bool is_slow_ = false;                                            // was told
+    DiskPace pace_;
+    DiskPace::State disk_ = DiskPace::State::well;                    // was told
     TimePoint ends_at_{};                                             // at the latest, once end() was called
     std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // not: a call of on_change is under way
 };
@@ -93,7 +92,7 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
 Recorder::Impl::~Impl() {
     end();
     if (is_ended_) return;
-    if (!is_silent_) {
+    if (!is_silent()) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(ends_at_ - Clock::now());
         thread_->wait_for_end(std::max(left, std::chrono::milliseconds::zero()));
     }
@@ -146,7 +145,7 @@ void Recorder::Impl::look() {
     }
     if (thread_->wait_for_end(std::chrono::milliseconds::zero())) {
         is_ended_ = is_new = true;
-        is_silent_ = false;
+        disk_ = DiskPace::State::well;
         said_.close();
         beat_.cancel();
     } else if (watches_) {
@@ -157,7 +156,7 @@ void Recorder::Impl::look() {
 
 // The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
-    if (is_silent_ || given_ - thread_->progress().in_flight >= marked_) {
+    if (is_silent() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
         marked_at_ = now;
     }
@@ -168,13 +167,11 @@ ano::Duration Recorder::Impl::behind(TimePoint now) {
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
-    const bool was_silent = std::exchange(is_silent_, silence >= silence_told);
-    const bool is_behind = behind(now) >= behind_told;
-    if (is_silent_ || !news_.error.empty()) slow_until_ = {};    // they lose frames by themselves
-    else if (!was_silent && (is_behind || queue.lost() > 0)) slow_until_ = now + slowness_told;
-    const bool was_slow = std::exchange(is_slow_, now < slow_until_);
-    if (was_silent != is_silent_ || was_slow != is_slow_) tell();
-    if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow_ || !watches_) beat_.set(now + beat_time);
+    const bool is_behind = behind(now) >= behind_told || queue.lost() > 0;
+    const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, !news_.error.empty()}));
+    if (was != disk_) tell();
+    const bool is_slow = disk_ == DiskPace::State::slow;
+    if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow || !watches_) beat_.set(now + beat_time);
     else beat_.cancel();
 }
 
@@ -199,9 +196,11 @@ RecorderReport Recorder::Impl::report() const {
     report.frames = progress.frames;
     report.bytes = progress.bytes;
     report.waiting = progress.in_flight;
+    report.file_frames = progress.file_frames;
+    report.file_bytes = progress.file_bytes;
     report.not_written = lost_ + queue.lost() + progress.not_written;
-    report.error = is_silent_ ? silence_text(thread_->silence(Clock::now())) : news_.error;
-    report.is_slow = report.error.empty() && is_slow_ && !is_ended_;
+    report.error = is_silent() ? silence_text(thread_->silence(Clock::now())) : news_.error;
+    report.is_slow = report.error.empty() && disk_ == DiskPace::State::slow && !is_ended_;
     if (report.is_slow) report.error = "the disk takes less than comes";
     return report;
 }

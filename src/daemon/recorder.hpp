@@ -25,6 +25,10 @@ struct RecorderSettings {
     std::uint64_t keep_free = 500'000'000;    // bytes of the disk that stay free: nothing is written while there are fewer
 };
 
+/// So many bytes of the disk must be free for more to be written, where `free` stay so: what is written until that is looked at again,
+/// and what ends a file, fit in between. 0 where none is to stay free.
+constexpr std::uint64_t room_needed(std::uint64_t free) noexcept { return free == 0 ? 0 : free + std::uint64_t{5} * 1024 * 1024; }
+
 /// What became of it until now.
 struct RecorderReport {
     bool is_ended = false;
@@ -33,6 +37,8 @@ struct RecorderReport {
     std::uint64_t frames = 0;         // written
     std::uint64_t bytes = 0;          // written, in all files
     std::uint64_t waiting = 0;        // bytes of frames that are not on the disk for sure
+    std::uint64_t file_frames = 0;    // of them, in the file that is written; 0: there is none now
+    std::uint64_t file_bytes = 0;
     std::uint64_t not_written = 0;    // frames: for want of room, or of a disk that takes them
     std::string error;                // why not all is written now, in a clause; empty: it is
     bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it

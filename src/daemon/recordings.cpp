@@ -50,6 +50,11 @@ FrameFilterSettings frames_of(const RecordSettings& settings) {
     return filter;
 }
 
+KeepLimits limits_of(const RecordSettings& settings) {
+    return {settings.keep_size, std::chrono::duration_cast<std::chrono::seconds>(settings.keep_age.value_or(ano::Duration{})),
+            settings.keep_free == 0 ? 0 : std::max(settings.keep_free, room_needed(settings.free))};
+}
+
 std::string name_by_time(std::chrono::seconds since) {
     const auto time = static_cast<std::time_t>(since.count());
     std::tm parts{};

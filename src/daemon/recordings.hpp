@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -42,6 +43,7 @@ public:
     static constexpr std::size_t most_asked = 4;     // that run at once
     static constexpr std::size_t most_ending = 2;    // of the configuration, that the disk keeps from their end
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // of keep_last by itself
+    static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // to be fetched, though keep has no room for it
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
     /// `usual_folder`: where the configuration names none; empty: there is no such place. The gateway outlives it.
@@ -97,7 +99,8 @@ private:
     void keep_clock();
     void look_soon();
     void look();
-    void looked(std::optional<std::uint64_t> free, const std::vector<std::string>& gone, const std::string& fault);
+    std::set<std::string> just_saved();
+    void looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault);
     void repair();
     void remember();
     void save_for(std::string_view why);
@@ -118,7 +121,9 @@ private:
     std::unique_ptr<FaultEar> ear_;
     std::optional<TimePoint> saved_at_;    // by itself, the last time
     std::string last_saved_, save_fault_;
-    std::string save_as_;    // when it is due:
+    std::map<std::string, TimePoint> just_saved_;    // and until when they stay
+    std::string told_to_stay_;                       // beyond what is kept
+    std::string save_as_;                            // when it is due:
     Alarm save_due_;
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; one look at a time has it
@@ -134,6 +139,8 @@ private:
 
 /// What the section `record` says, for the parts that carry it out.
 FrameFilterSettings frames_of(const RecordSettings& settings);
+/// With room to write in any case: of a disk on which keep.free is free, nothing would be deleted while nothing can be written.
+KeepLimits limits_of(const RecordSettings& settings);
 /// "20261123-154735Z"
 std::string name_by_time(std::chrono::seconds since_1970);
 

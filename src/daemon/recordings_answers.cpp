@@ -71,6 +71,8 @@ Json Recordings::json_of(const Running& running) const {
               {"format", text(running.asked.format)},
               {"frames", report.frames},
               {"bytes", report.bytes},
+              {"file_frames", report.file_frames},
+              {"file_bytes", report.file_bytes},
               {"not_written", report.not_written},
               {"error", report.error},
               {"since", json_seconds(running.began_ns)},
@@ -83,7 +85,7 @@ Json Recordings::json_of(const Running& running) const {
 void Recordings::describe(Json& recording) {
     recording["folder"] = folder_;
     recording["free_bytes"] = free_ ? Json(*free_) : Json(nullptr);
-    recording["free_needed"] = settings_.free;
+    recording["free_needed"] = room_needed(settings_.free);
     recording["keep_last"] = nullptr;
     if (memory_) {
         const FrameMemory::Figures kept = memory_->figures();
@@ -287,6 +289,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     ++past_.saved;
     save_fault_.clear();
     last_saved_ = file.name;
+    just_saved_[file.name] = Clock::now() + saved_stays;
     spdlog::info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
@@ -299,29 +302,36 @@ void Recordings::look_soon() {
     else look();
 }
 
+std::set<std::string> Recordings::just_saved() {
+    std::erase_if(just_saved_, [now = Clock::now()](const auto& saved) { return saved.second <= now; });
+    std::set<std::string> names;
+    for (const auto& [name, until] : just_saved_) names.insert(name);
+    return names;
+}
+
 void Recordings::look() {
     struct Seen {
         std::optional<std::uint64_t> free;
-        std::vector<std::string> gone;
+        DeletedRecordings old;
     };
     const auto seen = std::make_shared<Seen>();
-    const KeepLimits limits{settings_.keep_size,
-                            std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_age.value_or(ano::Duration{})),
-                            settings_.keep_free};
     disk_.run_for_nobody(
-        [seen, limits, folder = folder_, ages = ages_] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = just_saved()] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
-            if (has_limits) seen->gone = delete_old(folder, limits, *ages, {since_1970(), steady});
+            if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, saved);
             seen->free = room_for(folder);
         },
-        [this, seen](const std::string& fault) { looked(seen->free, seen->gone, fault); });
+        [this, seen](const std::string& fault) { looked(seen->free, seen->old, fault); });
 }
 
-void Recordings::looked(std::optional<std::uint64_t> free, const std::vector<std::string>& gone, const std::string& fault) {
+void Recordings::looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault) {
     is_looking_ = false;
     if (fault.empty()) free_ = free;
-    for (const std::string& name : gone) spdlog::info("recording: {} is deleted, as \"keep\" says", name);
+    for (const std::string& name : old.gone) spdlog::info("recording: {} is deleted, as \"keep\" says", name);
+    if (!old.stays.empty() && old.stays != told_to_stay_)
+        spdlog::warn("recording: {} stays, though \"keep\" has no room for it: keep.size is too small", old.stays);
+    told_to_stay_ = old.stays;
     if (std::exchange(look_again_, false)) look_soon();
 }
 

@@ -328,8 +328,9 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now) {
-    std::vector<std::string> gone;
+DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
+                             const std::set<std::string>& just_saved) {
+    DeletedRecordings deleted;
     const FolderView view = quick_view_of(folder);
     std::vector<KeptRecording> kept;
     for (const FoundRecording& file : view.files)
@@ -337,11 +338,14 @@ std::vector<std::string> delete_old(const std::string& folder, const KeepLimits&
                         file.bytes,
                         std::chrono::seconds{file.changed_ns / 1'000'000'000},
                         file.state == FoundRecording::State::recording,
-                        {}});
+                        {},
+                        just_saved.contains(file.name)});
     ages.look(kept, now.real, now.steady);
-    for (const std::size_t i : recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX)))
-        if (!remove_recording(folder, kept[i].name)) gone.push_back(kept[i].name);
-    return gone;
+    const RecordingsToDelete old = recordings_to_delete(kept, limits, view.free.value_or(UINT64_MAX));
+    for (const std::size_t i : old.going)
+        if (!remove_recording(folder, kept[i].name)) deleted.gone.push_back(kept[i].name);
+    if (old.stays) deleted.stays = kept[*old.stays].name;
+    return deleted;
 }
 
 std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const std::string& name, RecordingFormat format,
@@ -356,7 +360,10 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
         std::string bytes;
         while (more && bytes.size() < bytes_at_a_time) more = writing.next(bytes);
         const auto is_free = free_bytes(folder);
-        if (is_free && *is_free < free + bytes.size()) fault = "the disk has only " + std::to_string(*is_free) + " bytes free";
+        const std::uint64_t needed = free + bytes.size();
+        if (is_free && *is_free < needed)
+            fault = "only " + std::to_string(*is_free) + " bytes of the disk are free, and " + std::to_string(needed) +
+                    " must be";
         else if (const int error = file.append(bytes); error != 0) fault = error_text(error);
     }
     if (const int error = fault.empty() ? file.sync() : 0; error != 0) fault = error_text(error);

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -69,8 +70,13 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder);
 struct BothClocks {
     std::chrono::seconds real{}, steady{};
 };
-/// Deletes what the limits do not leave. The names of what went. `ages` has seen the folder when it was called before.
-std::vector<std::string> delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now);
+struct DeletedRecordings {
+    std::vector<std::string> gone;
+    std::string stays;    // the newest that stays though it is beyond what is kept; empty: there is none
+};
+/// Deletes what the limits do not leave. `ages` has seen the folder when it was called before; `just_saved` are names.
+DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
+                             const std::set<std::string>& just_saved = {});
 
 /// As NAME.FORMAT, where that is not there yet, while `free` bytes of the disk stay free.
 struct SavedFrames {

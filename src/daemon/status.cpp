@@ -210,9 +210,10 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
     for (const LinkState& state : gateway.links()) {
         std::set<std::string>& told = told_[state.link->name()];
         if (!state.up) told.clear();
-        std::string hint = hint_of_trouble(report_of(gateway, state, now).figures);
-        if (hint.empty() || !told.insert(hint).second) continue;
-        lines.push_back(state.link->name() + ": " + std::move(hint));
+        const LinkError error = state.up ? state.link->trouble() : LinkError{};
+        const std::string damage = error.id == "recording_damaged" ? error.text : std::string{};    // which is no hint
+        for (const std::string& words : {damage, hint_of_trouble(report_of(gateway, state, now).figures)})
+            if (!words.empty() && told.insert(words).second) lines.push_back(state.link->name() + ": " + words);
     }
     return lines;
 }

@@ -28,7 +28,7 @@ struct FrameCount {
 };
 FrameCount frame_count(const Gateway& gateway);
 
-/// The hints that are written to the log: each once while its link is up.
+/// The hints that are written to the log, and what is damaged of a recording that is replayed: each once while its link is up.
 class HintLog {
 public:
     /// One line for each hint that was not written yet.

@@ -131,13 +131,20 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     return {};
 }
 
+const Hint over{"recording_ended", "the recording is at its end"};
+
+Hint trouble_or_end(const LinkFigures& link, bool with_time) {
+    Hint found = trouble(link, with_time);
+    return found.id.empty() && link.is_over ? over : found;
+}
+
 }    // namespace
 
-std::string hint_of_trouble(const LinkFigures& link) { return trouble(link, false).text; }
+std::string hint_of_trouble(const LinkFigures& link) { return trouble_or_end(link, false).text; }
 
 Hint find_hint(const LinkFigures& link) {
-    Hint found = trouble(link, true);
-    if (found.id.empty() && link.is_over) return {"recording_ended", "the recording is at its end"};
+    Hint found = trouble_or_end(link, true);
+    if (found.id == over.id) return found;
     if (!found.id.empty() || !link.up || !link.silent_for || *link.silent_for < patience) return found;
     const bool spoke_by_itself = link.received.frames_in >= enough_frames;
     found.id = "silent";

@@ -96,9 +96,11 @@ bool Admission::is_own_name(std::string_view host, const Door& door) const {
 bool Admission::may_ask(std::string_view origin, std::string_view host, bool is_encrypted) const {
     for (const std::string& allowed : rules_.origins)
         if (ano::lower_case(origin) == ano::lower_case(allowed)) return true;
-    const bool is_https = ano::lower_case(origin).starts_with("https://");
     const std::size_t slashes = origin.find("://");
     if (slashes == origin.npos) return false;
+    const std::string scheme = ano::lower_case(origin.substr(0, slashes));
+    const bool is_https = scheme == "https";
+    if (!is_https && scheme != "http") return false;
     const Authority from = authority_of(origin.substr(slashes + 3)), to = authority_of(host);
     const auto port = [](const Authority& of, bool encrypted) { return of.port.empty() ? usual_port(encrypted) : of.port; };
     return from.host == to.host && port(from, is_https) == port(to, to.port.empty() ? is_https : is_encrypted);

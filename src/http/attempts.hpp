@@ -8,8 +8,8 @@
 
 namespace anogate::http {
 
-/// Ten wrong tokens of an address within a minute bar it until the first of them is a minute old. Of IPv6 the first 64 bits count,
-/// for a client has as many addresses below them as it likes. Bounded: of many addresses the one that failed longest ago is forgotten.
+/// Ten wrong tokens of a client (client_network) within a minute bar it until the first of them is a minute old. Bounded: of many clients
+/// the one that failed longest ago is forgotten.
 class Attempts {
 public:
     /// How long nothing of `peer` is looked at any more; zero: it is.

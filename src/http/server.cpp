@@ -45,17 +45,20 @@ Expected<std::uint16_t> Server::start(const Network& network) {
     return made->port;
 }
 
+tl::expected<Access, Response> Server::judge(const Request& request) { return admission_.judge(request, ano::Clock::now()); }
+
+std::optional<Response> Server::crowded_out(Access access) {
+    return has_place(visitors(), limits_.connections, access) ? std::nullopt : std::optional{no_place()};
+}
+
 Response Server::answer(Request request) {
-    auto access = admission_.judge(request, ano::Clock::now());
-    if (!access) return std::move(access.error());
-    request.access = *access;
     admission_.forget_token(request);
     return routes_.answer(std::move(request));
 }
 
 void Server::admit(std::unique_ptr<Stream> stream) {
     if (!has_memory()) return refuse(std::move(stream), try_again("there is too little memory for a request just now"));
-    if (!make_place(stream->user())) return refuse(std::move(stream), no_place());
+    if (!make_place(stream->user(), stream->door())) return refuse(std::move(stream), no_place());
     SessionOwner& owner = *this;
     auto session = std::make_shared<Session>(io_, owner, std::move(stream), limits_.session);
     sessions_.push_back(session);
@@ -67,7 +70,7 @@ void Server::admit(std::unique_ptr<Stream> stream) {
 tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
     const std::uint64_t usual = limits_.session.request.body;
     if (head.body_to_come <= usual) return BodyRoom{usual};
-    auto access = admission_.judge(head, ano::Clock::now());
+    auto access = judge(head);
     if (!access) return tl::unexpected{std::move(access.error())};
     const Routes::Row* const row = routes_.row_for(head);
     if (row && *access < row->access) return tl::unexpected{not_permitted(*access, row->access)};
@@ -95,12 +98,17 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
     return tl::unexpected{try_again("other large bodies are on their way: ask again later")};
 }
 
-bool Server::make_place(std::uint32_t user) {
+std::vector<Visitor> Server::visitors() {
     std::erase_if(sessions_, [](const auto& session) { return session.expired(); });
-    if (sessions_.size() < limits_.connections) return true;
     std::vector<Visitor> visitors;
     for (const auto& session : sessions_) visitors.push_back(session.lock()->visitor(ano::Clock::now()));
-    const auto place = gives_way(visitors, user, user == 0 || user == ::geteuid());
+    return visitors;
+}
+
+bool Server::make_place(std::uint32_t user, const Door& door) {
+    const std::vector<Visitor> all = visitors();
+    if (all.size() < limits_.connections) return true;
+    const auto place = gives_way(all, party_of(user, door), user == 0 || user == ::geteuid());
     if (!place) return false;
     const auto leaves = sessions_[*place].lock();
     sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(*place));

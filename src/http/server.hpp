@@ -71,12 +71,15 @@ public:
     void stop();
 
 private:
-    bool make_place(std::uint32_t user);
+    std::vector<Visitor> visitors();
+    bool make_place(std::uint32_t user, const Door& door);
     void shut();
     void look_whether_finished(ano::TimePoint until);
     void give_turn();
 
     void wait_for_turn(std::shared_ptr<Session> session) override;
+    tl::expected<Access, Response> judge(const Request& request) override;
+    std::optional<Response> crowded_out(Access access) override;
     Response answer(Request request) override;
     tl::expected<BodyRoom, Response> room_for_body(const Request& head) override;
     tl::expected<std::shared_ptr<void>, Response> place_for_body() override;

@@ -17,7 +17,13 @@ constexpr std::size_t some_of_body = 1024;
 const std::shared_ptr<const std::string> Session::nothing_ = std::make_shared<const std::string>();
 
 Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stream> stream, const SessionLimits& limits)
-    : io_{io}, owner_{owner}, limits_{limits}, stream_{std::move(stream)}, deadline_{io}, user_{stream_->user()} {}
+    : io_{io},
+      owner_{owner},
+      limits_{limits},
+      stream_{std::move(stream)},
+      deadline_{io},
+      user_{stream_->user()},
+      party_{party_of(user_, stream_->door())} {}
 
 void Session::start() { await_request(); }
 
@@ -50,7 +56,7 @@ void Session::leave(const Response& words) {
 Visitor Session::visitor(ano::TimePoint now) const {
     bool stalled = !awaits_turn_ && !part_awaited_ && !answer_awaited_ && now - since_ >= limits_.stalled_after;
     if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
-    return {user_, stalled ? Asking::nothing : asking_, since_};
+    return {party_, stalled ? Asking::nothing : asking_, since_, may_};
 }
 
 // Some of the next request may be here.
@@ -241,6 +247,11 @@ void Session::answer(Request request) {
     keeper_.reset();
     sending_ = {request.version, request.keep_alive};
     const bool head_only = request.method == "HEAD";
+    auto access = owner_.judge(request);
+    may_ = access.value_or(Access::open);
+    if (!access) return send(std::move(access.error()), head_only);
+    request.access = *access;
+    if (const auto words = owner_.crowded_out(*access)) return refuse(*words);
     Response response = owner_.answer(request);
     if (!stream_) return;    // the answer was that all ends
     if (response.web_socket) {
@@ -303,8 +314,9 @@ void Session::write() {
             if (!self->stream_) return;
             if (ec) return self->close();
             self->written_ += size;
-            if (self->written_ < self->head_.size() + self->body_.size() + self->shared_->size()) return self->write();
-            self->wrote();
+            if (self->written_ == self->head_.size() + self->body_.size() + self->shared_->size()) return self->wrote();
+            self->expect_progress();
+            self->write();
         });
 }
 

@@ -42,6 +42,11 @@ public:
     virtual ~SessionOwner() = default;
     /// Calls take_turn() in its time.
     virtual void wait_for_turn(std::shared_ptr<Session> session) = 0;
+    /// What a request may, or the answer that refuses it.
+    virtual tl::expected<Access, Response> judge(const Request& request) = 0;
+    /// Of a request that may so much, of a session that says so already: the last words of that session, where too many of the sort
+    /// are answered already.
+    virtual std::optional<Response> crowded_out(Access access) = 0;
     virtual Response answer(Request request) = 0;
     /// Or the answer that refuses it before it comes.
     virtual tl::expected<BodyRoom, Response> room_for_body(const Request& head) = 0;
@@ -107,6 +112,8 @@ private:
     std::unique_ptr<Stream> stream_;    // none: closed, refused or a WebSocket
     asio::steady_timer deadline_;
     std::uint32_t user_;
+    Party party_;
+    std::optional<Access> may_;    // what the request that is answered may, or was last
 
     Asking asking_ = Asking::unheard;
     bool awaits_turn_ = false;    // with a whole request

@@ -25,19 +25,49 @@ std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings)
     return order;
 }
 
+// In the order of oldest_first(). One that is written now is the newest of all.
+std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
+    std::vector<bool> stay(recordings.size());
+    for (std::size_t i = 0; i < recordings.size(); ++i) stay[i] = recordings[i].is_written || recordings[i].is_just_saved;
+    if (!order.empty() && order.size() == recordings.size()) stay[order.back()] = true;
+    return stay;
+}
+
+// Of each time of a change: how much older than the newest it is, without the longest pause in between. The one that is
+// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set.
+std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
+                                                                  std::chrono::seconds since_1970) {
+    const bool is_set = since_1970 >= clock_was_set;
+    std::map<std::chrono::seconds, std::chrono::seconds> ages;
+    for (const KeptRecording& recording : recordings)
+        if (!recording.is_written && (!is_set || recording.changed <= since_1970)) ages[recording.changed] = {};
+    if (ages.empty()) return ages;
+    std::chrono::seconds newer = ages.rbegin()->first, sum{}, longest{};
+    for (auto older = ages.rbegin(); older != ages.rend(); ++older) {
+        const std::chrono::seconds pause = std::exchange(newer, older->first) - older->first;
+        sum += pause;
+        longest = std::max(longest, pause);
+        older->second = sum - longest;
+    }
+    return ages;
+}
+
 }    // namespace
 
 void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady) {
+    std::map<seconds, seconds> ages;
+    if (!looked_at_) ages = ages_by_time(recordings, since_1970);
+    const auto age_when_seen = [&](const KeptRecording& recording) {
+        if (recording.changed < clock_was_set) return seconds::zero();
+        if (looked_at_) return std::min(std::max(since_1970 - recording.changed, seconds::zero()), steady - *looked_at_);
+        const auto told = ages.find(recording.changed);
+        return told == ages.end() ? seconds::zero() : told->second;
+    };
     std::map<std::string, Seen> seen;
     for (KeptRecording& recording : recordings) {
         const auto before = seen_.find(recording.name);
-        if (before != seen_.end() && before->second.changed == recording.changed) {
-            seen.insert(*before);
-        } else {
-            const bool is_known = recording.changed >= clock_was_set;
-            const seconds told = is_known ? std::max(since_1970 - recording.changed, seconds::zero()) : seconds::zero();
-            seen[recording.name] = {recording.changed, looked_at_ ? std::min(told, steady - *looked_at_) : told, steady};
-        }
+        if (before != seen_.end() && before->second.changed == recording.changed) seen.insert(*before);
+        else seen[recording.name] = {recording.changed, age_when_seen(recording), steady};
         const Seen& is = seen.at(recording.name);
         recording.age = is.age + (steady - is.at);
     }
@@ -45,25 +75,34 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
     looked_at_ = steady;
 }
 
-std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::uint64_t free_bytes) {
+RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
+                                        std::uint64_t free_bytes) {
     const std::vector<std::size_t> order = oldest_first(recordings);
+    const std::vector<bool> stay = which_stay(recordings, order);
     std::uint64_t all = 0, may_go = 0;
-    for (const KeptRecording& recording : recordings) all += recording.bytes;
-    for (const std::size_t i : order) may_go += recordings[i].bytes;
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+        all += recordings[i].bytes;
+        if (!stay[i]) may_go += recordings[i].bytes;
+    }
     std::uint64_t wanted = free_bytes < limits.free ? limits.free - free_bytes : 0;
     if (wanted > may_go) wanted = 0;
 
-    std::vector<std::size_t> going;
+    RecordingsToDelete result;
     for (const std::size_t i : order) {
         const KeptRecording& recording = recordings[i];
         const bool is_too_old = limits.age > std::chrono::seconds::zero() && recording.age > limits.age;
-        if (!is_too_old && (limits.bytes == 0 || all <= limits.bytes) && wanted == 0) break;
-        going.push_back(i);
+        const bool is_beyond = limits.bytes != 0 && all > limits.bytes;
+        if (!is_too_old && !is_beyond && wanted == 0) break;
+        if (!is_too_old && stay[i]) {
+            result.stays = i;
+            continue;
+        }
+        result.going.push_back(i);
         all -= recording.bytes;
         wanted -= std::min(wanted, recording.bytes);
     }
-    return going;
+    if (limits.bytes == 0 || all <= limits.bytes) result.stays.reset();
+    return result;
 }
 
 }    // namespace anogate

@@ -18,19 +18,22 @@ struct KeptRecording {
     std::chrono::seconds changed{};    // the last time, since 1970, by the clock as it was then
     bool is_written = false;           // now: it never goes
     std::chrono::seconds age{};        // since its last change; RecordingAges knows it
+    bool is_just_saved = false;        // it does not go for want of room
 };
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
 /// the middle of a flight, and a receiver may take it into another century. A recording ages with the clock that nobody sets from the
-/// time when it was first seen as it is; what it was by then is at most the time since the look before.
+/// time when it was first seen as it is; what it was by then is at most the time since the look before. At the first look nothing but
+/// the clock tells how old one is, and it may not be set yet, as it may not have been set when others were written: the newest has no
+/// age then, the others are as much older as their times say, and the longest pause among them does not count.
 ///
 /// Flow, one look after the other:    ages.look(recordings, since_1970, by_the_other_clock)
 class RecordingAges {
 public:
     using seconds = std::chrono::seconds;
 
-    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look the clock is all that
-    /// tells how old one is, and one from before 2020 has no age: the clock was not set then.
+    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look one from before 2020
+    /// has no age: the clock was not set then.
     void look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady);
 
 private:
@@ -48,9 +51,14 @@ struct KeepLimits {
     std::uint64_t free = 0;        // bytes of the disk that stay free
 };
 
-/// The places in `recordings` of those that go, the oldest first. For the sake of free bytes none goes when all of them were not enough:
-/// they would be lost for nothing.
-std::vector<std::size_t> recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
-                                              std::uint64_t free_bytes);
+/// Places in a list of recordings.
+struct RecordingsToDelete {
+    std::vector<std::size_t> going;        // the oldest first
+    std::optional<std::size_t> stays{};    // the newest that stays though it is beyond `bytes`
+};
+/// Only its age has one go that was just saved, or that is the newest of all: "it is saved" would be said of what is gone a moment later.
+/// For the sake of free bytes none goes when all of them were not enough: they would be lost for nothing.
+RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
+                                        std::uint64_t free_bytes);
 
 }    // namespace anogate

@@ -55,6 +55,16 @@ public:
         closed_ = closed_ || n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
         return heard_;
     }
+    /// As much of what is there as goes into a small buffer, of which the kernel holds no more than some for this client.
+    std::size_t hear_a_little() {
+        constexpr int room = 64 * 1024;
+        ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+        char buffer[32 * 1024];
+        const ssize_t n = ::read(fd_.get(), buffer, sizeof buffer);
+        if (n > 0) heard_.append(buffer, static_cast<std::size_t>(n));
+        closed_ = closed_ || n == 0;
+        return heard_.size();
+    }
     bool is_closed() { return heard(), closed_; }
     bool has_heard(std::string_view words) { return heard().find(words) != std::string::npos; }
 
@@ -443,6 +453,11 @@ protected:
         AdmissionRules rules;
         rules.tokens = {{Access::view, "only-looks"}, {Access::control, "may-act"}};
         server->admission().set(std::move(rules));
+        server->routes().add({"GET", "/watch", Access::view, {}, [this](const Request&) {
+                                  Response response;
+                                  response.web_socket = std::make_unique<Echo>(echo);
+                                  return response;
+                              }});
         const auto listens = server->start(Server::Network{.address = "127.0.0.1", .needs_token = true});
         ASSERT_TRUE(listens) << listens.error();
         port = *listens;
@@ -530,6 +545,67 @@ TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
     until([&] { return std::chrono::steady_clock::now() - begin > 300ms; });
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
     EXPECT_LT(client.heard().size(), std::size_t{16 << 20});
+}
+
+class SlowlyReadHttpServer : public HttpServer {
+protected:
+    // Somewhat more than the server waits for whoever takes nothing.
+    void read_slowly(Client& client) {
+        client.hear_a_little();
+        client.send(get("/big"));
+        for (const auto begin = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - begin < 900ms;) {
+            client.hear_a_little();
+            io.restart();
+            io.run_for(4ms);
+        }
+        ASSERT_LT(client.hear_a_little(), std::size_t{16 << 20}) << "he is to be still at it";
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Over, SlowlyReadHttpServer, testing::Values(Way::unix_socket, Way::tcp),
+                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+
+TEST_P(SlowlyReadHttpServer, does_not_cut_its_client_off) {
+    ServerLimits limits;
+    limits.session.patience = 400ms;
+    begin(limits);
+    Client client = connect(GetParam());
+    read_slowly(client);
+    EXPECT_TRUE(until([&] { return client.heard().size() > (16 << 20) || client.is_closed(); }));
+    EXPECT_GT(client.heard().size(), std::size_t{16 << 20});
+}
+
+TEST_F(SlowlyReadHttpServer, leaves_its_client_the_only_place_until_he_stops) {
+    ServerLimits limits;
+    limits.connections = 1;
+    limits.session.stalled_after = 400ms;
+    begin(limits);
+    Client client = connect();
+    read_slowly(client);
+    const auto is_let_in = [&] {
+        Client other = connect();
+        other.send(get("/short?n=here"));
+        EXPECT_TRUE(until([&] { return other.has_heard("here") || other.is_closed(); }));
+        return other.has_heard("here");
+    };
+    EXPECT_FALSE(is_let_in());
+    EXPECT_TRUE(until(is_let_in));
+}
+
+TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answered_is_told_all) {
+    Client reads = connect(GetParam()), waits = connect(GetParam());
+    reads.send(get("/big"));
+    EXPECT_TRUE(until([&] { return reads.has_heard("200 OK"); }));
+    settle();    // it waits to be read further
+    waits.send(get("/short?n=late"));
+    io.restart();
+    EXPECT_EQ(io.poll_one(), 1u);    // it is heard, no more
+    server->finish(std::chrono::hours{1});
+    EXPECT_TRUE(until([&] { return waits.is_closed(); }));
+    EXPECT_EQ(waits.heard(), "");
+    EXPECT_FALSE(reads.is_closed());
+    EXPECT_TRUE(until([&] { return reads.is_closed(); }));
+    EXPECT_GT(reads.heard().size(), std::size_t{16 << 20});
 }
 
 TEST_P(HttpServer, many_have_one_text) {
@@ -845,6 +921,30 @@ TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without
     echo.socket->close(1000, "");
     EXPECT_TRUE(until([&] { return echo.gone; }));
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
+}
+
+// Who looks, as many as there are places: each holds his as long as he takes what he is sent.
+TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
+    const auto watch = [this](const std::string& headers) {
+        Client client{UniqueFd{support::connect_tcp(port)}};
+        client.send(
+            "GET /watch HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+            headers + "\r\n");
+        EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+        return client;
+    };
+    std::vector<Client> watchers;
+    for (int i = 0; i < 40; ++i) watchers.push_back(watch(bearer("only-looks")));
+    settle();
+    for (std::size_t i = 0; i < watchers.size(); ++i) {
+        EXPECT_EQ(watchers[i].has_heard("101"), i < 28) << i;
+        EXPECT_EQ(watchers[i].is_closed(), i >= 28) << i;
+    }
+    EXPECT_TRUE(is_told(watchers.back().heard(), "503 Service Unavailable", "all places are taken"));
+    const Client pilot = watch(bearer("may-act"));
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+    EXPECT_FALSE(watchers.front().is_closed());
 }
 
 // As many as there are places, of one user: their places are taken as long as they take what they are sent.

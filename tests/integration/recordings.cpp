@@ -320,7 +320,7 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
 }
 
 TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_configuration_says) {
-    start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "60kB"}})");
+    start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "100kB"}})");
     const auto gone = [&] { return gateway->output().find(" is deleted, as \"keep\" says") != std::string::npos; };
     for (int round = 0; round < 50 && !gone(); ++round) {
         send_numbered(150);
@@ -366,6 +366,21 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }
 
+TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_they_can_be_fetched) {
+    start(R"(, "record": {"keep_last": "60s", "rotate": {"size": "10kB"}, "keep": {"size": "100kB"}})");
+    send_numbered(1500);
+    ASSERT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 1500; }));
+    ASSERT_EQ(ask("POST", "/recordings", R"({"last": true, "name": "incident"})").status, 200u);
+    ASSERT_GT(fs::file_size(folder + "/incident.pcapng"), 100'000u);
+    EXPECT_TRUE(gateway->until_says("incident.pcapng stays, though \"keep\" has no room for it: keep.size is too small"));
+    const int files = running().at("files");
+    for (int round = 0; round < 50 && running().at("files") < files + 3; ++round) {
+        send_numbered(150);
+        ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_; })) << get();
+    }
+    EXPECT_EQ(read_pcapng(content("incident.pcapng")).items.size(), 1500u);
+}
+
 TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_once_a_minute_at_most) {
     start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]})");
     send(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
@@ -398,16 +413,18 @@ TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the
     fs::create_directories(folder);
     std::ofstream{folder + "/notes.pcapng"} << std::string(100'000, 'x');
     start();
-    for (const char* name : {"first", "second"}) {
+    for (const char* name : {"first", "second", "third"}) {
         begin({{"name", name}});
         send_numbered(100);
         end(name);
     }
-    fs::last_write_time(folder + "/first.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{2});
+    const auto now = fs::file_time_type::clock::now();
+    fs::last_write_time(folder + "/first.pcapng", now - std::chrono::hours{4});
+    fs::last_write_time(folder + "/second.pcapng", now - std::chrono::hours{2});
     write_config(R"(, "record": {"start": false, "keep": {"age": "1h"}})");
     gateway->signal(SIGHUP);
     EXPECT_TRUE(gateway->until_says("first.pcapng is deleted, as \"keep\" says")) << gateway->output();
-    EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng"}));
+    EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng", "third.pcapng"}));
 }
 
 TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_commands) {

@@ -1,4 +1,5 @@
 // replay:FILE: what devices said is said again, beside those who speak now.
+#include <daemon/status.hpp>
 #include <link/serial_settings.hpp>
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
@@ -115,6 +116,12 @@ TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the
     expected.resize(50);
     EXPECT_EQ(all_heard(daemon, ground), expected);
     EXPECT_EQ(daemon.link("flight")["error_id"], "recording_damaged") << daemon.status();
+    anogate::HintLog log;
+    const std::vector<std::string> lines = log.news(daemon.gateway());
+    ASSERT_EQ(lines.size(), 2u);
+    EXPECT_NE(lines[0].find("flight.mcap: it is cut off: what is behind byte "), std::string::npos) << lines[0];
+    EXPECT_EQ(lines[1], "flight: the recording is at its end");
+    EXPECT_TRUE(log.news(daemon.gateway()).empty()) << "each once";
 }
 
 TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {

@@ -57,6 +57,27 @@ std::string listening_place(const Json& link) {
     return link.contains("port") && !link.contains("peer") ? text_at(link, "address") : std::string{};
 }
 
+std::vector<std::string> recording_lines(const Json& recording) {
+    std::vector<std::string> lines;
+    for (const Json& one : at(recording, "running")) {
+        const std::string file = text_at(one, "file"), error = text_at(one, "error");
+        std::string line = "recording: " + (file.empty() ? text_at(one, "name") : file) + ": ";
+        line += error.empty() ? text_at(one, "frames") + " frames" : error;
+        if (number_at(one, "not_written") > 0) line += "; not written: " + text_at(one, "not_written");
+        lines.push_back(std::move(line));
+    }
+    if (const std::string error = text_at(at(recording, "keep_last"), "error"); !error.empty())
+        lines.push_back("recording: the last frames are not saved: " + error);
+    return lines;
+}
+
+std::optional<double> length_of_recording(const Json& file) {
+    constexpr double year_2020 = 1'577'836'800, most = 366.0 * 24 * 3600;
+    const double begun = number_at(file, "begun"), length = number_at(file, "time") - begun;
+    if (begun < year_2020 || length < 0 || length > most) return std::nullopt;
+    return length;
+}
+
 std::string names_at(const Json& object, std::string_view key) {
     std::string all;
     for (const Json& name : at(object, key))

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,12 @@ std::string names_at(const ano::Json& object, std::string_view key);
 std::vector<std::string> not_zero(const ano::Json& object, const std::vector<std::string>& names);
 /// `head` and `items` with ", " between them, on lines of at most 80 cells; the next ones are indented as far as `head`.
 std::string list_text(const std::string& head, const std::vector<std::string>& items);
+
+/// Of the status' `recording`: a line for each that runs, with what is wrong with it, and one when keep_last was not saved.
+std::vector<std::string> recording_lines(const ano::Json& recording);
+
+/// In seconds, of a file that is listed; nothing where its two times tell none: the clock was not set at its begin, or was set meanwhile.
+std::optional<double> length_of_recording(const ano::Json& file);
 
 /// The counters of frames that were to be sent and were not.
 const std::vector<std::string>& drop_causes();

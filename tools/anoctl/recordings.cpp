@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -102,16 +103,16 @@ private:
             note += (note.empty() ? "" : "; ") + counted(missing, "frame") + " not written";
         const std::string file = text_at(one, "file");
         return {file.empty() ? text_at(one, "name") : file, note.empty() ? "recording" : "troubled",
-                size_of(number_at(one, "bytes")),           text_at(one, "frames"),
+                size_of(number_at(one, "file_bytes")),      text_at(one, "file_frames"),
                 time_text(number_at(one, "seconds")),       note};
     }
     static Table::Line cells_of_file(const Json& one) {
-        const double begun = number_at(one, "begun"), length = number_at(one, "time") - begun;
+        const std::optional<double> length = length_of_recording(one);
         return {text_at(one, "name"),
                 text_at(one, "state"),
                 size_of(number_at(one, "bytes")),
                 text_at(one, "frames"),
-                begun > 0 && length >= 0 ? time_text(length) : "",
+                length ? time_text(*length) : "",
                 ""};
     }
 

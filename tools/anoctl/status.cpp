@@ -83,6 +83,7 @@ struct StatusView {
         write_conflicts(at(status, "conflicts"), streams.out);
         write_tunnel(at(status, "tunnel"), streams.out);
         write_gpio(at(status, "gpio"), streams.out);
+        for (const std::string& line : recording_lines(at(status, "recording"))) streams.out << line << '\n';
         return fine;
     }
 };

@@ -44,7 +44,7 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
         "or "
         "unfinished.");
     page.literal(
-        "{\"folder\": \"/var/lib/anogate/recordings\", \"free_bytes\": 12000000000, \"free_needed\": 500000000, \"error\": "
+        "{\"folder\": \"/var/lib/anogate/recordings\", \"free_bytes\": 12000000000, \"free_needed\": 505242880, \"error\": "
         "\"\",\n"
         " \"others\": 0,\n"
         " \"keep_last\": {\"seconds\": 60, \"held_s\": 59.9, \"frames\": 1200, \"bytes\": 48000, \"saved\": 2, \"skipped\": 0,\n"

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace anoctl {
 namespace {
 
@@ -32,6 +34,38 @@ TEST(GatewayJson, counters_that_are_not_zero_are_listed) {
     EXPECT_EQ(drop_causes().front(), "superseded");
     EXPECT_EQ(causes_in().front(), "bytes_in");
     EXPECT_EQ(causes_out().front(), "bytes_out");
+}
+
+TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
+    using Lines = std::vector<std::string>;
+    const auto lines_of = [](const std::string& text) { return recording_lines(parse_answer(text)); };
+    EXPECT_EQ(lines_of("{}"), Lines{});
+    EXPECT_EQ(lines_of(R"({"running": [], "keep_last": null})"), Lines{});
+    EXPECT_EQ(
+        lines_of(R"({"running": [{"name": "flight", "file": "flight-2.mcap", "frames": 7, "not_written": 0, "error": ""}]})"),
+        Lines{"recording: flight-2.mcap: 7 frames"});
+    EXPECT_EQ(
+        lines_of(
+            R"({"running": [{"name": "flight", "file": "", "frames": 0, "not_written": 12, "error": "/a: Permission denied"}],
+                           "keep_last": {"error": ""}})"),
+        Lines{"recording: flight: /a: Permission denied; not written: 12"});
+    EXPECT_EQ(lines_of(R"({"keep_last": {"error": "last.mcap is not saved: Input/output error"}})"),
+              Lines{"recording: the last frames are not saved: last.mcap is not saved: Input/output error"});
+}
+
+TEST(GatewayJson, a_recording_whose_times_are_of_two_clocks_has_no_length) {
+    const auto length = [](const std::string& begun, const std::string& time) {
+        return length_of_recording(parse_answer("{\"begun\": " + begun + ", \"time\": " + time + "}"));
+    };
+    EXPECT_EQ(length("1763898044.5", "1763898050"), 5.5);
+    EXPECT_EQ(length("1763898044", "1763898044"), 0);
+    EXPECT_EQ(length("1577836800", "1577836801"), 1) << "2020";
+    EXPECT_EQ(length("1577836799", "1577836801"), std::nullopt) << "the clock was not set";
+    EXPECT_EQ(length("0", "100"), std::nullopt);
+    EXPECT_EQ(length("1763898044", "1763898043"), std::nullopt) << "it was set back";
+    EXPECT_EQ(length("1700000000", "1731622400"), 31'622'400) << "a year";
+    EXPECT_EQ(length("1700000000", "1731622401"), std::nullopt);
+    EXPECT_EQ(length_of_recording(parse_answer("{}")), std::nullopt);
 }
 
 TEST(GatewayJson, long_lists_take_several_lines) {

@@ -99,6 +99,34 @@ TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
               "/record/message_encoding: 'message_encoding' must be one of cdr, json, not 'xml'\n");
 }
 
+TEST(Config, a_size_of_recordings_whose_unit_was_forgotten_is_refused) {
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "20"}}})"),
+              "/record/keep/size: 'keep.size' must be 0 or at least 100kB, not 20 bytes: give it a unit, such as 20GB\n");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 99999}}})").substr(0, 18), "/record/keep/size:");
+    EXPECT_EQ(faults_in(R"({"record": {"rotate": {"size": "9999"}}})"),
+              "/record/rotate/size: 'rotate.size' must be 0 or at least 10kB, not 9999 bytes: give it a unit, such as 20GB\n");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"free": 500}, "free": 0}})"),
+              "/record/keep/free: 'keep.free' must be 0 or at least 1MB, not 500 bytes: give it a unit, such as 20GB\n");
+    EXPECT_EQ(faults_in(R"({"record": {"free": "999kB"}})"),
+              "/record/free: 'free' must be 0 or at least 1MB, not 999000 bytes: give it a unit, such as 20GB\n");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "100kB", "free": "1MB"}, "rotate": {"size": 10000}, "free": 1000000}})"),
+              "");
+    EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 0, "free": 0}, "rotate": {"size": "0"}, "free": 0}})"), "");
+}
+
+TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
+    const auto warnings_in = [](const std::string& record) {
+        return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
+    };
+    const std::string warned =
+        "anogated: /record/message_encoding: warning: 'message_encoding' has no effect on what is recorded as pcapng: "
+        "give 'format' \"mcap\", which alone has decoded messages\n";
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json"})"), warned);
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "pcapng"})"), warned);
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "json", "format": "mcap"})"), "");
+    EXPECT_EQ(warnings_in(R"({"message_encoding": "cdr"})"), "");
+}
+
 TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
     EXPECT_EQ(faults_in(R"({"link": []})"), "/link: unknown key 'link' (did you mean 'links'?)\n");
     EXPECT_EQ(faults_in(R"({"gateway": {"nme": "x"}})"), "/gateway/nme: unknown key 'nme' (did you mean 'name'?)\n");
@@ -735,7 +763,7 @@ Settings random_settings(support::Random& random) {
         record.direction = random.one_in(2) ? std::vector<std::string>{"in"} : std::vector<std::string>{"out", "dropped"};
         if (random.one_in(2)) record.ids = {{3, 7}};
         if (links != 0 && random.one_in(2)) record.links = {s.links[0].name};
-        record.rotate_size = random.of<std::uint64_t>({0, 1000, 1'000'000'000});
+        record.rotate_size = random.of<std::uint64_t>({0, 10'000, 1'000'000'000});
         if (random.one_in(2)) record.keep_last = std::chrono::seconds{1 + random.below(3600u)};
     }
     s.log.level = random.of({"trace", "debug", "info", "warn", "error"});

@@ -139,6 +139,28 @@ TEST_F(DiskWriters, a_name_stays_in_its_folder) {
     EXPECT_FALSE(fs::exists(dir / "a/flight.pcapng"));
 }
 
+TEST_F(DiskWriters, what_the_file_has_that_is_written_is_told_beside_what_all_have) {
+    settings.rotate_bytes = 10'000;
+    turn();
+    for (int i = 0; i < 50; ++i) {
+        take(20);
+        turn(1ms);
+    }
+    take(3);
+    turn(1s);
+    EXPECT_EQ(progress.frames, 1003u);
+    EXPECT_EQ(progress.file_bytes, fs::file_size(disk().file()));
+    EXPECT_LT(progress.file_bytes, progress.bytes);
+    std::uint64_t before = 0;
+    const auto written = files();
+    for (std::size_t i = 0; i + 1 < written.files.size(); ++i) before += written.files[i].items.size();
+    EXPECT_GT(before, 0u);
+    EXPECT_EQ(progress.file_frames, 1003u - before);
+    finish();
+    EXPECT_EQ(progress.file_frames, 0u) << "there is none that is written";
+    EXPECT_EQ(progress.file_bytes, 0u);
+}
+
 TEST_F(DiskWriters, the_next_file_begins_when_one_is_large_enough_and_nothing_is_lost) {
     settings.rotate_bytes = 10'000;
     turn();
@@ -404,7 +426,8 @@ TEST_F(DiskWriters, where_no_file_can_be_made_it_is_tried_again) {
 TEST_F(DiskWriters, bytes_that_are_to_stay_free_are_not_written) {
     settings.keep_free = std::uint64_t{1} << 60;
     turn();
-    EXPECT_NE(disk().error().find("of the disk are free, and 1152921504606.8 MB stay so"), std::string::npos) << disk().error();
+    EXPECT_NE(disk().error().find("of the disk are free, and 1152921504612.1 MB must be to write more"), std::string::npos)
+        << disk().error();
     EXPECT_FALSE(fs::exists(settings.folder));
     settings.keep_free = 1000;
     turn(DiskWriter::try_again_after);

@@ -181,7 +181,7 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
     EXPECT_TRUE(repair_recordings(folder).empty());
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), recording(3, false));
     RecordingAges ages;
-    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).empty());
+    EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).gone.empty());
 }
 
 TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
@@ -266,13 +266,16 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     fs::last_write_time(dir / "foreign.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{100});
     RecordingAges ages;
     const auto gone = [&](const KeepLimits& limits) {
-        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}});
+        return delete_old(folder, limits, ages, {now, std::chrono::seconds{500}}).gone;
     };
     EXPECT_TRUE(gone({}).empty());
     EXPECT_EQ(gone({3 * size, {}, 0}), (std::vector<std::string>{"flight-0.pcapng", "flight-1.pcapng"}));
-    EXPECT_EQ(gone({0, std::chrono::minutes{150}, 0}), std::vector<std::string>{"flight-2.pcapng"});
+    EXPECT_EQ(gone({0, std::chrono::minutes{30}, 0}), std::vector<std::string>{"flight-2.pcapng"}) << "an hour, without a pause";
     EXPECT_EQ(names(), (std::vector<std::string>{"flight-3.pcapng", "flight-4.pcapng"}));
     EXPECT_TRUE(is_there("foreign.pcapng"));
+    const DeletedRecordings old = delete_old(folder, {1, {}, 0}, ages, {now, std::chrono::seconds{500}}, {"flight-3.pcapng"});
+    EXPECT_TRUE(old.gone.empty()) << "the one was just saved, the other is the newest";
+    EXPECT_EQ(old.stays, "flight-4.pcapng");
 }
 
 TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {
@@ -321,6 +324,11 @@ TEST_F(RecordingsFolder, saves_nothing_where_too_little_is_free) {
     const auto saved = save_frames(folder, "last", RecordingFormat::pcapng, std::uint64_t{1} << 60, kept_frames(10));
     ASSERT_TRUE(std::holds_alternative<Refusal>(saved));
     EXPECT_EQ(std::get<Refusal>(saved).status, 507u);
+    const auto other = save_frames(folder, "other", RecordingFormat::pcapng, 0, kept_frames(10));
+    const std::uint64_t needed = (std::uint64_t{1} << 60) + std::get<SavedFrames>(other).bytes;
+    EXPECT_NE(std::get<Refusal>(saved).words.find(" bytes of the disk are free, and " + std::to_string(needed) + " must be"),
+              std::string::npos)
+        << std::get<Refusal>(saved).words;
     EXPECT_FALSE(is_there("last.pcapng"));
 }
 

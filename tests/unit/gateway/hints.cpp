@@ -122,7 +122,9 @@ TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
     link.silent_for = std::chrono::seconds{12};
     link.is_over = true;
     EXPECT_EQ(find_hint(link).id, "recording_ended");
-    EXPECT_EQ(hint_of_trouble(link), "");
+    EXPECT_EQ(hint_of_trouble(link), "the recording is at its end") << "it is written to the log";
+    link.no_place = 1;
+    EXPECT_EQ(find_hint(link).id, "no_place");
 }
 
 TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {

@@ -164,11 +164,14 @@ TEST(Admission, pages_of_others_may_not_ask) {
         return judged(asked({{"Host", to}, {"Origin", origin}}, network_door(false)));
     };
     EXPECT_EQ(from("http://192.168.1.5:8088"), control);
+    EXPECT_EQ(from("HTTP://192.168.1.5:8088"), control);
     EXPECT_EQ(from("http://localhost:9000", "localhost:9000"), control) << "through ssh -L 9000:localhost:8088";
     EXPECT_EQ(from("http://vehicle.local", "vehicle.local:80"), control);
     EXPECT_EQ(from("https://vehicle.local", "vehicle.local"), control) << "behind what encrypts";
-    for (const std::string other : {"http://evil.example", "http://192.168.1.5:3000", "http://192.168.1.5", "null",
-                                    "192.168.1.5:8088", "http://192.168.1.5:8088.evil.example", "file://"})
+    for (const std::string other :
+         {"http://evil.example", "http://192.168.1.5:3000", "http://192.168.1.5", "null", "192.168.1.5:8088",
+          "http://192.168.1.5:8088.evil.example", "file://", "ftp://192.168.1.5:8088", "chrome-extension://192.168.1.5:8088",
+          "://192.168.1.5:8088", "httpx://192.168.1.5:8088", "http", "https", "http:", "http://"})
         EXPECT_EQ(from(other), -403) << other;
     Admission friendly = admission_with({{}, {}, {}, {"https://ground.example"}});
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_door(false))), control);

@@ -1,8 +1,11 @@
 #include <http/places.hpp>
+#include <http/request.hpp>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace anogate::http {
@@ -14,7 +17,16 @@ constexpr std::size_t places = 32;
 constexpr std::uint32_t root = 0, alice = 1000, bob = 1001;
 
 Visitor of(std::uint32_t user, Asking asking, int second) {
-    return {user, asking, ano::TimePoint{} + std::chrono::seconds{second}};
+    return {{user}, asking, ano::TimePoint{} + std::chrono::seconds{second}};
+}
+Visitor by_network(std::uint64_t client, Asking asking, int second = 1) {
+    return {{unknown_user, client}, asking, ano::TimePoint{} + std::chrono::seconds{second}};
+}
+std::optional<std::size_t> gives_way(const std::vector<Visitor>& visitors, std::uint32_t user, bool first) {
+    return http::gives_way(visitors, {user}, first);
+}
+std::optional<std::size_t> gives_way_to_client(const std::vector<Visitor>& visitors, std::uint64_t client) {
+    return http::gives_way(visitors, {unknown_user, client}, false);
 }
 Visitor idle(std::uint32_t user, int second) { return of(user, Asking::nothing, second); }
 Visitor half(std::uint32_t user, int second) { return of(user, Asking::half, second); }
@@ -63,7 +75,7 @@ TEST(Places, two_users_end_with_half_of_them_each) {
     std::vector<Visitor> visitors = fill({}, busy(alice, 1));
     for (int i = 0; i < 100; ++i)
         if (const auto place = gives_way(visitors, bob, false)) visitors[*place] = busy(bob, i);
-    EXPECT_EQ(std::count_if(visitors.begin(), visitors.end(), [](const Visitor& v) { return v.user == bob; }), 16);
+    EXPECT_EQ(std::count_if(visitors.begin(), visitors.end(), [](const Visitor& v) { return v.party.user == bob; }), 16);
 }
 
 TEST(Places, more_users_than_places_share_what_is_idle_and_root_is_never_locked_out) {
@@ -74,6 +86,79 @@ TEST(Places, more_users_than_places_share_what_is_idle_and_root_is_never_locked_
     visitors[4].asking = Asking::half;
     EXPECT_EQ(gives_way(visitors, alice, false), 4u);
     EXPECT_EQ(gives_way(visitors, root, true), 4u);
+}
+
+TEST(Places, clients_of_the_network_share_what_it_has) {
+    const std::vector<Visitor> one_takes_all = fill({by_network(1, Asking::whole, 4)}, by_network(1, Asking::whole, 5));
+    EXPECT_EQ(gives_way_to_client(one_takes_all, 1), std::nullopt);
+    EXPECT_EQ(gives_way_to_client(one_takes_all, 2), 0u) << "whole requests too, beyond its share";
+    std::vector<Visitor> half_each = fill({}, by_network(2, Asking::whole));
+    std::fill_n(half_each.begin(), places / 2, by_network(1, Asking::nothing));
+    EXPECT_EQ(gives_way_to_client(half_each, 2), std::nullopt);
+    EXPECT_EQ(gives_way_to_client(half_each, 1), 0u);
+    EXPECT_EQ(gives_way_to_client(half_each, 3), 0u) << "who asks nothing first, of one that has most";
+}
+
+TEST(Places, more_clients_than_the_network_has_places_share_what_is_idle) {
+    std::vector<Visitor> visitors;
+    for (std::uint64_t client = 0; client < places; ++client) visitors.push_back(by_network(client, Asking::whole));
+    EXPECT_EQ(gives_way_to_client(visitors, 99), std::nullopt);
+    visitors[7].asking = Asking::half;
+    EXPECT_EQ(gives_way_to_client(visitors, 99), 7u);
+}
+
+TEST(Places, the_network_is_one_beside_the_users_however_many_its_clients) {
+    std::vector<Visitor> visitors;
+    for (std::uint64_t client = 0; client < 16; ++client) visitors.push_back(by_network(client, Asking::whole));
+    for (int i = 0; i < 16; ++i) visitors.push_back(busy(alice, 1));
+    EXPECT_EQ(gives_way_to_client(visitors, 99), std::nullopt) << "alice keeps her half";
+    EXPECT_EQ(gives_way(visitors, alice, false), std::nullopt);
+    visitors[16] = by_network(5, Asking::whole, 2);
+    EXPECT_EQ(gives_way(visitors, alice, false), 5u) << "of the client that has most";
+    visitors[3].asking = Asking::unheard;
+    EXPECT_EQ(gives_way(visitors, alice, false), 3u);
+}
+
+TEST(Places, a_client_is_an_address_and_of_ipv6_its_first_half) {
+    const auto client_at = [](const std::string& peer) {
+        Door door;
+        door.is_network = true;
+        door.peer = peer;
+        const Party party = party_of(unknown_user, door);
+        EXPECT_EQ(party.user, unknown_user);
+        return party.client;
+    };
+    EXPECT_NE(client_at("192.168.1.5"), client_at("192.168.1.6"));
+    EXPECT_EQ(client_at("fd00::1"), client_at("fd00::2:3:4:5"));
+    EXPECT_NE(client_at("fd00::1"), client_at("fd00:0:0:1::1"));
+    EXPECT_EQ(party_of(alice, Door{}).user, alice);
+    EXPECT_EQ(party_of(alice, Door{}).client, party_of(bob, Door{}).client);
+}
+
+TEST(Places, one_in_eight_is_kept_for_who_controls) {
+    std::vector<Visitor> visitors;
+    const auto look = [&](std::size_t count, Access may) {
+        Visitor one = by_network(1, Asking::whole);
+        one.may = may;
+        visitors.insert(visitors.end(), count, one);
+    };
+    look(14, Access::view);
+    look(14, Access::open);
+    EXPECT_TRUE(has_place(visitors, places, Access::view)) << "the last of them";
+    look(1, Access::view);
+    EXPECT_FALSE(has_place(visitors, places, Access::view));
+    EXPECT_FALSE(has_place(visitors, places, Access::open));
+    EXPECT_TRUE(has_place(visitors, places, Access::control));
+    for (const Asking asking : {Asking::nothing, Asking::half, Asking::unheard}) {
+        visitors[0].asking = asking;
+        EXPECT_TRUE(has_place(visitors, places, Access::view)) << "this one gives way";
+    }
+    visitors[0].asking = Asking::whole;
+    visitors[0].may.reset();
+    EXPECT_TRUE(has_place(visitors, places, Access::view)) << "this one may turn out to control";
+    visitors[0].may = Access::control;
+    EXPECT_TRUE(has_place(visitors, places, Access::view));
+    EXPECT_TRUE(has_place({visitors.data(), 7}, 7, Access::open)) << "of so few none";
 }
 
 }    // namespace

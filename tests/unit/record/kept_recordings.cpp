@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,7 @@ KeptRecording recording(std::string name, std::uint64_t bytes, std::chrono::seco
 std::string names_of_those_that_go(const std::vector<KeptRecording>& kept, const KeepLimits& limits,
                                    std::uint64_t free = plenty) {
     std::string names;
-    for (const std::size_t i : recordings_to_delete(kept, limits, free)) names += kept.at(i).name + " ";
+    for (const std::size_t i : recordings_to_delete(kept, limits, free).going) names += kept.at(i).name + " ";
     return names;
 }
 
@@ -38,7 +39,7 @@ TEST(KeptRecordings, the_oldest_go_until_the_others_fit) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 600, .age = {}, .free = 0}), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 599, .age = {}, .free = 0}), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 499, .age = {}, .free = 0}), "a b ");
-    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 1, .age = {}, .free = 0}), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the newest stays";
 }
 
 TEST(KeptRecordings, what_is_older_than_the_age_goes) {
@@ -50,7 +51,32 @@ TEST(KeptRecordings, the_oldest_go_until_enough_of_the_disk_is_free) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 1000), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 900), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 899), "a b ");
-    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 400), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 700), "a b ");
+    EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 699), "") << "the newest stays";
+}
+
+TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
+    EXPECT_EQ(recordings_to_delete(three, {.bytes = 299, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    EXPECT_EQ(recordings_to_delete(three, {.bytes = 300, .age = {}, .free = 0}, plenty).stays, std::nullopt);
+    EXPECT_EQ(names_of_those_that_go({recording("a", 100, 30s)}, {.bytes = 1, .age = {}, .free = 0}), "");
+    std::vector<KeptRecording> kept = three;
+    kept[0].is_just_saved = true;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 500, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "there is room";
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 499, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    kept[0].is_just_saved = false;
+    kept[2].is_just_saved = true;
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 400, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "a newer one goes";
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 399, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    kept[2].is_just_saved = false;
+    kept[0].is_just_saved = true;
+    kept[1].is_written = true;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{0});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 899), "") << "its bytes can't be had";
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 19s, .free = 0}), "a b ") << "the age holds all the same";
+    kept[0].is_just_saved = false;
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the one that is written is newer";
 }
 
 TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
@@ -111,35 +137,75 @@ protected:
     std::chrono::seconds real = now, steady{500};
 };
 
-TEST_F(AgesOfRecordings, are_told_by_the_clock_at_first_and_go_on_with_the_time) {
-    write("old", now - 5h);
-    write("later", now + 5h);
-    EXPECT_EQ(age_of("old"), 5h);
-    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old";
+TEST_F(AgesOfRecordings, are_told_by_their_times_at_first_and_go_on_with_the_time) {
+    write("oldest", now - 20h);
+    write("old", now - 9h);
+    write("new", now - 5h);
+    write("later", now + 500h);
+    EXPECT_EQ(age_of("oldest"), 4h) << "older than the newest, without the longest pause";
+    EXPECT_EQ(age_of("old"), 0s) << "without the only pause";
+    EXPECT_EQ(age_of("new"), 0s);
+    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old, and makes no other one old";
     pass(10s);
-    EXPECT_EQ(age_of("old"), 5h + 10s);
+    EXPECT_EQ(age_of("oldest"), 4h + 10s);
     EXPECT_EQ(age_of("later"), 10s);
+}
+
+TEST_F(AgesOfRecordings, are_at_first_what_they_were_however_far_ahead_the_clock_is) {
+    for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
+    real += 80 * 365 * 24h;    // 2106
+    all.push_back({"now", 100, real, true, {}});
+    EXPECT_EQ(age_of("flight-4"), 72h);
+    EXPECT_EQ(age_of("flight-0"), 0s);
+    RecordingAges next_start;    // and the clock is what it was: there is one of 2106 now
+    all.back().is_written = false;
+    next_start.look(all, real + 1h, 0s);
+    EXPECT_EQ(all[4].age, 96h);
+    EXPECT_EQ(all[0].age, 0s);
+}
+
+TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_set_yet) {
+    for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
+    real = 100s;    // 1970
+    EXPECT_EQ(age_of("flight-4"), 72h);
+    pass(10s);
+    real = now;
+    EXPECT_EQ(age_of("flight-4"), 72h + 10s);
+    EXPECT_EQ(age_of("flight-0"), 10s);
+}
+
+TEST_F(AgesOfRecordings, without_a_pause_that_is_left_out_come_with_the_time) {
+    write("flight", now - 500h);
+    EXPECT_EQ(age_of("flight"), 0s);
+    pass(30h);
+    EXPECT_EQ(age_of("flight"), 30h);
 }
 
 TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
     write("flight", now - 5h);
-    ASSERT_EQ(age_of("flight"), 5h);
+    write("others", now);
+    write("oldest", now - 11h);
+    ASSERT_EQ(age_of("oldest"), 5h);
     pass(8s);
-    write("flight");
+    write("oldest");
     pass(2s);
-    EXPECT_EQ(age_of("flight"), 2s);
+    EXPECT_EQ(age_of("oldest"), 2s);
+    write("later", real + 5h);
+    EXPECT_EQ(age_of("later"), 0s) << "one of the future is not old";
     pass(10s);
-    EXPECT_EQ(age_of("flight"), 12s);
+    EXPECT_EQ(age_of("oldest"), 12s);
 }
 
 TEST_F(AgesOfRecordings, are_not_told_by_a_clock_that_was_never_set) {
     write("flight", 300s);
     EXPECT_EQ(age_of("flight"), 0s) << "1970";
-    write("first", 1'577'836'800s);
+    write("oldest", 1'577'836'800s);
     write("before", 1'577'836'799s);
+    write("second", now - 1h);
+    write("third", now);
     RecordingAges others;
     others.look(all, now, steady);
-    EXPECT_EQ(all[1].age, now - 1'577'836'800s);
+    EXPECT_EQ(all[1].age, 1h);
     EXPECT_EQ(all[2].age, 0s);
 }
 
@@ -169,7 +235,9 @@ TEST_F(AgesOfRecordings, stay_as_they_are_when_the_clock_is_set) {
 
 TEST_F(AgesOfRecordings, of_one_that_was_gone_meanwhile_begin_anew) {
     write("flight", now - 5h);
-    ASSERT_EQ(age_of("flight"), 5h);
+    ASSERT_EQ(age_of("flight"), 0s);
+    pass(10s);
+    ASSERT_EQ(age_of("flight"), 10s);
     const std::vector<KeptRecording> there = std::exchange(all, {});
     pass(10s);
     EXPECT_EQ(age_of("flight"), -1s);
