@@ -1,5 +1,6 @@
 #include <daemon/errand.hpp>
 #include <link/asio.hpp>
+#include <link/thread_signals.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -39,6 +40,7 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
     shared->done = std::move(done);
     try {
         std::thread{[shared] {
+            leave_signals_to_the_loop();
             try {
                 shared->work();
             } catch (const std::exception& e) {

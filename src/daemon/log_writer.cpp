@@ -1,18 +1,10 @@
 #include <daemon/log_writer.hpp>
+#include <link/thread_signals.hpp>
 
-#include <csignal>
 #include <iostream>
 
 namespace anogate {
 namespace {
-
-// Signals are handled by the loop's thread. SIGTTOU is blocked too, so that a terminal does not stop the program for writing to it
-// in the background.
-void leave_signals_to_others() {
-    sigset_t all;
-    sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
-}
 
 void write(spdlog::logger& log, const LogQueue::Batch& batch) {
     for (const LogMessage& message : batch.messages) {
@@ -28,7 +20,7 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
 
 LogWriter::LogWriter(Open open)
     : thread_{[shared = shared_, open = std::move(open)] {
-          leave_signals_to_others();
+          leave_signals_to_the_loop();
           run(*shared, open);
       }} {}
 

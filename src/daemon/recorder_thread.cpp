@@ -1,5 +1,6 @@
 #include <daemon/recorder_thread.hpp>
 #include <link/errors.hpp>
+#include <link/thread_signals.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <new>
 #include <system_error>
 #include <thread>
@@ -34,9 +34,7 @@ bool wait_for_event(int event, int most) {
 }    // namespace
 
 void stand_behind_the_loop() noexcept {
-    sigset_t all;
-    sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+    leave_signals_to_the_loop();
     ::pthread_setname_np(::pthread_self(), "recorder");
     const sched_param none{};
     ::sched_setscheduler(0, SCHED_OTHER, &none);    // of this thread, as the next

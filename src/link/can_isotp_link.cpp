@@ -2,6 +2,7 @@
 #include <link/datagram_batch.hpp>
 #include <link/errors.hpp>
 #include <link/feed.hpp>
+#include <link/thread_signals.hpp>
 
 #include <fcntl.h>
 #include <sys/socket.h>
@@ -38,7 +39,10 @@ void CanIsotpLink::close_wire() noexcept {
     descriptor_.close();
     if (copy < 0) return;
     try {
-        std::thread{[copy] { ::close(copy); }}.detach();
+        std::thread{[copy] {
+            leave_signals_to_the_loop();
+            ::close(copy);
+        }}.detach();
     } catch (const std::system_error&) {
         ::close(copy);
     }

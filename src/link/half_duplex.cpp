@@ -1,6 +1,7 @@
 #include <link/errors.hpp>
 #include <link/half_duplex.hpp>
 #include <link/termios.hpp>
+#include <link/thread_signals.hpp>
 
 #include <sys/eventfd.h>
 
@@ -15,6 +16,7 @@ Expected<void> HalfDuplex::open(int port, ano::Duration byte_time) {
     waiting_ = again_ = false;
     try {
         thread_ = std::thread{[this, port, byte_time, wake = event.get()] {
+            leave_signals_to_the_loop();
             for (;;) {
                 wait_.acquire();
                 if (closing_) return;

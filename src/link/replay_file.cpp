@@ -1,6 +1,7 @@
 #include <gateway/backoff.hpp>
 #include <link/errors.hpp>
 #include <link/replay_file.hpp>
+#include <link/thread_signals.hpp>
 #include <record/recording_reader.hpp>
 
 #include <fcntl.h>
@@ -10,7 +11,6 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
-#include <csignal>
 #include <deque>
 #include <mutex>
 #include <new>
@@ -25,13 +25,6 @@ namespace {
 constexpr std::size_t piece_of_file = 64 * 1024;
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
 constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
-
-// The loop's thread handles them.
-void leave_signals_to_others() {
-    sigset_t all;
-    sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
-}
 
 ReplayPlan::Options options_of(const ReplaySettings& settings) {
     return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),
@@ -250,7 +243,7 @@ void ReplayFile::start(const ReplaySettings& settings) {
     });
     try {
         std::thread{[reader = std::make_shared<Reader>(shared_, settings)] {
-            leave_signals_to_others();
+            leave_signals_to_the_loop();
             reader->run();
         }}.detach();
     } catch (const std::system_error& e) {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -34,6 +35,18 @@ TEST(Errand, is_done_in_another_thread_and_taken_up_in_this_one) {
         EXPECT_NE(*made, std::thread::id{});
         EXPECT_NE(*made, std::this_thread::get_id());
     }
+}
+
+TEST(Errand, is_not_what_a_signal_for_the_program_comes_to) {
+    Loop loop;
+    Errand errand{loop.io};
+    const auto its_mask = std::make_shared<sigset_t>();
+    bool done = false;
+    ASSERT_TRUE(errand.run([its_mask] { ::pthread_sigmask(SIG_SETMASK, nullptr, its_mask.get()); },
+                           [&](const std::string&) { done = true; }));
+    ASSERT_TRUE(loop.until([&] { return done; }));
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGTTOU})
+        EXPECT_EQ(::sigismember(its_mask.get(), signal), 1) << signal;
 }
 
 TEST(Errand, may_send_the_next_and_tells_what_was_thrown) {
