@@ -3,12 +3,22 @@
 #include <config/config.hpp>
 #include <link/kinds.hpp>
 
+#include <gtest/gtest.h>
+
 #include <string>
+#include <string_view>
 
 namespace anogate {
 
 /// With the kinds of link that there are.
 inline Draft parse_config(std::string_view json, const std::string& file = {}) { return parse_config(json, link_kinds(), file); }
+
+/// Of a configuration in JSON without errors.
+inline Settings settings_of(std::string_view json) {
+    Draft draft = parse_config(json);
+    EXPECT_EQ(lines(draft.errors), "");
+    return draft.settings;
+}
 
 /// Every error of a configuration in JSON, one a line: "/links/0/baud: what is wrong".
 inline std::string faults_in(std::string_view json) {
