@@ -1,0 +1,98 @@
+// What an interface says of itself, and one that is down, absent, or none.
+#include "can.hpp"
+
+#include <fstream>
+#include <thread>
+
+namespace anogate::vm {
+namespace {
+
+TEST_F(Can, what_the_kernel_drops_is_in_the_status) {
+    RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
+    BusSocket bus{"vcan0"};
+    for (int i = 0; i < 20000; ++i) bus.send(frame(0xDC, 0xFE, 0x03));    // the gateway's loop stands still
+    EXPECT_GT(gateway.count("vcan0", "kernel_drops"), 0u);
+    received(app, 20000 - gateway.count("vcan0", "kernel_drops"), 60s);
+    EXPECT_EQ(gateway.count("vcan0", "kernel_drops") + gateway.count("vcan0", "frames_in"), 20000u);
+}
+
+TEST_F(Can, error_frames_are_in_the_status_with_their_times) {
+    RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
+    EXPECT_EQ(gateway.link("vcan0")["bus"], "error-active");
+    const auto bus_becomes = [&](const char* error, const char* state) {
+        EXPECT_EQ(run(std::string{"cansend vcan0 "} + error), 0);
+        EXPECT_TRUE(loop.until([&] { return gateway.link("vcan0")["bus"] == state; })) << state;
+    };
+    bus_becomes("20000004#0008000000000000", "error-warning");
+    EXPECT_NE(gateway.link("vcan0")["error"], "");
+    bus_becomes("20000004#0020000000000000", "error-passive");
+    bus_becomes("20000040#0000000000000000", "bus-off");
+    bus_becomes("20000100#0000000000000000", "error-active");
+    const auto link = gateway.link("vcan0");
+    for (const char* event : {"error_warning", "error_passive", "bus_off", "restarted"}) {
+        EXPECT_EQ(link[event], 1) << event;
+        EXPECT_LE(link[std::string{event} + "_s"], 60) << event;
+    }
+    EXPECT_EQ(link["state"], "up");
+    EXPECT_EQ(link["error"], "");
+}
+
+TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturbed) {
+    UdpPeer other;
+    RunningGateway gateway{loop, {"can:vcan0,fd", app.link("app"), other.link("other")}};
+    const auto passes = [&] {
+        BusSocket bus{"vcan0"};
+        CanSettings can;
+        can.fd = true;
+        bus.send(frame(0xDC, 0xFE, 0x03), can);
+        return received(app, 1).size() == 1;
+    };
+    const auto waits_for = [&](const char* change, const char* why) {
+        EXPECT_EQ(run(change), 0);
+        EXPECT_TRUE(loop.until([&] {
+            return !gateway.up("vcan0") && gateway.link("vcan0")["error"].get<std::string>().find(why) == 0;
+        })) << why;
+        other.send(gateway.port("other"), frame(0x05, 0xFE, 0x03));
+        EXPECT_EQ(received(app, 1).size(), 1u);
+        const auto refused = gateway.count("vcan0", "link_down");
+        app.send(gateway.port("app"), frame(0xFE, 0xDC, 0x03));    // for the link that is down: counted there
+        EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "link_down") == refused + 1; }));
+    };
+    const auto comes_back = [&](const char* change) {
+        EXPECT_EQ(run(change), 0);
+        EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }, 10s));
+        EXPECT_TRUE(passes());
+    };
+    ASSERT_TRUE(passes());
+    waits_for("ip link set vcan0 down", "vcan0 is down");
+    comes_back("ip link set vcan0 up");
+    waits_for("ip link del vcan0", "there is no interface vcan0");
+    waits_for("ip link add dev vcan0 type vcan && ip link set vcan0 mtu 16 up", "vcan0 carries no CAN FD");
+    waits_for("ip link set vcan0 down", "vcan0 is down");
+    comes_back("ip link set vcan0 mtu 72 up");
+    EXPECT_EQ(gateway.count("vcan0", "link_down"), 5u);    // and the first to 0xFE, who had not spoken yet
+}
+
+TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {
+    RunningGateway gateway{loop, {"can:lo", app.link("app")}};
+    EXPECT_EQ(gateway.link("lo")["error"], "lo is not a CAN interface");
+}
+
+TEST_F(Can, absent_interfaces_cost_few_wake_ups) {
+    Shell daemon{std::string{"exec "} + ANOGATED +
+                 " --control none --log-level error can:nocan0 can:nocan1,fd can:nocan2,framing=isotp,tx=1,rx=2"};
+    const auto wake_ups = [&] {
+        std::ifstream status{"/proc/" + std::to_string(daemon.pid()) + "/status"};
+        for (std::string word; status >> word;)
+            if (word == "voluntary_ctxt_switches:") return status >> word, std::stoi(word);
+        return -1;
+    };
+    std::this_thread::sleep_for(5s);    // the first, shorter pauses
+    const int before = wake_ups();
+    std::this_thread::sleep_for(5s);
+    EXPECT_GE(before, 0);
+    EXPECT_LE(wake_ups() - before, 15);
+}
+
+}    // namespace
+}    // namespace anogate::vm
