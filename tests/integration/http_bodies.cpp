@@ -1,0 +1,162 @@
+// Bodies of requests that are large, slow or not wanted.
+#include <integration/http_server.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace http_server {
+namespace {
+
+TEST_F(HttpServer, keeps_a_large_body_in_parts_and_a_small_one_at_hand) {
+    EXPECT_TRUE(answer(post_of(65'536)).ends_with("here 65536"));
+    EXPECT_EQ(keeping.largest_part, 0u);
+    EXPECT_TRUE(answer(post_of(65'537)).ends_with("stored 65537"));
+    EXPECT_TRUE(answer(post_of(5'000'000)).ends_with("stored 5000000"));
+    EXPECT_EQ(keeping.kept, std::string(5'000'000, 'x'));
+    EXPECT_LT(keeping.largest_part, std::size_t{272} * 1024) << "what is held of it";
+    const std::string chunk = "10000\r\n" + std::string(0x10000, 'y') + "\r\n";
+    EXPECT_TRUE(
+        answer("POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + chunk + "0\r\n\r\n")
+            .ends_with("stored 131072"));
+    EXPECT_TRUE(is_told(answer(post_of((std::size_t{8} << 20) + 1)), "413 Payload Too Large",
+                        "the body of a request has at most 8388608 bytes"));
+}
+
+TEST_F(HttpServer, says_why_a_large_body_can_not_be_kept) {
+    keeping.fault = "there is no room";
+    EXPECT_TRUE(is_told(answer(post_of(1'000'000)), "507 Insufficient Storage", "there is no room"));
+}
+
+TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
+    keeping.waits = true;
+    std::optional<Client> first = connect(), second = connect();
+    const std::string part = post_of(1'000'000).substr(0, 300'000);
+    for (std::size_t i = 0; i < 2; ++i) {
+        std::size_t sent = 0;
+        auto& client = i == 0 ? first : second;
+        EXPECT_TRUE(until([&] {
+            if (sent < part.size()) sent += client->send(std::string_view{part}.substr(sent));
+            return keeping.done.size() == i + 1;
+        }));
+    }
+    EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large bodies are on their way"));
+    EXPECT_TRUE(answer(post_of(1000)).ends_with("here 1000")) << "a small one needs no place";
+    EXPECT_NE(answer(post_of(100'000)).find("Retry-After: 1\r\n"), std::string::npos);
+    keeping.waits = false;
+    second.reset();
+    for (const auto& done : std::exchange(keeping.done, {})) done("");
+    EXPECT_TRUE(until([&] { return answer(post_of(100'000)).ends_with("stored 100000"); })) << "the place of who left is free";
+}
+
+TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
+    keeping.waits = true;
+    std::vector<Client> clients;
+    for (std::size_t i = 0; i < 2; ++i) {
+        clients.push_back(connect());
+        std::size_t sent = 0;
+        const std::string part = post_of(1'000'000).substr(0, 300'000);
+        EXPECT_TRUE(until([&] {
+            if (sent < part.size()) sent += clients.back().send(std::string_view{part}.substr(sent));
+            return keeping.done.size() == i + 1;
+        }));
+    }
+    const std::string head = "POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n";
+    EXPECT_TRUE(answer(head + "3e8\r\n" + std::string(1000, 'y') + "\r\n0\r\n\r\n").ends_with("here 1000"));
+    EXPECT_TRUE(is_told(answer(head + "20000\r\n" + std::string(0x20000, 'y') + "\r\n0\r\n\r\n"), "503 Service Unavailable",
+                        "other large bodies are on their way"));
+    for (const auto& done : std::exchange(keeping.done, {})) done("");
+}
+
+// Two who hold the places and send next to nothing.
+TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_another) {
+    ServerLimits limits;
+    limits.session.slow_body = 50ms;
+    begin(limits);
+    std::vector<Client> slow;
+    for (int i = 0; i < 2; ++i) {
+        slow.push_back(connect());
+        slow.back().send(post_of(1'000'000).substr(0, 500));
+    }
+    const auto trickle = [&] {
+        for (Client& client : slow) client.send("x");
+    };
+    Client other = connect();
+    EXPECT_TRUE(until([&] {
+        trickle();
+        if (other.has_heard("503")) other = connect();
+        if (other.heard().empty()) other.send(post_of(100'000));
+        return other.has_heard("stored 100000") || other.has_heard("here");
+    })) << other.heard();
+    EXPECT_TRUE(until([&] { return slow[0].is_closed() || slow[1].is_closed(); }));
+    Client& gone = slow[0].is_closed() ? slow[0] : slow[1];
+    EXPECT_TRUE(is_told(gone.heard(), "408 Request Timeout", "too little of the body came for 50 ms")) << gone.heard();
+    EXPECT_FALSE(slow[0].is_closed() && slow[1].is_closed()) << "one place was enough";
+}
+
+TEST_F(HttpServer, who_waits_to_be_told_to_send_a_body_is_told) {
+    Client client = connect();
+    client.send("POST /large HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
+    ASSERT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+    EXPECT_EQ(client.heard(), "HTTP/1.1 100 Continue\r\n\r\n");
+    client.heard().clear();
+    const std::string body(1'000'000, 'x');
+    std::size_t sent = 0;
+    EXPECT_TRUE(until([&] {
+        sent += client.send(std::string_view{body}.substr(sent));
+        return client.has_heard("stored 1000000");
+    }));
+    EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 200 OK\r\n")) << client.heard();
+    const std::string refused = answer("POST /echo HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
+    EXPECT_TRUE(refused.starts_with("HTTP/1.1 413 ")) << refused;
+    client.heard().clear();
+    client.send("POST /echo HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 3\r\n\r\nabc");
+    EXPECT_TRUE(until([&] { return client.has_heard("abc"); }));
+    EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 200 OK\r\n")) << "the body came without it: " << client.heard();
+}
+
+TEST_F(JudgingHttpServer, who_may_not_is_told_so_before_a_large_body_comes) {
+    for (const std::string target : {"/large", "/echo"}) {
+        EXPECT_TRUE(is_told(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "the token is not right")) << target;
+        EXPECT_TRUE(is_told(ask(target, bearer("only-looks")), "403 Forbidden", "the token may not do this")) << target;
+    }
+    EXPECT_TRUE(is_told(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
+    EXPECT_TRUE(
+        is_told(ask("/large", bearer("may-act"), 9'000'000), "413 Payload Too Large", "the body of a request has at most"));
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+}
+
+TEST_F(JudgingHttpServer, a_wrong_token_counts_once_a_request) {
+    for (std::size_t i = 0; i + 1 < Attempts::max_failures; ++i)
+        EXPECT_TRUE(ask("/large", bearer("wrong")).starts_with("HTTP/1.1 401 ")) << i;
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+    EXPECT_TRUE(ask("/large", bearer("wrong"), 3, 3).starts_with("HTTP/1.1 401 "));
+    EXPECT_TRUE(ask("/large", bearer("may-act"), 3, 3).starts_with("HTTP/1.1 429 "));
+}
+
+// However slowly it comes, it comes.
+TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
+    Client slow = connect();
+    slow.send(post_of(1'000'000).substr(0, 100'000));
+    const auto begin = std::chrono::steady_clock::now();
+    until([&] { return slow.send("x"), std::chrono::steady_clock::now() - begin > 500ms; });
+    EXPECT_FALSE(slow.is_closed()) << slow.heard();
+    EXPECT_TRUE(until([&] { return slow.is_closed(); }));
+    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "nothing more of the body came for 100 ms")) << slow.heard();
+}
+
+TEST_F(ImpatientHttpServer, says_that_the_disk_is_too_slow_where_it_is) {
+    keeping.waits = true;
+    Client client = connect();
+    const std::string part = post_of(1'000'000).substr(0, 300'000);
+    std::size_t sent = 0;
+    EXPECT_TRUE(until([&] {
+        if (sent < part.size()) sent += client.send(std::string_view{part}.substr(sent));
+        return client.is_closed();
+    }));
+    EXPECT_TRUE(is_told(client.heard(), "503 Service Unavailable", "the disk is too slow")) << client.heard();
+}
+
+}    // namespace
+}    // namespace http_server

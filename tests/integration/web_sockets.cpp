@@ -1,0 +1,253 @@
+// WebSockets of the HTTP server over real sockets.
+#include <integration/http_server.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace http_server {
+namespace {
+
+constexpr std::uint8_t continued = 0, said_text = 1, said_binary = 2, said_close = 8, said_ping = 9, said_pong = 10;
+
+std::string upgrade(const std::string& more = "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n") {
+    return "GET /socket HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n" + more + "\r\n";
+}
+
+/// As RFC 6455 has it, from a client.
+std::string frame(std::uint8_t opcode, const std::string& data, bool last = true, bool masked = true) {
+    const auto byte = [](std::size_t value) { return static_cast<char>(value & 0xFF); };
+    std::string bytes{byte(opcode | (last ? 0x80u : 0u))};
+    const std::size_t mask_bit = masked ? 0x80 : 0;
+    if (data.size() < 126) bytes += byte(mask_bit | data.size());
+    else bytes += {byte(mask_bit | 126), byte(data.size() >> 8), byte(data.size())};
+    if (!masked) return bytes + data;
+    const std::string mask = "\x12\x34\x56\x78";
+    bytes += mask;
+    for (std::size_t i = 0; i < data.size(); ++i) bytes += static_cast<char>(data[i] ^ mask[i % 4]);
+    return bytes;
+}
+std::string close_frame(std::uint16_t code, const std::string& reason = {}) {
+    return frame(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
+}
+/// Of the server: not masked.
+std::string from_server(std::uint8_t opcode, const std::string& data) { return frame(opcode, data, true, false); }
+std::string closed_with(std::uint16_t code, const std::string& reason = {}) {
+    return from_server(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
+}
+
+class WebSockets : public HttpServer {
+protected:
+    Client open(Way way) {
+        Client client = connect(way);
+        client.send(upgrade());
+        EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+        EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 101 Switching Protocols")) << client.heard();
+        EXPECT_TRUE(client.has_heard("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=")) << client.heard();
+        EXPECT_TRUE(until([&] { return echo.socket != nullptr; }));
+        client.heard().clear();
+        return client;
+    }
+    bool says(Client& client, const std::string& bytes) {
+        const bool said = until([&] { return client.heard().size() >= bytes.size(); }) && client.heard().starts_with(bytes);
+        if (said) client.heard().erase(0, bytes.size());
+        return said;
+    }
+    /// What closed it is told to the client, then it ends, and its user is gone.
+    bool ends_with(Client& client, const std::string& bytes) {
+        return says(client, bytes) && until([&] { return client.is_closed() && echo.gone; }) && client.heard().empty();
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Over, WebSockets, testing::Values(Way::unix_socket, Way::tcp),
+                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+
+TEST_P(WebSockets, carry_text_and_bytes_both_ways_in_order) {
+    Client client = open(GetParam());
+    std::string answers;
+    for (const std::string& message : {std::string{"one"}, std::string(500, '2'), std::string(60'000, '3')}) {
+        client.send(frame(said_text, message));
+        answers += from_server(said_text, message);
+    }
+    client.send(frame(said_binary, std::string("\0\xFF\xAB", 3)) + frame(said_text, ""));
+    answers += from_server(said_binary, std::string("\0\xFF\xAB", 3)) + from_server(said_text, "");
+    EXPECT_TRUE(says(client, answers));
+    client.send(frame(said_text, "in ", false) + frame(said_ping, "between") + frame(continued, "pieces"));
+    EXPECT_TRUE(says(client, from_server(said_pong, "between") + from_server(said_text, "in pieces")));
+    EXPECT_GT(echo.sent_all, 0);
+    client.send(close_frame(1000));
+    EXPECT_TRUE(ends_with(client, closed_with(1000)));
+}
+
+TEST_P(WebSockets, hear_what_came_with_the_request) {
+    Client client = connect(GetParam());
+    client.send(upgrade() + frame(said_text, "early") + frame(said_text, std::string(3000, 'e')));
+    EXPECT_TRUE(until(
+        [&] { return client.has_heard(from_server(said_text, "early") + from_server(said_text, std::string(3000, 'e'))); }));
+}
+
+TEST_P(WebSockets, end_when_we_say_so_and_the_client_is_told_why) {
+    Client client = open(GetParam());
+    echo.socket->close(1001, "the gateway ends");
+    EXPECT_FALSE(echo.socket->send(std::make_shared<const std::string>("late"), WebSocket::Kind::text));
+    EXPECT_TRUE(says(client, closed_with(1001, "the gateway ends")));
+    client.send(frame(said_text, "not heard any more") + close_frame(1001));
+    EXPECT_TRUE(until([&] { return client.is_closed() && echo.gone; }));
+}
+
+TEST_P(WebSockets, end_with_their_client) {
+    Client client = open(GetParam());
+    client.leave();
+    EXPECT_TRUE(until([&] { return echo.gone; }));
+}
+
+TEST_P(WebSockets, refuse_what_is_not_allowed_with_its_code) {
+    struct {
+        std::string bytes;
+        std::uint16_t code;
+    } const bad[] = {
+        {frame(said_text, "not masked", true, false), 1002},
+        {frame(continued, "of nothing"), 1002},
+        {frame(said_text, "one", false) + frame(said_text, "two"), 1002},
+        {frame(3, "no such opcode"), 1002},
+        {frame(said_ping, std::string(126, 'x')), 1002},
+        {frame(said_text, "\xFF\xFE"), 1007},
+        {frame(said_binary, std::string(65'535, 'x'), false) + frame(continued, "xx"), 1009},
+    };
+    for (const auto& [bytes, code] : bad) {
+        echo = {};
+        Client client = open(GetParam());
+        client.send(bytes);
+        EXPECT_TRUE(ends_with(client, closed_with(code))) << code << " " << client.heard().size();
+    }
+}
+
+TEST_F(WebSockets, are_refused_in_words_where_the_request_does_not_fit) {
+    EXPECT_NE(answer("GET /socket HTTP/1.1\r\nConnection: close\r\n\r\n").find("426 Upgrade Required"), std::string::npos);
+    EXPECT_TRUE(echo.gone);
+    Client old = connect(), keyless = connect();
+    old.send(upgrade("Sec-WebSocket-Version: 8\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"));
+    keyless.send(upgrade("Sec-WebSocket-Version: 13\r\n"));
+    EXPECT_TRUE(until([&] { return old.has_heard("a WebSocket of version 13 only"); }));
+    EXPECT_TRUE(until([&] { return keyless.has_heard("400 Bad Request"); }));
+}
+
+TEST_P(WebSockets, queue_what_the_client_does_not_take_up_to_a_bound) {
+    Client client = open(GetParam());
+    const auto message = std::make_shared<const std::string>(64 * 1024, 'x');
+    int taken = 0;
+    const auto is_taken = [&] { return echo.socket->send(message, WebSocket::Kind::binary) && ++taken > 0; };
+    ASSERT_TRUE(until([&] {
+        while (is_taken()) continue;
+        settle();
+        return !is_taken();
+    }));
+    EXPECT_LE(echo.socket->waiting(), 1u << 20);
+    EXPECT_EQ(message.use_count(), 1 + static_cast<long>(echo.socket->waiting() / message->size())) << "it is not copied";
+    const std::size_t frame_size = message->size() + 10;
+    EXPECT_TRUE(until([&] { return client.heard().size() >= static_cast<std::size_t>(taken) * frame_size; })) << taken;
+    EXPECT_TRUE(until([&] { return echo.socket->waiting() == 0 && echo.sent_all > 0; }));
+    EXPECT_TRUE(echo.socket->send(message, WebSocket::Kind::binary)) << "there is room again";
+}
+
+TEST_P(WebSockets, are_gone_at_once_when_the_server_stops) {
+    Client client = open(GetParam());
+    server->stop();
+    EXPECT_TRUE(echo.gone);
+    settle();
+    EXPECT_TRUE(client.is_closed());
+}
+
+class ImpatientWebSockets : public WebSockets {
+protected:
+    void SetUp() override {
+        ServerLimits limits;
+        limits.session.patience = 100ms;
+        limits.session.web_socket.idle = 200ms;
+        limits.session.web_socket.stuck = 100ms;
+        begin(limits);
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Over, ImpatientWebSockets, testing::Values(Way::unix_socket, Way::tcp),
+                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+
+TEST_P(ImpatientWebSockets, stay_while_the_client_answers_our_pings_and_no_longer) {
+    Client client = open(GetParam());
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_TRUE(until([&] {
+        if (client.has_heard(from_server(said_ping, ""))) {
+            client.heard().clear();
+            client.send(frame(said_pong, ""));
+        }
+        return std::chrono::steady_clock::now() - begin > 600ms;
+    }));
+    EXPECT_FALSE(echo.gone);
+    EXPECT_TRUE(until([&] { return echo.gone; }));
+    EXPECT_TRUE(until([&] { return client.is_closed(); }));
+}
+
+TEST_P(ImpatientWebSockets, are_cut_when_the_client_takes_nothing) {
+    Client client = open(GetParam());
+    const auto message = std::make_shared<const std::string>(64 * 1024, 'x');
+    // It says something all the time: that it does not read is another matter.
+    EXPECT_TRUE(until([&] {
+        if (!echo.gone) echo.socket->send(message, WebSocket::Kind::binary);
+        client.send(frame(said_pong, ""));
+        return echo.gone;
+    }));
+    EXPECT_TRUE(until([&] { return client.is_closed(); }));
+}
+
+TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without) {
+    Client client = open(GetParam());
+    echo.socket->close(1000, "");
+    EXPECT_TRUE(until([&] { return echo.gone; }));
+    EXPECT_TRUE(until([&] { return client.is_closed(); }));
+}
+
+// Who looks, as many as there are places: each holds his as long as he takes what he is sent.
+TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
+    const auto watch = [this](const std::string& headers) {
+        Client client{UniqueFd{support::connect_tcp(port)}};
+        client.send(
+            "GET /watch HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+            headers + "\r\n");
+        EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
+        return client;
+    };
+    std::vector<Client> watchers;
+    for (int i = 0; i < 40; ++i) watchers.push_back(watch(bearer("only-looks")));
+    settle();
+    for (std::size_t i = 0; i < watchers.size(); ++i) {
+        EXPECT_EQ(watchers[i].has_heard("101"), i < 28) << i;
+        EXPECT_EQ(watchers[i].is_closed(), i >= 28) << i;
+    }
+    EXPECT_TRUE(is_told(watchers.back().heard(), "503 Service Unavailable", "all places are taken"));
+    const Client pilot = watch(bearer("may-act"));
+    EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
+    EXPECT_FALSE(watchers.front().is_closed());
+}
+
+// As many as there are places, of one user: their places are taken as long as they take what they are sent.
+TEST_F(WebSockets, keep_their_places_while_they_are_used) {
+    std::vector<Client> watchers;
+    for (int i = 0; i < 32; ++i) {
+        watchers.push_back(connect());
+        watchers.back().send(upgrade());
+        settle();
+        ASSERT_TRUE(until([&] { return watchers.back().has_heard("101"); }));
+    }
+    EXPECT_TRUE(is_told(answer(get("/short")), "503 Service Unavailable", "all places are taken"));
+    watchers.pop_back();
+    EXPECT_TRUE(until([&] {
+        Client next = connect();
+        next.send(get("/short?n=here"));
+        return until([&] { return next.is_closed() || next.has_heard("here"); }) && next.has_heard("here");
+    }));
+}
+
+}    // namespace
+}    // namespace http_server
