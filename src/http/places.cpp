@@ -9,7 +9,7 @@
 namespace anogate::http {
 namespace {
 
-constexpr std::size_t kept_for_control = 8;    // one place in so many
+constexpr std::size_t one_is_kept_in = 8;    // places, for who controls
 
 using Visitors = std::span<const Visitor>;
 
@@ -36,6 +36,13 @@ auto most_of(const Held& held) {
     return std::max_element(held.begin(), held.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
 }
 
+/// Of each, of all the places that are held.
+std::size_t share_of(const Held& held) {
+    std::size_t places = 0;
+    for (const auto& [who, has] : held) places += has;
+    return std::max<std::size_t>(places / held.size(), 1);
+}
+
 /// Who has to give, and what.
 struct Giver {
     std::uint64_t who = 0;
@@ -44,9 +51,7 @@ struct Giver {
 
 /// `held` are the places of each, also of `newcomer`, who may have none. Nothing: there are more of them than places.
 std::optional<Giver> giver_among(const Held& held, std::uint64_t newcomer) {
-    std::size_t places = 0;
-    for (const auto& [who, has] : held) places += has;
-    const std::size_t share = std::max<std::size_t>(places / held.size(), 1);
+    const std::size_t share = share_of(held);
     if (held.at(newcomer) >= share) return Giver{newcomer, false};
     const auto most = most_of(held);
     return most->second > share ? std::optional{Giver{most->first, true}} : std::nullopt;
@@ -60,29 +65,58 @@ std::optional<std::size_t> given_by(Visitors visitors, Among among, bool whole) 
 
 bool is_of_network(const Visitor& visitor) { return visitor.party.user == unknown_user; }
 
-Held held_by_clients(Visitors visitors) {
+bool is_whole(const Visitor& visitor) { return visitor.asking == Asking::whole; }
+bool controls(const Visitor& visitor) { return visitor.may == Access::control; }
+
+template <class Among>
+Held held_by_clients(Visitors visitors, Among among) {
     Held held;
     for (const Visitor& visitor : visitors)
-        if (is_of_network(visitor)) ++held[visitor.party.client];
+        if (is_of_network(visitor) && among(visitor)) ++held[visitor.party.client];
     return held;
 }
 
-auto of_client(std::uint64_t client) {
-    return [client](const Visitor& v) { return is_of_network(v) && v.party.client == client; };
+/// Of the network's clients with the most of what is among `among`, in the order of gives_way.
+template <class Among>
+std::optional<std::size_t> of_crowd(Visitors visitors, Among among, bool whole) {
+    const Held held = held_by_clients(visitors, among);
+    if (held.empty()) return {};
+    const auto of_those = [&, most = most_of(held)->second](const Visitor& v) {
+        return is_of_network(v) && among(v) && held.at(v.party.client) == most;
+    };
+    return given_by(visitors, of_those, whole);
 }
 
-/// One of the network's places, for a client of it.
+/// Of those whose request is not here in full; who may control is the last of them.
+std::optional<std::size_t> easy_client(Visitors visitors) {
+    const auto easy = of_crowd(
+        visitors, [](const Visitor& v) { return !is_whole(v) && !controls(v); }, false);
+    return easy ? easy
+                : of_crowd(
+                      visitors, [](const Visitor& v) { return !is_whole(v); }, false);
+}
+
+bool looks(const Visitor& visitor) { return is_whole(visitor) && !controls(visitor); }
+
+/// One of the network's places, for a client of it. A whole request of who controls gives way to none.
 std::optional<std::size_t> for_client(Visitors visitors, std::uint64_t newcomer) {
-    Held held = held_by_clients(visitors);
+    if (const auto easy = easy_client(visitors)) return easy;
+    const auto is_his = [newcomer](const Visitor& v) { return is_of_network(v) && v.party.client == newcomer; };
+    const auto may_control = [&](const Visitor& v) { return is_his(v) && controls(v); };
+    if (std::any_of(visitors.begin(), visitors.end(), may_control)) return of_crowd(visitors, looks, true);
+    Held held = held_by_clients(visitors, is_of_network);
     held.try_emplace(newcomer);
-    const auto giver = giver_among(held, newcomer);
-    return giver ? given_by(visitors, of_client(giver->who), giver->whole) : easiest(visitors, is_of_network);
+    const Held looking = held_by_clients(visitors, looks);
+    const std::size_t share = share_of(held);
+    const bool takes = !looking.empty() && held.at(newcomer) < share && most_of(looking)->second > share;
+    return takes ? of_crowd(visitors, looks, true) : std::nullopt;
 }
 
 /// One of the network's places, for a user of this machine.
 std::optional<std::size_t> for_user(Visitors visitors) {
-    if (const auto easy = easiest(visitors, is_of_network)) return easy;
-    return longest(visitors, of_client(most_of(held_by_clients(visitors))->first));
+    if (const auto easy = easy_client(visitors)) return easy;
+    const auto looker = of_crowd(visitors, looks, true);
+    return looker ? looker : of_crowd(visitors, is_of_network, true);
 }
 
 }    // namespace
@@ -107,10 +141,16 @@ std::optional<std::size_t> gives_way(Visitors visitors, const Party& party, bool
 
 bool has_place(Visitors visitors, std::size_t places, Access access) {
     if (access == Access::control) return true;
-    const auto look = std::count_if(visitors.begin(), visitors.end(), [](const Visitor& v) {
-        return v.asking == Asking::whole && v.may && *v.may != Access::control;
-    });
-    return static_cast<std::size_t>(look) <= places - places / kept_for_control;
+    const std::size_t kept = places / one_is_kept_in;
+    const auto look = std::count_if(visitors.begin(), visitors.end(), looks);
+    const auto whole = std::count_if(visitors.begin(), visitors.end(), is_whole);
+    return static_cast<std::size_t>(look) <= places - kept && static_cast<std::size_t>(whole) <= places - (kept > 0 ? 1 : 0);
+}
+
+std::optional<std::size_t> leaves_room(Visitors visitors, std::size_t places) {
+    const auto whole = std::count_if(visitors.begin(), visitors.end(), is_whole);
+    if (places < one_is_kept_in || static_cast<std::size_t>(whole) < places) return {};
+    return of_crowd(visitors, looks, true);
 }
 
 }    // namespace anogate::http

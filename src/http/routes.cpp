@@ -3,7 +3,10 @@
 #include <http/target.hpp>
 
 #include <algorithm>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace anogate::http {
 namespace {
@@ -66,9 +69,17 @@ bool answers(const Routes::Row& row, std::string_view method) {
     return row.method == method || (method == "HEAD" && row.method == "GET");
 }
 
-Response not_allowed(const std::string& allowed) {
-    Response response = error(405, "this path answers " + allowed + " only");
-    response.headers.push_back({"Allow", allowed});
+void allow(std::vector<std::string_view>& allowed, std::string_view method) {
+    if (std::find(allowed.begin(), allowed.end(), method) != allowed.end()) return;
+    allowed.push_back(method);
+    if (method == "GET") allowed.emplace_back("HEAD");
+}
+
+Response not_allowed(const std::vector<std::string_view>& allowed) {
+    std::string list;
+    for (const std::string_view method : allowed) list.append(list.empty() ? "" : ", ").append(method);
+    Response response = error(405, "this path answers " + list + " only");
+    response.headers.push_back({"Allow", list});
     return response;
 }
 
@@ -86,11 +97,11 @@ std::string_view text(Access access) noexcept {
 
 Response Routes::answer(Request request) const {
     const Target target = split(request.target);
-    std::string allowed;
+    std::vector<std::string_view> allowed;
     for (const Row& row : rows_) {
         if (!fits(row.pattern, target.path)) continue;
         if (!answers(row, request.method)) {
-            allowed += (allowed.empty() ? "" : ", ") + row.method + (row.method == "GET" ? ", HEAD" : "");
+            allow(allowed, row.method);
             continue;
         }
         if (request.access < row.access) return not_permitted(request.access, row.access);

@@ -48,7 +48,10 @@ Expected<std::uint16_t> Server::start(const Network& network) {
 tl::expected<Access, Response> Server::judge(const Request& request) { return admission_.judge(request, ano::Clock::now()); }
 
 std::optional<Response> Server::crowded_out(Access access) {
-    return has_place(visitors(), limits_.connections, access) ? std::nullopt : std::optional{no_place()};
+    const std::vector<Visitor> all = visitors();
+    if (!has_place(all, limits_.connections, access)) return no_place();
+    if (const auto looker = leaves_room(all, limits_.connections)) send_away(*looker);
+    return std::nullopt;
 }
 
 Response Server::answer(Request request) {
@@ -110,11 +113,15 @@ bool Server::make_place(std::uint32_t user, const Door& door) {
     if (all.size() < limits_.connections) return true;
     const auto place = gives_way(all, party_of(user, door), user == 0 || user == ::geteuid());
     if (!place) return false;
-    const auto leaves = sessions_[*place].lock();
-    sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(*place));
+    send_away(*place);
+    return true;
+}
+
+void Server::send_away(std::size_t place) {
+    const auto leaves = sessions_[place].lock();
+    sessions_.erase(sessions_.begin() + static_cast<std::ptrdiff_t>(place));
     turns_.leave(leaves);
     leaves->leave(no_place());
-    return true;
 }
 
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {

@@ -73,6 +73,7 @@ public:
 private:
     std::vector<Visitor> visitors();
     bool make_place(std::uint32_t user, const Door& door);
+    void send_away(std::size_t place);
     void shut();
     void look_whether_finished(ano::TimePoint until);
     void give_turn();

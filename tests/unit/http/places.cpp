@@ -88,15 +88,33 @@ TEST(Places, more_users_than_places_share_what_is_idle_and_root_is_never_locked_
     EXPECT_EQ(gives_way(visitors, root, true), 4u);
 }
 
+Visitor with(Visitor visitor, std::optional<Access> may) {
+    visitor.may = may;
+    return visitor;
+}
+
 TEST(Places, clients_of_the_network_share_what_it_has) {
     const std::vector<Visitor> one_takes_all = fill({by_network(1, Asking::whole, 4)}, by_network(1, Asking::whole, 5));
     EXPECT_EQ(gives_way_to_client(one_takes_all, 1), std::nullopt);
     EXPECT_EQ(gives_way_to_client(one_takes_all, 2), 0u) << "whole requests too, beyond its share";
     std::vector<Visitor> half_each = fill({}, by_network(2, Asking::whole));
-    std::fill_n(half_each.begin(), places / 2, by_network(1, Asking::nothing));
+    std::fill_n(half_each.begin(), places / 2, by_network(1, Asking::whole));
     EXPECT_EQ(gives_way_to_client(half_each, 2), std::nullopt);
-    EXPECT_EQ(gives_way_to_client(half_each, 1), 0u);
-    EXPECT_EQ(gives_way_to_client(half_each, 3), 0u) << "who asks nothing first, of one that has most";
+    EXPECT_EQ(gives_way_to_client(half_each, 1), std::nullopt);
+    EXPECT_NE(gives_way_to_client(half_each, 3), std::nullopt);
+}
+
+TEST(Places, of_the_network_who_asks_nothing_gives_way_to_each_and_first_those_of_a_crowd) {
+    std::vector<Visitor> visitors = fill({by_network(2, Asking::nothing, 1)}, by_network(1, Asking::whole, 2));
+    EXPECT_EQ(gives_way_to_client(visitors, 1), 0u) << "also to whom has his share";
+    visitors[5] = by_network(3, Asking::nothing, 4);
+    visitors[6] = by_network(3, Asking::nothing, 3);
+    EXPECT_EQ(gives_way_to_client(visitors, 2), 6u);
+    visitors[6].may = Access::control;
+    visitors[7] = by_network(3, Asking::unheard, 9);
+    EXPECT_EQ(gives_way_to_client(visitors, 2), 5u);
+    visitors[5] = visitors[0] = visitors[7] = visitors[8];
+    EXPECT_EQ(gives_way_to_client(visitors, 2), 6u) << "who may control is the last of them";
 }
 
 TEST(Places, more_clients_than_the_network_has_places_share_what_is_idle) {
@@ -105,6 +123,18 @@ TEST(Places, more_clients_than_the_network_has_places_share_what_is_idle) {
     EXPECT_EQ(gives_way_to_client(visitors, 99), std::nullopt);
     visitors[7].asking = Asking::half;
     EXPECT_EQ(gives_way_to_client(visitors, 99), 7u);
+}
+
+TEST(Places, who_controls_by_the_network_gives_way_to_no_client_and_takes_a_place_of_who_looks) {
+    std::vector<Visitor> visitors = fill({}, with(by_network(1, Asking::whole), Access::control));
+    EXPECT_EQ(gives_way_to_client(visitors, 2), std::nullopt);
+    EXPECT_EQ(gives_way_to_client(visitors, 1), std::nullopt);
+    EXPECT_EQ(gives_way(visitors, alice, false), 0u) << "a user of this machine has his share all the same";
+    visitors[3] = visitors[4] = with(by_network(3, Asking::whole, 2), Access::view);
+    visitors[5] = with(by_network(4, Asking::whole, 1), Access::view);
+    EXPECT_EQ(gives_way_to_client(visitors, 2), std::nullopt) << "who looks has not more than his share";
+    EXPECT_EQ(gives_way_to_client(visitors, 1), 3u) << "and gives way to who has shown that he may control: who has most first";
+    EXPECT_EQ(gives_way(visitors, alice, false), 3u);
 }
 
 TEST(Places, the_network_is_one_beside_the_users_however_many_its_clients) {
@@ -136,16 +166,10 @@ TEST(Places, a_client_is_an_address_and_of_ipv6_its_first_half) {
 }
 
 TEST(Places, one_in_eight_is_kept_for_who_controls) {
-    std::vector<Visitor> visitors;
-    const auto look = [&](std::size_t count, Access may) {
-        Visitor one = by_network(1, Asking::whole);
-        one.may = may;
-        visitors.insert(visitors.end(), count, one);
-    };
-    look(14, Access::view);
-    look(14, Access::open);
+    std::vector<Visitor> visitors(14, with(by_network(1, Asking::whole), Access::view));
+    visitors.resize(28, with(by_network(1, Asking::whole), Access::open));
     EXPECT_TRUE(has_place(visitors, places, Access::view)) << "the last of them";
-    look(1, Access::view);
+    visitors.push_back(visitors.front());
     EXPECT_FALSE(has_place(visitors, places, Access::view));
     EXPECT_FALSE(has_place(visitors, places, Access::open));
     EXPECT_TRUE(has_place(visitors, places, Access::control));
@@ -153,12 +177,25 @@ TEST(Places, one_in_eight_is_kept_for_who_controls) {
         visitors[0].asking = asking;
         EXPECT_TRUE(has_place(visitors, places, Access::view)) << "this one gives way";
     }
-    visitors[0].asking = Asking::whole;
-    visitors[0].may.reset();
-    EXPECT_TRUE(has_place(visitors, places, Access::view)) << "this one may turn out to control";
-    visitors[0].may = Access::control;
+    visitors[0] = with(by_network(1, Asking::whole), Access::control);
     EXPECT_TRUE(has_place(visitors, places, Access::view));
-    EXPECT_TRUE(has_place({visitors.data(), 7}, 7, Access::open)) << "of so few none";
+    EXPECT_TRUE(has_place({visitors.data() + 1, 7}, 7, Access::open)) << "of so few none";
+}
+
+TEST(Places, one_is_left_to_whom_was_not_heard_yet) {
+    std::vector<Visitor> visitors(11, with(by_network(1, Asking::whole), Access::control));
+    visitors.resize(places - 1, with(by_network(2, Asking::whole), Access::view));
+    visitors.push_back(by_network(3, Asking::unheard));
+    EXPECT_TRUE(has_place(visitors, places, Access::view));
+    EXPECT_EQ(leaves_room(visitors, places), std::nullopt);
+    visitors.back().asking = Asking::whole;
+    EXPECT_FALSE(has_place(visitors, places, Access::view)) << "it would be the last";
+    visitors.back().may = Access::control;
+    EXPECT_TRUE(has_place(visitors, places, Access::control));
+    EXPECT_EQ(leaves_room(visitors, places), 11u) << "who looks makes room";
+    EXPECT_EQ(leaves_room({visitors.data() + 11, 7}, 7), std::nullopt) << "of so few none";
+    for (Visitor& visitor : visitors) visitor.may = Access::control;
+    EXPECT_EQ(leaves_room(visitors, places), std::nullopt) << "there is none who looks";
 }
 
 }    // namespace

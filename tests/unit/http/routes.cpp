@@ -81,6 +81,8 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
     EXPECT_EQ(posted.body, "{\"error\": \"this path answers GET, HEAD only\", \"what\": \"unsupported\"}\n");
     EXPECT_EQ(ask("PUT", "/links/fc").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}}));
+    add("GET", "/links/last");
+    EXPECT_EQ(ask("PUT", "/links/last").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}})) << "each once";
     EXPECT_EQ(ask("HEAD", "/gpio").headers, (std::vector<Field>{{"Allow", "POST"}}));
     EXPECT_EQ(ask("get", "/status").status, 405u) << "methods have capitals";
 }
