@@ -165,6 +165,21 @@ TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answer
     EXPECT_GT(reads.heard().size(), std::size_t{16 << 20});
 }
 
+TEST_F(HttpServer, who_waits_for_his_turn_is_told_when_his_place_is_anothers) {
+    ServerLimits limits;
+    limits.connections = 2;
+    begin(limits);
+    Client first = connect(), second = connect();
+    settle();
+    for (Client* client : {&first, &second}) client->send(get("/short?n=late"));
+    io.restart();
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(io.poll_one(), 1u);    // they are heard, no more
+    Client other = connect(Way::tcp);                            // of another user, who has a right to a place
+    EXPECT_TRUE(until([&] { return first.is_closed(); }));
+    EXPECT_TRUE(is_told(first.heard(), "503", "all places are taken")) << first.heard();
+    EXPECT_TRUE(until([&] { return second.has_heard("late"); }));
+}
+
 TEST_P(HttpServer, many_have_one_text) {
     auto all = std::make_shared<const std::string>(std::string(8 << 20, 'z') + "end");
     server->routes().add("GET", "/shared", [&all](const Request&) {

@@ -10,9 +10,12 @@
 #include <link/datagram_sender.hpp>
 #include <link/link_context.hpp>
 
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace support {
@@ -20,8 +23,8 @@ namespace support {
 class BareLinkHost final : public anogate::LinkHost {
 public:
     anogate::Channel* open_channel(anogate::Link& link, std::string peer) override {
-        channels_.push_back(std::make_unique<anogate::Channel>(anogate::ChannelId{static_cast<std::uint8_t>(channels_.size())},
-                                                               link.id(), std::move(peer), ano::FrameParser::Options{},
+        const anogate::ChannelId id{static_cast<std::uint8_t>(opened_++)};
+        channels_.push_back(std::make_unique<anogate::Channel>(id, link.id(), std::move(peer), ano::FrameParser::Options{},
                                                                anogate::Outbox::Options{}, now()));
         return channels_.back().get();
     }
@@ -42,9 +45,10 @@ public:
         why = std::move(reason.text);
         for (const auto& channel : channels_) channel->outbox.close();
     }
+    std::optional<anogate::StoredLink> take_stored(const anogate::Link&) override { return std::exchange(stored, std::nullopt); }
     anogate::TimePoint now() override { return turn().now(); }
     const anogate::LoopWatch& turn() override {
-        loop_.turn(anogate::read_clocks());
+        loop_.turn(clocks());
         return loop_;
     }
 
@@ -62,6 +66,8 @@ public:
     }
 
     boost::asio::io_context io{1};
+    std::function<anogate::ClockReading()> clocks = anogate::read_clocks;
+    std::optional<anogate::StoredLink> stored;    // for the link that opens next
     int ups = 0;
     std::string why = "nobody said anything";    // it is down; empty: it is up
 
@@ -71,6 +77,7 @@ private:
     anogate::DatagramSender sender_;
     anogate::LoopWatch loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
+    std::size_t opened_ = 0;    // in all: no number is used twice, of 64
     std::map<std::string, Bytes> heard_;
 };
 

@@ -1,4 +1,6 @@
 // The gateway as a device, from outside: a host that knows the protocol text alone, our own host engine, and what a restart finds.
+#include <ano/hex.hpp>
+
 #include <support/asked.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
@@ -220,6 +222,20 @@ TEST_F(OwnDevice, keeps_what_was_saved_until_the_file_says_something_else) {
     EXPECT_TRUE(until_parameter("FORGET_AFTER", 30'000, "default"));
 }
 
+TEST_F(OwnDevice, keeps_no_longer_what_the_file_overrules_though_it_was_saved_a_moment_ago) {
+    const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), save = act(0xE0, {0x10, 0xAB, 0});
+    Host ground = by("ground");
+    ground.say(write);
+    ground.say(save);
+    ASSERT_TRUE(ground.hears(acknowledges(save)));
+    ASSERT_NE(kept().find("forget_after"), std::string::npos);
+    json config = usual();
+    config["gateway"]["forget_after"] = "1m";
+    dir.write("anogate.json", config.dump());
+    daemon->signal(SIGHUP);
+    EXPECT_TRUE(wait_until([&] { return kept().find("forget_after") == std::string::npos; }));
+}
+
 TEST_F(OwnDevice, forgets_at_a_restart_what_was_not_saved) {
     {
         Host ground = by("ground");
@@ -286,6 +302,10 @@ TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
     is_refused("PUT", "/devices/21/parameters/FORGET_AFTER", R"({"value": 5000})");
     is_refused("POST", "/devices/21/commands/RESTART_LINK", R"({"values": [0]})");
     is_refused("POST", "/devices/21/actions", R"({"action": "save"})");
+    const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0});
+    const json sent = ask("POST", "/send", json{{"hex", ano::hex(write)}}.dump());
+    EXPECT_EQ(sent.at("taken_by"), "gateway") << sent;
+    EXPECT_EQ(device().at("not_managed"), 1);
     EXPECT_EQ(parameter("FORGET_AFTER").at("value"), 30'000);
 }
 

@@ -351,6 +351,7 @@ TEST_F(Gpio, no_final_state_is_missed_in_ten_thousand_edges) {
 }
 
 TEST_F(Gpio, every_edge_is_counted_when_they_come_one_by_one) {
+    const auto begin = Clock::now();
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("ground"), line(sim, 0, R"("use": "inhibit", "links": ["ground"])")};
     for (int i = 1; i <= 200; ++i) {
@@ -358,6 +359,8 @@ TEST_F(Gpio, every_edge_is_counted_when_they_come_one_by_one) {
         ASSERT_TRUE(loop.until([&] { return gateway.gpio()["edges"] == i; })) << i << gateway.gpio();
         ASSERT_EQ(gateway.gpio()["inhibiting"], i % 2 == 1);
     }
+    const double age = gateway.gpio()["edge_s"];
+    EXPECT_LE(age, std::chrono::duration<double>(Clock::now() - begin).count());
 }
 
 TEST_F(Gpio, a_line_is_found_by_name_on_any_chip_and_a_chip_by_path_or_label) {

@@ -31,7 +31,6 @@ namespace {
 
 using namespace anogate;
 
-constexpr Duration look_every = std::chrono::seconds{3};
 constexpr char how_to_watch[] = "; to watch the gateway that has it: anoctl monitor, without a LINK";
 
 std::string only_listens(const std::string& who) {
@@ -77,11 +76,13 @@ std::string keys_idle_for_listener(std::string_view link) {
 /// The host of the one link.
 class OwnLink::Host final : public LinkHost {
 public:
-    Host(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who)
+    Host(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,
+         Duration look_every)
         : io_{io},
           taker_{taker},
           streams_{streams},
           who_{std::move(who)},
+          look_every_{look_every},
           link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_})} {}
 
     void start() {
@@ -203,7 +204,7 @@ private:
 
     // The hint that a gateway's status would have; after the first frame, only when something is wrong.
     void look_later() {
-        look_.expires_after(look_every);
+        look_.expires_after(look_every_);
         look_.async_wait([this](error_code ec) {
             if (ec || done_) return;
             std::string hint = heard_ ? hint_of_trouble(figures()) : anogate::hint(figures());
@@ -256,6 +257,7 @@ private:
     FrameTaker& taker_;
     Streams& streams_;
     const std::string who_;
+    const Duration look_every_;
     std::vector<std::unique_ptr<Open>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
@@ -270,8 +272,9 @@ private:
     std::uint64_t nowhere_ = 0;    // frames for which there was no channel
 };
 
-OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who)
-    : host_{std::make_unique<Host>(io, settings, taker, streams, std::move(who))} {}
+OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,
+                 Duration look_every)
+    : host_{std::make_unique<Host>(io, settings, taker, streams, std::move(who), look_every)} {}
 OwnLink::~OwnLink() = default;
 
 void OwnLink::start() { host_->start(); }

@@ -3,9 +3,11 @@
 #include "anoctl.hpp"
 #include "frame_taker.hpp"
 
+#include <ano/time.hpp>
 #include <gateway/settings.hpp>
 #include <link/asio_fwd.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,9 +25,10 @@ std::string keys_idle_for_listener(std::string_view link);
 /// gateway's status would have. It works when its loop runs, and stops that when its taker wants no more.
 class OwnLink {
 public:
-    /// Everything outlives it. `who` is the command, for the words on `err`; empty: that it is up is not said.
+    /// Everything outlives it. `who` is the command, for the words on `err`; empty: that it is up is not said. Once in `look_every`
+    /// it is looked whether there is a hint.
     OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameTaker& taker, Streams& streams,
-            std::string who);
+            std::string who, ano::Duration look_every = std::chrono::seconds{3});
     ~OwnLink();
     OwnLink(const OwnLink&) = delete;
     OwnLink& operator=(const OwnLink&) = delete;

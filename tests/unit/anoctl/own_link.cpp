@@ -30,7 +30,19 @@ struct OwnLinks : testing::Test {
     std::ostringstream out, err;
     Streams streams{-1, out, err};
     const Bytes frame = support::frame(0xDC, 0xFE, 0xF1, Bytes(4));
+
+    bool until_said(const std::string& words) {
+        return loop.until([&] { return err.str().find(words) != std::string::npos; });
+    }
 };
+
+/// Where a link to it has its socket: from there `own` sends a frame.
+anogate::Endpoint reached_from(OwnLink& own, support::UdpPeer& peer, support::Loop& loop, const Bytes& frame) {
+    loop.until([&] { return own.is_up(); });
+    EXPECT_TRUE(own.send(ano::FrameView{frame}));
+    EXPECT_TRUE(loop.until([&] { return !peer.heard().empty(); }));
+    return peer.last_sender();
+}
 
 TEST_F(OwnLinks, say_once_why_they_wait) {
     const support::TempDir folder;
@@ -48,18 +60,47 @@ TEST_F(OwnLinks, give_no_frame_to_whom_wants_no_more) {
     OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor"};
     taker.most = 1;
     own.start();
-    ASSERT_TRUE(loop.until([&] { return own.is_up(); }));
-    ASSERT_TRUE(own.send(ano::FrameView{frame}));
-    pollfd there{peer.fd(), POLLIN, 0};
-    ASSERT_EQ(::poll(&there, 1, 10'000), 1);
-    sockaddr_storage from{};
-    socklen_t size = sizeof from;
-    char room[100];
-    ASSERT_EQ(::recvfrom(peer.fd(), room, sizeof room, 0, reinterpret_cast<sockaddr*>(&from), &size),
-              static_cast<ssize_t>(frame.size()));
-    ASSERT_TRUE(peer.send(anogate::endpoint_of(from), frame + frame));
+    ASSERT_TRUE(peer.send(reached_from(own, peer, loop, frame), frame + frame));
     ASSERT_TRUE(loop.until([&] { return taker.frames > 0; }));
     EXPECT_EQ(taker.frames, 1);
+    own.stop();
+}
+
+TEST_F(OwnLinks, say_a_hint_once_for_as_long_as_it_holds) {
+    support::UdpPeer peer;
+    OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor", 5ms};
+    own.start();
+    ASSERT_TRUE(peer.send(reached_from(own, peer, loop, frame), Bytes(100, 0x55)));
+    ASSERT_TRUE(until_said("peer: bytes"));
+    loop.io.run_for(200ms);    // and it is looked some times
+    own.stop();
+    const std::string said = err.str();
+    EXPECT_EQ(said.find("peer: bytes"), said.rfind("peer: bytes")) << said;
+}
+
+TEST_F(OwnLinks, know_a_device_that_speaks_the_previous_version) {
+    support::UdpPeer peer;
+    OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor", 5ms};
+    own.start();
+    Bytes old = support::hex("AA FF 20 00");
+    const ano::Checks checks = ano::checks_of(old);
+    old = old + Bytes{checks.sum, checks.add};
+    ASSERT_TRUE(peer.send(reached_from(own, peer, loop, frame), old + old));
+    EXPECT_TRUE(until_said("V7 frames")) << err.str();
+    own.stop();
+}
+
+TEST_F(OwnLinks, count_what_of_a_peer_was_no_frame_also_when_it_is_gone) {
+    const std::string local = support::UdpPeer{}.local().text();
+    support::UdpPeer noisy, next;
+    OwnLink own{loop.io, link_settings_of("udp-listen:" + local + ",max_peers=1"), taker, streams, "monitor"};
+    own.start();
+    ASSERT_TRUE(loop.until([&] { return own.is_up(); }));
+    const auto to = *anogate::Endpoint::parse(local);
+    ASSERT_TRUE(noisy.send(to, Bytes(10, 0x55) + frame));
+    ASSERT_TRUE(next.send(to, frame));
+    ASSERT_TRUE(loop.until([&] { return taker.frames == 2; }));
+    EXPECT_EQ(own.skipped(), 10u) << "its place is the other's";
     own.stop();
 }
 

@@ -145,6 +145,11 @@ TEST(Places, the_network_is_one_beside_the_users_however_many_its_clients) {
     EXPECT_EQ(gives_way(visitors, alice, false), std::nullopt);
     visitors[16] = by_network(5, Asking::whole, 2);
     EXPECT_EQ(gives_way(visitors, alice, false), 5u) << "of the client that has most";
+    visitors[0].asking = Asking::nothing;
+    visitors[20] = idle(alice, 0);
+    EXPECT_EQ(gives_way_to_client(visitors, 0), 0u) << "a number of a client is none of a user";
+    visitors[0].asking = Asking::whole;
+    visitors[20] = busy(alice, 1);
     visitors[3].asking = Asking::unheard;
     EXPECT_EQ(gives_way(visitors, alice, false), 3u);
 }
@@ -160,6 +165,7 @@ TEST(Places, a_client_is_an_address_and_of_ipv6_its_first_half) {
     };
     EXPECT_NE(client_at("192.168.1.5"), client_at("192.168.1.6"));
     EXPECT_EQ(client_at("fd00::1"), client_at("fd00::2:3:4:5"));
+    EXPECT_EQ(client_at("fe80::1%eth0"), client_at("fe80::2%eth0"));
     EXPECT_NE(client_at("fd00::1"), client_at("fd00:0:0:1::1"));
     EXPECT_EQ(party_of(alice, Door{}).user, alice);
     EXPECT_EQ(party_of(alice, Door{}).client, party_of(bob, Door{}).client);
@@ -180,6 +186,7 @@ TEST(Places, one_in_eight_is_kept_for_who_controls) {
     visitors[0] = with(by_network(1, Asking::whole), Access::control);
     EXPECT_TRUE(has_place(visitors, places, Access::view));
     EXPECT_TRUE(has_place({visitors.data() + 1, 7}, 7, Access::open)) << "of so few none";
+    EXPECT_TRUE(has_place({visitors.data() + 1, 14}, 15, Access::view)) << "one in seven would be two";
 }
 
 TEST(Places, one_is_left_to_whom_was_not_heard_yet) {

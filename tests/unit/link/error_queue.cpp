@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <linux/net_tstamp.h>
+
 #include <vector>
 
 namespace {
@@ -29,6 +31,19 @@ TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
     EXPECT_EQ(refused, closed);
     take();
     EXPECT_EQ(reports, 0u);
+}
+
+// What the system itself says there, as when a datagram left, is no reason to send anything again.
+TEST(ErrorReports, of_the_system_itself_are_taken_and_not_counted) {
+    support::UdpPeer sender, receiver;
+    anogate::keep_error_reports(sender.fd(), false);
+    const int stamps = SOF_TIMESTAMPING_TX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
+    ASSERT_EQ(::setsockopt(sender.fd(), SOL_SOCKET, SO_TIMESTAMPING, &stamps, sizeof stamps), 0);
+    ASSERT_TRUE(sender.send(receiver.local(), Bytes{1}));
+    pollfd there{sender.fd(), 0, 0};
+    ASSERT_EQ(::poll(&there, 1, 10'000), 1);
+    EXPECT_EQ(anogate::take_error_reports(sender.fd(), [](const anogate::Endpoint& who) { ADD_FAILURE() << who.text(); }), 0u);
+    EXPECT_EQ(::poll(&there, 1, 0), 0) << "or it would be looked at again and again";
 }
 
 }    // namespace

@@ -1,0 +1,76 @@
+#include <link/interface_watch.hpp>
+
+#include <support/link_host.hpp>
+#include <support/settings.hpp>
+
+#include <gtest/gtest.h>
+
+#include <net/if.h>
+
+#include <string>
+
+namespace {
+
+unsigned interface_now = 0;    // the number of any interface; 0: there is none
+
+}    // namespace
+
+// Of this program: no test here has interfaces that come and go.
+extern "C" unsigned if_nametoindex(const char*) noexcept { return interface_now; }
+
+namespace {
+
+using namespace anogate;
+using support::endpoint;
+
+struct WatchedInterface : testing::Test {
+    WatchedInterface() { interface_now = 7; }
+
+    /// Counts how often it is told, and keeps what.
+    struct Watch {
+        explicit Watch(const LinkContext& context)
+            : looks{context, [this](const LinkError& why) {
+                        ++told;
+                        words = why.text;
+                    }} {}
+        int told = 0;
+        std::string words;
+        InterfaceWatch looks;
+    };
+    /// One that was begun before it has looked as well then.
+    void until_told(const Watch& watch) {
+        EXPECT_TRUE(host.until([&] { return watch.told > 0; }));
+        host.io.poll();
+    }
+
+    support::BareLinkHost host;
+    const EndpointSpec here = endpoint("[fe80::1%eth0]:12333"), nowhere = endpoint("[::1]:12333");
+};
+
+TEST_F(WatchedInterface, is_told_of_once_when_another_has_its_name) {
+    Watch stopped{host.context()}, unnamed{host.context()}, watch{host.context()};
+    stopped.looks.start(here);
+    stopped.looks.stop();
+    unnamed.looks.start(nowhere);
+    watch.looks.start(here);
+    interface_now = 8;
+    until_told(watch);
+    EXPECT_EQ(watch.told, 1);
+    EXPECT_EQ(watch.words, "another network interface eth0");
+    EXPECT_EQ(stopped.told, 0);
+    EXPECT_EQ(unnamed.told, 0);
+}
+
+TEST_F(WatchedInterface, is_told_of_when_it_is_gone_and_not_while_it_is_there) {
+    Watch before{host.context()}, watch{host.context()};
+    before.looks.start(here);
+    interface_now = 9;
+    watch.looks.start(here);
+    until_told(before);    // so the other one has looked
+    EXPECT_EQ(watch.told, 0);
+    interface_now = 0;
+    until_told(watch);
+    EXPECT_EQ(watch.words, "no network interface eth0 now");
+}
+
+}    // namespace

@@ -1,0 +1,30 @@
+#include <link/termios.hpp>
+#include <link/unique_fd.hpp>
+
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <stdlib.h>
+
+#include <string>
+
+namespace {
+
+using anogate::UniqueFd;
+using anogate::terminal::is_port_at;
+
+// By /proc a name leads to a port that is unplugged, as the name of an adapter does to the next one of the same number.
+TEST(Termios, a_port_that_was_unplugged_is_not_at_its_name_any_more) {
+    UniqueFd device{::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
+    char name[64];
+    ASSERT_TRUE(::grantpt(device.get()) == 0 && ::unlockpt(device.get()) == 0 &&
+                ::ptsname_r(device.get(), name, sizeof name) == 0);
+    const UniqueFd port{::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC)};
+    const std::string path = "/proc/self/fd/" + std::to_string(port.get());
+    EXPECT_TRUE(is_port_at(port.get(), name));
+    EXPECT_TRUE(is_port_at(port.get(), path));
+    device = {};
+    EXPECT_FALSE(is_port_at(port.get(), path));
+}
+
+}    // namespace

@@ -1,0 +1,244 @@
+// A listening UDP link and no gateway behind it: whom it knows, and what it leaves to the program started next.
+#include <gateway/listening_notice.hpp>
+#include <link/udp_listen_link.hpp>
+
+#include <support/link_host.hpp>
+#include <support/udp_peer.hpp>
+#include <support/vendor_frames.hpp>
+
+#include <gtest/gtest.h>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <ifaddrs.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+int networks_read = 0;
+bool no_interfaces = false;
+
+}    // namespace
+
+// Of this program: how often the system is asked for our networks, and none where a test wants that.
+extern "C" int getifaddrs(ifaddrs** list) noexcept {
+    static const auto real = reinterpret_cast<int (*)(ifaddrs**)>(::dlsym(RTLD_NEXT, "getifaddrs"));
+    ++networks_read;
+    return no_interfaces ? -1 : real(list);
+}
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace anogate;
+using namespace support;
+using Kind = ListeningNotice::Kind;
+
+const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
+
+Bytes notice(Kind kind, std::uint64_t number) {
+    const NoticeFrame bytes = frame_of({kind, number});
+    return {bytes.begin(), bytes.end()};
+}
+
+/// Nothing that a stranger says makes it a peer.
+class Unwelcoming final : public UdpListenLink {
+public:
+    using UdpListenLink::UdpListenLink;
+
+private:
+    bool welcomes(const Endpoint&, ano::FrameView) override { return false; }
+};
+
+struct ListeningLink : testing::Test {
+    ~ListeningLink() override {
+        no_interfaces = false;
+        if (link) link->stop();
+    }
+    template <class L = UdpListenLink>
+    void start() {
+        if (link) link->stop();
+        link = std::make_unique<L>(LinkId{0}, settings, host.context());
+        link->start();
+        ASSERT_TRUE(host.why.empty()) << host.why;
+    }
+    void say(UdpPeer& peer, const Bytes& bytes) { ASSERT_TRUE(peer.send(link->local_port(), bytes)); }
+    /// The peer of this endpoint, once it is one.
+    Channel* channel(const UdpPeer& peer) {
+        Channel* found = nullptr;
+        host.until([&] {
+            for (const auto& one : host.channels())
+                if (one->peer == peer.local().text()) found = one.get();
+            return found != nullptr;
+        });
+        return found;
+    }
+    bool until_denied(std::uint64_t count) {
+        return host.until([&] { return link->unassigned_traffic().received.denied_in >= count; });
+    }
+    std::vector<std::string> peers() const {
+        std::vector<std::string> all;
+        for (const StoredPeer& peer : link->peers()) all.push_back(peer.endpoint.text());
+        std::sort(all.begin(), all.end());
+        return all;
+    }
+    /// As the next program finds the socket of this one.
+    StoredLink stored(std::vector<StoredPeer> with) const {
+        StoredLink left;
+        left.wire = UniqueFd{::fcntl(link->storable_wire(), F_DUPFD_CLOEXEC, 0)};
+        left.peers = std::move(with);
+        return left;
+    }
+
+    BareLinkHost host;
+    LinkSettings settings = udp_listen("ground");
+    UdpListenSettings& udp = settings.as<UdpListenSettings>();
+    std::unique_ptr<UdpListenLink> link;
+    UdpPeer first, second, third;
+};
+
+TEST_F(ListeningLink, gives_the_place_of_who_was_forgotten_to_another) {
+    udp.max_peers = 1;
+    start();
+    say(first, vendor::who_are_you);
+    const Channel* const channel_of_first = channel(first);
+    ASSERT_TRUE(channel_of_first);
+    link->forget_peer(channel_of_first->id);
+    say(second, vendor::who_are_you);
+    EXPECT_TRUE(channel(second));
+    EXPECT_EQ(peers(), std::vector{second.local().text()});
+}
+
+TEST_F(ListeningLink, knows_a_peer_as_heard_though_its_first_frame_waits_behind_a_false_header) {
+    start();
+    say(first, hex("AB 01 02 03 FF 00") + telemetry);
+    const Channel* const of_first = channel(first);
+    ASSERT_TRUE(of_first);
+    EXPECT_TRUE(host.heard(of_first->peer).empty());
+    EXPECT_NE(of_first->heard_at, TimePoint{});
+}
+
+TEST_F(ListeningLink, counts_what_came_from_strangers_that_are_not_welcome) {
+    start<Unwelcoming>();
+    say(first, telemetry + telemetry);
+    EXPECT_TRUE(host.until([&] { return link->unassigned_traffic().received.bytes_in == 2 * telemetry.size(); }));
+    EXPECT_EQ(link->unassigned_traffic().received.denied_in, 2u);
+    EXPECT_TRUE(peers().empty());
+}
+
+TEST_F(ListeningLink, takes_nothing_from_a_peer_that_asks_whether_this_listens_and_counts_it) {
+    start();
+    say(first, telemetry);
+    const Channel* const of_first = channel(first);
+    ASSERT_TRUE(of_first);
+    say(first, notice(Kind::question, 7) + telemetry);
+    EXPECT_TRUE(host.until([&] { return of_first->routed.denied_in == 1; }));
+    EXPECT_EQ(host.heard(of_first->peer), telemetry);
+}
+
+TEST_F(ListeningLink, takes_nothing_from_a_peer_that_says_it_is_a_gateway_and_forgets_it) {
+    start();
+    say(first, telemetry);
+    ASSERT_TRUE(channel(first));
+    say(first, notice(Kind::question, 7));
+    std::optional<ListeningNotice> asked;
+    ASSERT_TRUE(host.until([&] {
+        for (const Bytes& one : first.frames())
+            if (const auto said = listening_notice(ano::FrameView{one}); said && said->kind == Kind::question) asked = said;
+        return asked.has_value();
+    }));
+    say(first, notice(Kind::answer, asked->number) + telemetry);
+    EXPECT_TRUE(host.until([&] { return peers().empty(); }));
+    EXPECT_EQ(host.heard(first.local().text()), telemetry) << "that of before";
+    EXPECT_EQ(link->trouble().id, "other_gateway");
+}
+
+// What was known of a peer's question goes with it: behind the port may be somebody else.
+TEST_F(ListeningLink, takes_whoever_has_the_port_of_one_that_was_forgotten) {
+    start();
+    say(first, telemetry);
+    const Channel* const before = channel(first);
+    ASSERT_TRUE(before);
+    say(first, notice(Kind::question, 7) + telemetry);
+    ASSERT_TRUE(host.until([&] { return before->routed.denied_in == 1; }));
+    link->forget_peer(before->id);
+    say(first, vendor::who_are_you);
+    ASSERT_TRUE(host.until([&] { return !peers().empty() || link->unassigned_traffic().received.denied_in > 0; }));
+    EXPECT_EQ(peers(), std::vector{first.local().text()});
+}
+
+TEST_F(ListeningLink, looks_at_our_networks_once_a_second_however_many_strangers_come) {
+    no_interfaces = true;
+    start();
+    const TimePoint begin = Clock::now();
+    const int before = networks_read;
+    constexpr int strangers = 50;
+    for (int i = 0; i < strangers; ++i) say(first, telemetry);
+    ASSERT_TRUE(until_denied(strangers));
+    EXPECT_GE(networks_read, before + 1);
+    EXPECT_LE(networks_read, before + 1 + (Clock::now() - begin) / 1s);
+}
+
+// The kernel's stamps say nothing across a step of the clock, and everything again behind the first read after it.
+TEST_F(ListeningLink, knows_again_how_old_a_datagram_is_when_the_clock_was_set) {
+    Duration ahead = 1h;
+    host.clocks = [&] {
+        ClockReading reading = read_clocks();
+        reading.real += ahead;
+        return reading;
+    };
+    start();
+    ahead = {};
+    say(first, telemetry);
+    Channel* const of_first = channel(first);
+    ASSERT_TRUE(of_first);
+    for (int i = 0; i < 2; ++i) {    // the first read still compares with the turn before the step
+        say(first, telemetry);
+        const Bytes& heard = host.heard(of_first->peer);
+        const std::size_t all = heard.size() + telemetry.size();
+        ASSERT_TRUE(host.until([&] { return heard.size() >= all; }));
+    }
+    say(first, telemetry);
+    const TimePoint there = Clock::now();
+    std::this_thread::sleep_for(20ms);
+    const TimePoint arrived_before = of_first->arrived_at;
+    ASSERT_TRUE(host.until([&] { return of_first->arrived_at != arrived_before; }));
+    EXPECT_LT(of_first->arrived_at, there + 10ms) << "not when it was read";
+}
+
+TEST_F(ListeningLink, goes_on_with_what_was_known_of_its_peers) {
+    start();
+    const TimePoint now = Clock::now();
+    const PeerBook::Memory memory{now - 10s, true, true};
+    host.stored = stored({{first.local(), memory, true}});
+    const std::uint16_t port = link->local_port();
+    start();
+    EXPECT_EQ(link->local_port(), port);
+    const std::vector<StoredPeer> known = link->peers();
+    ASSERT_EQ(known.size(), 1u);
+    EXPECT_EQ(known[0].endpoint, first.local());
+    EXPECT_EQ(known[0].memory.heard_at, memory.heard_at);
+    EXPECT_TRUE(known[0].memory.is_host);
+    EXPECT_TRUE(known[0].memory.came_again);
+}
+
+TEST_F(ListeningLink, goes_on_with_as_many_peers_as_it_may_have_now_those_heard_last) {
+    start();
+    const TimePoint now = Clock::now();
+    host.stored = stored({{first.local(), {now - 2s, true, false}, true},
+                          {second.local(), {now - 3s, true, false}, true},
+                          {third.local(), {now - 1s, true, false}, true}});
+    udp.max_peers = 2;
+    start();
+    std::vector<std::string> expected{first.local().text(), third.local().text()};
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(peers(), expected);
+}
+
+}    // namespace
