@@ -102,6 +102,11 @@ TEST(Places, clients_of_the_network_share_what_it_has) {
     EXPECT_EQ(gives_way_to_client(half_each, 2), std::nullopt);
     EXPECT_EQ(gives_way_to_client(half_each, 1), std::nullopt);
     EXPECT_NE(gives_way_to_client(half_each, 3), std::nullopt);
+    std::vector<Visitor> three = fill({}, by_network(1, Asking::whole));
+    std::fill_n(three.begin(), 11, by_network(2, Asking::whole));
+    std::fill_n(three.begin() + 11, 7, by_network(3, Asking::whole));
+    EXPECT_EQ(gives_way_to_client(three, 2), std::nullopt) << "has his share of ten, though another has more";
+    EXPECT_EQ(gives_way_to_client(three, 3), 18u);
 }
 
 TEST(Places, of_the_network_who_asks_nothing_gives_way_to_each_and_first_those_of_a_crowd) {
