@@ -55,7 +55,8 @@ function Peers({ link }: { link: Link }) {
 }
 
 function CounterTable({ link }: { link: Link }) {
-  const names = ["frames_in", "bytes_in", "skipped_bytes", "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
+  const keptBack = ["kept_back_of_hosts", "kept_back_commands", "kept_back_tunnels"].filter((name) => name in link);
+  const names = ["frames_in", "bytes_in", "skipped_bytes", ...keptBack, "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
   return (
     <table class="counters" aria-label={t("details_of", { name: link.name })}>
       <tbody>
