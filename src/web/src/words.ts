@@ -33,6 +33,8 @@ export const words = {
   frames_rate: ["{n} frames/s in", "每秒收到 {n} 帧"],
   network: ["Network", "网络"],
   troubles: ["Needs attention", "需要处理"],
+  recording_fails: ["Recording {name}", "录制 {name}"],
+  last_not_saved: ["The last frames are not saved", "最近的帧没有保存"],
   all_well: ["All links are well.", "所有链路正常。"],
   state_up: ["up", "正常"],
   state_waiting: ["waiting", "等待"],

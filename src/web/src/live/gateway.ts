@@ -6,6 +6,7 @@ import type { Datum } from "../map/datum";
 import { CounterRates, type Counters } from "./counters";
 import { frameStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
+import type { RecordingState } from "./recordings";
 import { Store } from "./store";
 
 export interface Channel extends Counters {
@@ -41,6 +42,7 @@ export interface Status {
   tunnel: Counters;
   http: { token_needed: boolean; tls: boolean };
   map: { file: string; datum: Datum } | null;
+  recording?: RecordingState;
 }
 export interface Device {
   address: string;

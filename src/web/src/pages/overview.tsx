@@ -1,18 +1,21 @@
 // The gateway at a glance, bad news first.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
-import { causeText, errorText, hintText, language, t, useLanguage } from "../i18n";
+import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
 import { drops, isTaken } from "../live/counters";
 import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
+import { faultsOf } from "../live/recordings";
 import { useStore } from "../live/store";
 import { duration, rateText, shortNumber } from "../format";
 import { Network } from "../parts/network";
+import { hashOf } from "../route";
 import { calmHints } from "../words_of_gateway";
 
 interface Trouble {
   who: string;
   text: string;
   bad: boolean;
+  page?: string; // where more is said of it
 }
 
 function troublesOf(status: Status): Trouble[] {
@@ -23,6 +26,8 @@ function troublesOf(status: Status): Trouble[] {
   }
   for (const conflict of status.conflicts)
     all.push({ who: conflict.address, text: t("conflict", { address: conflict.address, links: (conflict.links ?? []).join(", ") }), bad: true });
+  for (const { name, error } of faultsOf(status.recording))
+    all.push({ who: name ? t("recording_fails", { name }) : t("last_not_saved"), text: reasonText(error), bad: true, page: "recordings" });
   const { standstills, longest_standstill_s: longest } = status.gateway;
   if (standstills > 0) all.push({ who: status.gateway.name, text: t("standstills", { n: standstills, s: longest }), bad: false });
   return all.sort((a, b) => Number(b.bad) - Number(a.bad));
@@ -37,7 +42,7 @@ function Troubles({ status }: { status: Status }) {
       <ul class="troubles">
         {all.map((one) => (
           <li key={one.who + one.text} class={one.bad ? "bad" : "warn"}>
-            <b>{one.who}</b> <span>{one.text}</span>
+            <b>{one.page ? <a href={hashOf({ page: one.page, device: undefined })}>{one.who}</a> : one.who}</b> <span>{one.text}</span>
           </li>
         ))}
       </ul>
