@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { CounterRates, drops } from "../src/live/counters";
+import { CounterRates, drops, lost } from "../src/live/counters";
 import { askEvery, Liveness, lostAfter } from "../src/live/liveness";
 import { Arrivals, Rate } from "../src/live/rate";
 import { FrameRows } from "../src/live/rows";
@@ -100,6 +100,14 @@ test("only what did not arrive is a loss: every cause of the gateway's, and noth
   assert.deepEqual(drops(link).map(([name]) => name).sort(), [...counted.filter((name) => !carried.has(name)), "kernel_drops"].sort());
   for (const [name] of drops(link)) assert.ok(name in causes, `${name} has words`);
   assert.deepEqual(drops({ stale: 0, limited: 3, queue_full: 9, denied_in: "5" }), [["queue_full", 9], ["limited", 3]]);
+});
+
+test("a frame to nobody is no loss where no host is, or where a recording speaks", () => {
+  const counted = { no_route: 7, stale: 2 };
+  assert.deepEqual(lost({ ...counted, hint_id: "" }), [["no_route", 7], ["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "hosts_link_down" }), [["no_route", 7], ["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "no_host_takes" }), [["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "recording_ended", replayed: [] }), [["stale", 2]]);
 });
 
 test("rates of counters outlive a gateway that begins anew", () => {

@@ -19,8 +19,11 @@ export function drops(counters: Counters): [string, number][] {
     .sort((a, b) => b[1] - a[1]);
 }
 
-/** Frames that no host takes are here on the page all the same. */
-export const isTaken = (link: Counters, cause: string): boolean => cause === "no_route" && link.hint_id === "no_host_takes";
+/** Where no host is, or where a recording speaks to those of its time, frames to nobody are no loss: the page shows them all the same. */
+const isAlone = (link: Counters): boolean => link.hint_id === "no_host_takes" || link.replayed !== undefined;
+
+/** What was dropped and should have arrived, the most first. */
+export const lost = (link: Counters): [string, number][] => drops(link).filter(([cause]) => cause !== "no_route" || !isAlone(link));
 
 interface Look {
   at: number;

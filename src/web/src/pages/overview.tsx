@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { ask } from "../api";
 import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
-import { drops, isTaken } from "../live/counters";
+import { lost } from "../live/counters";
 import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
 import { useStore } from "../live/store";
@@ -54,19 +54,16 @@ interface Drop {
   cause: string;
   total: number;
   now: number;
-  lost: number; // of those a second, what nobody had
   links: string[];
 }
 
 function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
-    for (const [cause, count] of drops(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, lost: 0, links: [] };
-      const rate = linkRates.perSecond("link:" + link.name, cause) ?? 0;
+    for (const [cause, count] of lost(link)) {
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, links: [] };
       drop.total += count;
-      drop.now += rate;
-      if (!isTaken(link, cause)) drop.lost += rate;
+      drop.now += linkRates.perSecond("link:" + link.name, cause) ?? 0;
       drop.links.push(link.name);
       byCause.set(cause, drop);
     }
@@ -88,7 +85,7 @@ function Drops({ links }: { links: Link[] }) {
               {all.map((drop) => (
                 <tr key={drop.cause}>
                   <th scope="row">{causeText(drop.cause)} <code class="muted">{drop.cause}</code></th>
-                  <td class={`number ${drop.lost > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
+                  <td class={`number ${drop.now > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
                   <td class="number">{shortNumber(drop.total)}</td>
                   <td>{drop.links.join(", ")}</td>
                 </tr>

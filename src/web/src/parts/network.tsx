@@ -1,7 +1,7 @@
 // Who is joined to whom: the gateway, its links, who is behind each; what passes, as it passes.
 import { useState } from "preact/hooks";
 import { causeText, hintText, language, t } from "../i18n";
-import { drops, isTaken } from "../live/counters";
+import { drops, lost } from "../live/counters";
 import { linkRates, type Link, type Route, type Status } from "../live/gateway";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
@@ -76,8 +76,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const [open, setOpen] = useState(false);
   const up = link.state === "up";
   const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
-  const dropped = drops(link).reduce((sum, [name]) => sum + rate(name), 0);
-  const lost = drops(link).reduce((sum, [name]) => sum + (isTaken(link, name) ? 0 : rate(name)), 0);
+  const losing = lost(link).reduce((sum, [name]) => sum + rate(name), 0);
   const calm = calmHints.has(link.hint_id);
   const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above says which trouble it is
   const where = link.device ?? link.address ?? link.peer;
@@ -97,7 +96,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
         <dl class="flows">
           <div><dt>{t("in")}</dt><dd>{rateText(rate("frames_in"))}<small> {t("per_second")}</small></dd></div>
           <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
-          <div class={lost > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(dropped)}<small> {t("per_second")}</small></dd></div>
+          <div class={losing > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
         </dl>
         {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
         <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
