@@ -64,6 +64,8 @@ export const words = {
   via_own: ["itself", "本机"],
   via_port: ["port id", "端口 ID"],
   via_pinned: ["pinned", "固定"],
+  replayed: ["from a recording", "来自录制"],
+  replayed_more: ["From a recording, which {link} plays: nobody is there to be asked, or to act.", "来自录制，由 {link} 回放：没有设备可以询问或操作。"],
   via_learned: ["heard", "听到"],
 
   search: ["Search", "搜索"],

@@ -26,6 +26,8 @@ export interface Link extends Counters {
   hint_id: string;
   hint_args: Record<string, unknown>;
   channels: Channel[];
+  /** Who spoke in the recording that it plays. */
+  replayed?: { address: string; who: string }[];
 }
 export interface Route {
   address: string;
@@ -40,9 +42,9 @@ export interface Status {
   routes: Route[];
   conflicts: { address: string; links?: string[]; [key: string]: unknown }[];
   tunnel: Counters;
+  recording?: RecordingState;
   http: { token_needed: boolean; tls: boolean };
   map: { file: string; datum: Datum } | null;
-  recording?: RecordingState;
 }
 export interface Device {
   address: string;

@@ -5,6 +5,7 @@ import { causeText, errorText, hintText, language, reasonText, t, useLanguage } 
 import { lost } from "../live/counters";
 import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
+import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
 import { duration, rateText, shortNumber } from "../format";
 import { Network } from "../parts/network";
@@ -124,7 +125,7 @@ export function Overview() {
   const now = useStore(status);
   if (!now) return <p class="muted" role="status">{t("waiting_first")}</p>;
   const waiting = now.links.filter((link) => link.state !== "up").length;
-  const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length;
+  const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length + replayedDevices(now).size;
   const coming = now.links.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, "frames_in") ?? 0), 0);
   return (
     <div class="overview">

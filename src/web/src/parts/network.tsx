@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import { causeText, hintText, language, t } from "../i18n";
 import { drops, lost } from "../live/counters";
 import { linkRates, type Link, type Route, type Status } from "../live/gateway";
+import { replayedDevices } from "../live/replayed";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
@@ -30,7 +31,7 @@ function Who({ route }: { route: Route }) {
       {age > 3 && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
     </>
   );
-  const title = t(`via_${route.via}` as "via_own");
+  const title = route.via === "replayed" ? t("replayed") : t(`via_${route.via}` as "via_own");
   return (
     <li class={age > 3 ? "who late" : "who"} title={title}>
       {!isHost && route.via !== "port" ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
@@ -98,6 +99,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
           <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
           <div class={losing > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
         </dl>
+        {link.replayed && <p class="calm">{t("replayed")}</p>}
         {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
         <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
         <Peers link={link} />
@@ -109,7 +111,11 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
 }
 
 export function Network({ status }: { status: Status }) {
-  const behind = (link: Link): Route[] => status.routes.filter((route) => route.links.includes(link.name) && route.via !== "port");
+  const replayed = replayedDevices(status);
+  const behind = (link: Link): Route[] => [
+    ...status.routes.filter((route) => route.links.includes(link.name) && route.via !== "port"),
+    ...(link.replayed ?? []).filter((one) => replayed.get(Number(one.address)) === link.name).map((one) => ({ ...one, links: [link.name], via: "replayed" })),
+  ];
   const all = status.links;
   const total = (name: string): number => all.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, name) ?? 0), 0);
   return (
