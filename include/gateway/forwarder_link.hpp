@@ -10,6 +10,7 @@
 #include <gateway/router.hpp>
 #include <gateway/untaken.hpp>
 
+#include <bitset>
 #include <cstdint>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct LinkTraffic {
     SendCounters gone_sent;           // and of frames for a link that had no channel
     std::uint64_t came_stale = 0;     // of what is `stale`: was so when it was to be sent here
     Untaken untaken;                  // of what came for hosts
+    std::bitset<256> replayed;        // addresses that spoke in a recording; nothing leads to them
 };
 
 }    // namespace anogate

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <bitset>
 
 namespace anogate {
 namespace {
@@ -46,6 +47,15 @@ void put(Json& json, const LinkError& error) {
     for (const auto& [name, value] : error.arguments) arguments[std::string{name}] = value;
 }
 
+Json replayed_json(const std::bitset<256>& addresses) {
+    Json json = Json::array();
+    for (unsigned a = 1; a < ano::address::broadcast; ++a) {
+        const auto address = static_cast<std::uint8_t>(a);
+        if (addresses.test(a)) json.push_back({{"address", ano::hex_byte(address)}, {"who", ano::address::who(address)}});
+    }
+    return json;
+}
+
 Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkReport report = report_of(gateway, state, now);
     const Hint hint = find_hint(report.figures);
@@ -64,9 +74,10 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
         std::visit([&](const auto& v) { json[std::string{fact.first}] = v; }, fact.second);
     if (state.link->settings().required) json["required"] = true;
     if (!state.link->settings().group.empty()) json["group"] = state.link->settings().group;
+    const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
+    if (traffic.replayed.any()) json["replayed"] = replayed_json(traffic.replayed);
     json["channels"] = Json::array();
-    const ChannelSet channels = gateway.forwarder().traffic(state.link->id()).channels;
-    for (const ChannelId id : channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
+    for (const ChannelId id : traffic.channels) json["channels"].push_back(channel_json(gateway.channel(id), now));
     put(json, report.figures.received, report.figures.sent, report.waiting);
     return json;
 }

@@ -14,6 +14,7 @@ void Forwarder::replay(Channel& from, ano::FrameView brought) {
     if (carried_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
     if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a question of now
+    entry(from.link).traffic.replayed.set(frame.source());
     Route route = router_.find(from.link, frame.destination(), now_);
     route.channels.erase(from.id);
     route.guarded.erase(from.id);

@@ -89,6 +89,8 @@ TEST_F(Replay, says_what_came_in_in_its_order_and_then_that_it_is_at_its_end) {
     EXPECT_EQ(told["channels"][0]["peer"], "fc");
     EXPECT_EQ(told["channels"][1]["peer"], "radio");
     EXPECT_EQ(told["channels"][1]["frames_in"], 50);
+    EXPECT_EQ(told["replayed"], json::array({{{"address", "0xDC"}, {"who", "flight controller"}}}));
+    EXPECT_FALSE(daemon.link("ground").contains("replayed"));
     EXPECT_TRUE(daemon.counters_add_up());
 }
 

@@ -7,5 +7,6 @@ import { hexByte } from "./protocol/table";
 export function nameOf(address: number): string {
   const hex = hexByte(address);
   const said = devices.get().find((device) => Number(device.address) === address)?.name;
-  return said || whoText(status.get()?.routes.find((route) => route.address === hex)?.who ?? "");
+  const known = status.get(), replayed = known?.links.flatMap((link) => link.replayed ?? []) ?? [];
+  return said || whoText([...(known?.routes ?? []), ...replayed].find((one) => one.address === hex)?.who ?? "");
 }

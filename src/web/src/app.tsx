@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t, setLanguage, useLanguage } from "./i18n";
 import { access, contact, devices, logIn, silentFor, status, tokenNeeded } from "./live/gateway";
+import { replayedDevices } from "./live/replayed";
 import { useStore, useTick } from "./live/store";
 import { nameOf } from "./addresses";
 import { hexByte } from "./protocol/table";
@@ -41,10 +42,10 @@ function Switches() {
   );
 }
 
-/** The addresses whose pages are offered: who was heard, but for hosts; and the one that is looked at. */
-function useDevices(chosen: number | undefined): number[] {
+/** The addresses whose pages are offered: who was heard, but for hosts; who is in a recording; and the one that is looked at. */
+function useDevices(chosen: number | undefined, replayed: Map<number, string>): number[] {
   const heard = useStore(devices).map((device) => Number(device.address));
-  const all = new Set(heard.filter((address) => address !== 0xfe && address !== 0xd2));
+  const all = new Set([...heard.filter((address) => address !== 0xfe && address !== 0xd2), ...replayed.keys()]);
   if (chosen !== undefined) all.add(chosen);
   return [...all].sort((a, b) => a - b);
 }
@@ -67,11 +68,13 @@ function Tab({ page, device, here, among }: { page: Page; device?: number | unde
 function Navigation() {
   const now = useStore(place);
   const here = pageAt(now);
-  const all = useDevices(now.device);
+  const replayed = replayedDevices(useStore(status));
+  const all = useDevices(now.device, replayed);
   const remembered = useRef<number | undefined>(undefined);
   if (now.device !== undefined) remembered.current = now.device;
   const device = now.device ?? remembered.current ?? all.find((address) => address === 0xdc) ?? all[0];
-  const ofDevice = pages.filter((page) => page.ofDevice);
+  const offered = (of: number): Page[] => pages.filter((page) => page.ofDevice && !(page.asks && replayed.has(of)));
+  const ofDevice = device === undefined ? [] : offered(device);
   return (
     <nav aria-label={t("pages")}>
       <ul>
@@ -85,13 +88,14 @@ function Navigation() {
             aria-label={t("device")}
             value={String(device)}
             onChange={(event) => {
-              const page = here.ofDevice ? here.name : ofDevice[0]!.name;
-              location.hash = hashOf({ page, device: Number(event.currentTarget.value) });
+              const chosen = Number(event.currentTarget.value), there = offered(chosen);
+              const page = there.includes(here) ? here.name : there[0]!.name;
+              location.hash = hashOf({ page, device: chosen });
             }}
           >
             {all.map((address) => (
               <option key={address} value={String(address)}>
-                {hexByte(address)} {nameOf(address)}
+                {hexByte(address)} {nameOf(address)}{replayed.has(address) ? ` · ${t("replayed")}` : ""}
               </option>
             ))}
           </select>
@@ -164,6 +168,11 @@ function ConflictNote({ device }: { device: number }) {
   );
 }
 
+/** Whoever is looked at is in a recording alone. */
+function ReplayedNote({ link }: { link: string }) {
+  return <p class="note" role="status">{t("replayed_more", { link })}</p>;
+}
+
 function Body({ children }: { children: ComponentChildren }) {
   const state = useStore(contact);
   return (
@@ -184,6 +193,8 @@ export function App() {
     const whose = page.ofDevice && now.device !== undefined ? nameOf(now.device) || hexByte(now.device) : known?.gateway.name;
     document.title = `${t(page.title)} · ${whose ?? "anogate"}`;
   });
+  const replayedBy = page.ofDevice && now.device !== undefined ? replayedDevices(known).get(now.device) : undefined;
+  const mayAsk = known !== undefined && replayedBy === undefined;
   const View = page.view;
   return (
     <>
@@ -201,11 +212,12 @@ export function App() {
           <>
             {may === "view" && known?.http.token_needed && <p class="note">{t("only_view")}</p>}
             {page.ofDevice && now.device !== undefined && <ConflictNote device={now.device} />}
-            <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />
+            {replayedBy !== undefined && <ReplayedNote link={replayedBy} />}
+            {page.asks && !mayAsk ? <h1>{t(page.title)}</h1> : <View key={`${page.name} ${now.device ?? ""}`} device={now.device ?? 0} />}
           </>
         )}
       </Body>
-      {!needed && page.ofDevice && now.device !== undefined && <Pinned key={now.device} device={now.device} />}
+      {!needed && page.ofDevice && now.device !== undefined && mayAsk && <Pinned key={now.device} device={now.device} />}
     </>
   );
 }

@@ -33,6 +33,8 @@ export const words = {
   frames_rate: ["{n} frames/s in", "每秒收到 {n} 帧"],
   network: ["Network", "网络"],
   troubles: ["Needs attention", "需要处理"],
+  recording_fails: ["Recording {name}", "录制 {name}"],
+  last_not_saved: ["The last frames are not saved", "最近的帧没有保存"],
   all_well: ["All links are well.", "所有链路正常。"],
   state_up: ["up", "正常"],
   state_waiting: ["waiting", "等待"],
@@ -62,6 +64,8 @@ export const words = {
   via_own: ["itself", "本机"],
   via_port: ["port id", "端口 ID"],
   via_pinned: ["pinned", "固定"],
+  replayed: ["from a recording", "来自录制"],
+  replayed_more: ["From a recording, which {link} plays: nobody is there to be asked, or to act.", "来自录制，由 {link} 回放：没有设备可以询问或操作。"],
   via_learned: ["heard", "听到"],
 
   search: ["Search", "搜索"],

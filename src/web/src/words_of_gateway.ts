@@ -95,6 +95,14 @@ export const causes: Record<string, [string, string]> = {
   link_down: ["the link was down", "链路断开"],
   too_big: ["more DATA than the link carries", "DATA 超过链路能带的长度"],
   send_failed: ["refused by the system", "被系统拒绝"],
+  kernel_drops: ["came faster than they were read: the kernel dropped them", "来得太快，被内核丢弃"],
+  refused: ["no program has the peer's port open", "对端的端口上没有程序在听"],
+  transfer_errors: ["ISO-TP transfers that broke off", "中断的 ISO-TP 传输"],
+  kept_back_of_hosts: ["not replayed: what hosts said", "不回放：上位机说的"],
+  kept_back_commands: ["not replayed: what commands or changes a vehicle", "不回放：命令或改变飞行器的"],
+  kept_back_tunnels: ["not replayed: tunnel frames with such", "不回放：含有这类帧的隧道帧"],
+  faults_lost: ["lost on the simulated line", "在模拟的线路上丢失"],
+  faults_unheard: ["the simulated device did not hear it", "模拟的设备没有听到"],
   held_back: ["the peer has not shown that it is there", "对端还没有证明它在那里"],
 };
 

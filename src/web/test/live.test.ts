@@ -1,10 +1,13 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { test } from "node:test";
-import { CounterRates, drops } from "../src/live/counters";
+import { CounterRates, drops, lost } from "../src/live/counters";
 import { askEvery, Liveness, lostAfter } from "../src/live/liveness";
 import { Arrivals, Rate } from "../src/live/rate";
 import { FrameRows } from "../src/live/rows";
 import { takeRecords, textMessage, type FrameRecord } from "../src/protocol/records";
+import { causes } from "../src/words_of_gateway";
 
 function recordBytes(id: number, data: number[]): number[] {
   const bytes = new Uint8Array(20 + 6 + data.length + 2);
@@ -86,6 +89,25 @@ test("who is heard anyway is asked for no more than what the answer says; who is
   assert.equal(alive.ask(4480 + askEvery - 1), undefined);
   assert.notEqual(alive.ask(4480 + askEvery), undefined, "half a second is left for the answer");
   assert.ok(askEvery < lostAfter / 2);
+});
+
+test("only what did not arrive is a loss: every cause of the gateway's, and nothing else that a link tells in numbers", () => {
+  const header = readFileSync(join(import.meta.dirname, "../../../include/gateway/counters.hpp"), "utf8");
+  const counted = [...header.matchAll(/^ {4}\{"(\w+)", &(?:Receive|Send)Counters::/gm)].map((row) => row[1]!);
+  assert.ok(counted.length > 15);
+  const carried = new Set(["frames_in", "bytes_in", "skipped_bytes", "frames_out", "bytes_out", "empty_out"]);
+  const link = Object.fromEntries([...counted, "waiting", "id", "since_s", "position_s", "kept_back_commands", "kept_back_of_hosts", "paced", "baud", "port", "kernel_drops"].map((name) => [name, 7]));
+  assert.deepEqual(drops(link).map(([name]) => name).sort(), [...counted.filter((name) => !carried.has(name)), "kernel_drops"].sort());
+  for (const [name] of drops(link)) assert.ok(name in causes, `${name} has words`);
+  assert.deepEqual(drops({ stale: 0, limited: 3, queue_full: 9, denied_in: "5" }), [["queue_full", 9], ["limited", 3]]);
+});
+
+test("a frame to nobody is no loss where no host is, or where a recording speaks", () => {
+  const counted = { no_route: 7, stale: 2 };
+  assert.deepEqual(lost({ ...counted, hint_id: "" }), [["no_route", 7], ["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "hosts_link_down" }), [["no_route", 7], ["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "no_host_takes" }), [["stale", 2]]);
+  assert.deepEqual(lost({ ...counted, hint_id: "recording_ended", replayed: [] }), [["stale", 2]]);
 });
 
 test("rates of counters outlive a gateway that begins anew", () => {

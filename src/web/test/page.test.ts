@@ -6,7 +6,9 @@ import { gridStep, type Point } from "../src/parts/ground";
 import { addPlace, addPoint, clearTracks, earthTrackOf } from "../src/parts/tracks";
 import { changesOf, fileOf, isSame, strangerIn, valuesIn, type Parameter } from "../src/parts/parameter_set";
 import { pinnedOf, type Command } from "../src/live/device";
-import { questionOf } from "../src/live/recordings";
+import type { Link, Route } from "../src/live/gateway";
+import { faultsOf, questionOf, type KeptLast, type RunningRecording } from "../src/live/recordings";
+import { replayedDevices } from "../src/live/replayed";
 import type { MessageRow } from "../src/protocol/table";
 import { hashOf, placeOf } from "../src/route";
 import { words } from "../src/words";
@@ -87,6 +89,25 @@ test("asks for a recording as it was typed, or says which field can not be meant
   for (const name of [".hidden", "a/b", "..", "a b", "飞行", "x".repeat(101)]) assert.deepEqual(questionOf({ ...wishes, name }), { fault: "name" }, name);
   for (const limit of ["euler", "euler=", "=5", "euler=-1"]) assert.deepEqual(questionOf({ ...wishes, limit }), { fault: "limit" }, limit);
   for (const seconds of ["soon", "0", "-5"]) assert.deepEqual(questionOf({ ...wishes, seconds }), { fault: "seconds" }, seconds);
+});
+
+test("who is in a recording alone is told from who is there, and hosts are no devices", () => {
+  const link = (name: string, ...addresses: string[]): Link => ({ name, replayed: addresses.map((address) => ({ address, who: "" })) }) as Link;
+  const route = (address: string): Route => ({ address, who: "", links: ["fc"], via: "learned" });
+  const of = (links: Link[], routes: Route[]): [number, string][] => [...replayedDevices({ links, routes })];
+  assert.deepEqual([...replayedDevices(undefined)], []);
+  assert.deepEqual(of([{ name: "old" } as Link], [route("0xDC")]), []);
+  assert.deepEqual(of([link("flight", "0xDC", "0x1E", "0xFE", "0xD2"), link("other", "0xDC", "0x30")], [route("0x1E")]), [[0xdc, "flight"], [0x30, "other"]]);
+});
+
+test("tells which recordings fail, and nothing where none does or nothing records", () => {
+  const running = (name: string, error: string): RunningRecording => ({ name, error, by: "configuration", file: "", files: 0, format: "pcapng", frames: 0, bytes: 0, not_written: 0, since: 0, seconds: 0, ends_in_s: null });
+  const last = (error: string): KeptLast => ({ seconds: 60, held_s: 1, frames: 1, bytes: 1, saved: 0, skipped: 0, last: "", error });
+  assert.deepEqual(faultsOf(undefined), []);
+  assert.deepEqual(faultsOf(null), []);
+  assert.deepEqual(faultsOf({ running: [running("a", "")], keep_last: last("") }), []);
+  assert.deepEqual(faultsOf({ running: [running("a", ""), running("b", "/rec: Read-only file system")], keep_last: null }), [{ name: "b", error: "/rec: Read-only file system" }]);
+  assert.deepEqual(faultsOf({ running: [], keep_last: last("no room") }), [{ name: "", error: "no room" }]);
 });
 
 test("pins what ends a flight, where it wants no values", () => {

@@ -29,6 +29,14 @@ TEST_F(Replayed, frames_go_where_they_would_and_teach_nothing) {
     EXPECT_TRUE(taken(replay).empty());
 }
 
+TEST_F(Replayed, link_knows_who_spoke_in_it_and_no_other_link_does) {
+    receive(replay, telemetry);
+    receive(live, frame(0x30, all, 0x03, {1}));
+    EXPECT_TRUE(forwarder.traffic(replay.link).replayed.test(fc));
+    EXPECT_EQ(forwarder.traffic(replay.link).replayed.count(), 1u);
+    EXPECT_TRUE(forwarder.traffic(live.link).replayed.none());
+}
+
 TEST_F(Replayed, a_device_that_is_alive_has_its_address_from_its_first_frame_on_though_it_says_the_very_same) {
     receive(replay, telemetry);
     receive(live, telemetry);

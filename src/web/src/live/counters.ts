@@ -4,21 +4,26 @@ export interface Counters {
   [name: string]: unknown;
 }
 
-/** Frames that did not arrive, or bytes that were none: the rest of a link's numbers. */
-const notDrops = new Set(["since_s", "heard_s", "frames_in", "bytes_in", "frames_out", "bytes_out", "empty_out", "waiting", "id", "baud", "port", "skipped_bytes"]);
-
-const numberOf = (value: unknown): number => (typeof value === "number" ? value : typeof value === "string" ? Number(value) : 0);
+/** What a link counts of frames that did not arrive. Its other numbers are none of these: what it carried, a position, a port, a rate. */
+const losses: ReadonlySet<string> = new Set([
+  "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route",
+  "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
+  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is in denied_in as well
+  "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check where it is heard
+]);
 
 /** Names and numbers of what was dropped, the most first. */
 export function drops(counters: Counters): [string, number][] {
   return Object.entries(counters)
-    .filter(([name, value]) => !notDrops.has(name) && typeof value === "number" && value > 0)
-    .map(([name, value]): [string, number] => [name, numberOf(value)])
+    .filter((entry): entry is [string, number] => losses.has(entry[0]) && typeof entry[1] === "number" && entry[1] > 0)
     .sort((a, b) => b[1] - a[1]);
 }
 
-/** Frames that no host takes are here on the page all the same. */
-export const isTaken = (link: Counters, cause: string): boolean => cause === "no_route" && link.hint_id === "no_host_takes";
+/** Where no host is, or where a recording speaks to those of its time, frames to nobody are no loss: the page shows them all the same. */
+const isAlone = (link: Counters): boolean => link.hint_id === "no_host_takes" || link.replayed !== undefined;
+
+/** What was dropped and should have arrived, the most first. */
+export const lost = (link: Counters): [string, number][] => drops(link).filter(([cause]) => cause !== "no_route" || !isAlone(link));
 
 interface Look {
   at: number;

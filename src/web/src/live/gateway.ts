@@ -6,6 +6,7 @@ import type { Datum } from "../map/datum";
 import { CounterRates, type Counters } from "./counters";
 import { frameStream } from "./frames";
 import { Liveness, type Contact } from "./liveness";
+import type { RecordingState } from "./recordings";
 import { Store } from "./store";
 
 export interface Channel extends Counters {
@@ -25,6 +26,8 @@ export interface Link extends Counters {
   hint_id: string;
   hint_args: Record<string, unknown>;
   channels: Channel[];
+  /** Who spoke in the recording that it plays. */
+  replayed?: { address: string; who: string }[];
 }
 export interface Route {
   address: string;
@@ -39,6 +42,7 @@ export interface Status {
   routes: Route[];
   conflicts: { address: string; links?: string[]; [key: string]: unknown }[];
   tunnel: Counters;
+  recording?: RecordingState;
   http: { token_needed: boolean; tls: boolean };
   map: { file: string; datum: Datum } | null;
 }

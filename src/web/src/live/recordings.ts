@@ -45,6 +45,19 @@ export interface Recordings {
   recordings: Recording[];
 }
 
+/** What the status tells of recordings; null: nothing records here. */
+export type RecordingState = Pick<Recordings, "keep_last" | "running"> | null;
+
+export interface RecordingFault {
+  name: string; // of the recording; empty: what keep_last holds could not be saved
+  error: string;
+}
+
+export function faultsOf(state: RecordingState | undefined): RecordingFault[] {
+  const all = (state?.running ?? []).map(({ name, error }) => ({ name, error }));
+  return [...all, { name: "", error: state?.keep_last?.error ?? "" }].filter((one) => one.error !== "");
+}
+
 /** What is typed before a recording is begun; empty: not given. */
 export interface Wishes {
   name: string;

@@ -19,6 +19,7 @@ export interface Page {
   name: string;
   title: Key;
   ofDevice: boolean;
+  asks?: true; // the device must be there: one of a recording answers nothing
   view: FunctionComponent<{ device: number }>;
 }
 
@@ -30,11 +31,11 @@ export const pages: Page[] = [
   { name: "images", title: "images", ofDevice: false, view: Images },
   { name: "recordings", title: "recordings", ofDevice: false, view: Recordings },
   { name: pageOfDevice, title: "vehicle", ofDevice: true, view: Vehicle },
-  { name: "parameters", title: "parameters", ofDevice: true, view: Parameters },
-  { name: "commands", title: "commands", ofDevice: true, view: Commands },
-  { name: "waypoints", title: "waypoints", ofDevice: true, view: Waypoints },
-  { name: "calibration", title: "calibration", ofDevice: true, view: Calibration },
-  { name: "firmware", title: "firmware", ofDevice: true, view: Firmware },
+  { name: "parameters", title: "parameters", ofDevice: true, asks: true, view: Parameters },
+  { name: "commands", title: "commands", ofDevice: true, asks: true, view: Commands },
+  { name: "waypoints", title: "waypoints", ofDevice: true, asks: true, view: Waypoints },
+  { name: "calibration", title: "calibration", ofDevice: true, asks: true, view: Calibration },
+  { name: "firmware", title: "firmware", ofDevice: true, asks: true, view: Firmware },
 ];
 
 export const pageAt = (place: Place): Page =>

@@ -1,18 +1,22 @@
 // The gateway at a glance, bad news first.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
-import { causeText, errorText, hintText, language, t, useLanguage } from "../i18n";
-import { drops, isTaken } from "../live/counters";
+import { causeText, errorText, hintText, language, reasonText, t, useLanguage } from "../i18n";
+import { lost } from "../live/counters";
 import { devices, linkRates, mayAct, status, type Device, type Link, type Status } from "../live/gateway";
+import { faultsOf } from "../live/recordings";
+import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
 import { duration, rateText, shortNumber } from "../format";
 import { Network } from "../parts/network";
+import { hashOf } from "../route";
 import { calmHints } from "../words_of_gateway";
 
 interface Trouble {
   who: string;
   text: string;
   bad: boolean;
+  page?: string; // where more is said of it
 }
 
 function troublesOf(status: Status): Trouble[] {
@@ -23,6 +27,8 @@ function troublesOf(status: Status): Trouble[] {
   }
   for (const conflict of status.conflicts)
     all.push({ who: conflict.address, text: t("conflict", { address: conflict.address, links: (conflict.links ?? []).join(", ") }), bad: true });
+  for (const { name, error } of faultsOf(status.recording))
+    all.push({ who: name ? t("recording_fails", { name }) : t("last_not_saved"), text: reasonText(error), bad: true, page: "recordings" });
   const { standstills, longest_standstill_s: longest } = status.gateway;
   if (standstills > 0) all.push({ who: status.gateway.name, text: t("standstills", { n: standstills, s: longest }), bad: false });
   return all.sort((a, b) => Number(b.bad) - Number(a.bad));
@@ -37,7 +43,7 @@ function Troubles({ status }: { status: Status }) {
       <ul class="troubles">
         {all.map((one) => (
           <li key={one.who + one.text} class={one.bad ? "bad" : "warn"}>
-            <b>{one.who}</b> <span>{one.text}</span>
+            <b>{one.page ? <a href={hashOf({ page: one.page, device: undefined })}>{one.who}</a> : one.who}</b> <span>{one.text}</span>
           </li>
         ))}
       </ul>
@@ -49,19 +55,16 @@ interface Drop {
   cause: string;
   total: number;
   now: number;
-  lost: number; // of those a second, what nobody had
   links: string[];
 }
 
 function dropsOf(links: Link[]): Drop[] {
   const byCause = new Map<string, Drop>();
   for (const link of links)
-    for (const [cause, count] of drops(link)) {
-      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, lost: 0, links: [] };
-      const rate = linkRates.perSecond("link:" + link.name, cause) ?? 0;
+    for (const [cause, count] of lost(link)) {
+      const drop = byCause.get(cause) ?? { cause, total: 0, now: 0, links: [] };
       drop.total += count;
-      drop.now += rate;
-      if (!isTaken(link, cause)) drop.lost += rate;
+      drop.now += linkRates.perSecond("link:" + link.name, cause) ?? 0;
       drop.links.push(link.name);
       byCause.set(cause, drop);
     }
@@ -83,7 +86,7 @@ function Drops({ links }: { links: Link[] }) {
               {all.map((drop) => (
                 <tr key={drop.cause}>
                   <th scope="row">{causeText(drop.cause)} <code class="muted">{drop.cause}</code></th>
-                  <td class={`number ${drop.lost > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
+                  <td class={`number ${drop.now > 0.05 ? "warn" : ""}`}>{rateText(drop.now)} {t("per_second")}</td>
                   <td class="number">{shortNumber(drop.total)}</td>
                   <td>{drop.links.join(", ")}</td>
                 </tr>
@@ -122,7 +125,7 @@ export function Overview() {
   const now = useStore(status);
   if (!now) return <p class="muted" role="status">{t("waiting_first")}</p>;
   const waiting = now.links.filter((link) => link.state !== "up").length;
-  const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length;
+  const heard = now.routes.filter((route) => route.via === "learned" || route.via === "pinned").length + replayedDevices(now).size;
   const coming = now.links.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, "frames_in") ?? 0), 0);
   return (
     <div class="overview">

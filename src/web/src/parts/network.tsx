@@ -1,8 +1,9 @@
 // Who is joined to whom: the gateway, its links, who is behind each; what passes, as it passes.
 import { useState } from "preact/hooks";
 import { causeText, hintText, language, t } from "../i18n";
-import { drops, isTaken } from "../live/counters";
+import { drops, lost } from "../live/counters";
 import { linkRates, type Link, type Route, type Status } from "../live/gateway";
+import { replayedDevices } from "../live/replayed";
 import { duration, rateText, shortNumber } from "../format";
 import { hashOf, pageOfDevice } from "../route";
 import { nameOf } from "../addresses";
@@ -30,7 +31,7 @@ function Who({ route }: { route: Route }) {
       {age > 3 && <small> · {t("ago", { time: duration(age, language.get() === "zh") })}</small>}
     </>
   );
-  const title = t(`via_${route.via}` as "via_own");
+  const title = route.via === "replayed" ? t("replayed") : t(`via_${route.via}` as "via_own");
   return (
     <li class={age > 3 ? "who late" : "who"} title={title}>
       {!isHost && route.via !== "port" ? <a href={hashOf({ page: pageOfDevice, device: address })}>{text}</a> : text}
@@ -55,7 +56,8 @@ function Peers({ link }: { link: Link }) {
 }
 
 function CounterTable({ link }: { link: Link }) {
-  const names = ["frames_in", "bytes_in", "skipped_bytes", "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
+  const keptBack = ["kept_back_of_hosts", "kept_back_commands", "kept_back_tunnels"].filter((name) => name in link);
+  const names = ["frames_in", "bytes_in", "skipped_bytes", ...keptBack, "frames_out", "bytes_out", "empty_out", "waiting", ...drops(link).map(([name]) => name)];
   return (
     <table class="counters" aria-label={t("details_of", { name: link.name })}>
       <tbody>
@@ -75,8 +77,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
   const [open, setOpen] = useState(false);
   const up = link.state === "up";
   const rate = (name: string): number => linkRates.perSecond("link:" + link.name, name) ?? 0;
-  const dropped = drops(link).reduce((sum, [name]) => sum + rate(name), 0);
-  const lost = drops(link).reduce((sum, [name]) => sum + (isTaken(link, name) ? 0 : rate(name)), 0);
+  const losing = lost(link).reduce((sum, [name]) => sum + rate(name), 0);
   const calm = calmHints.has(link.hint_id);
   const troubled = link.error !== "" || (link.hint !== "" && !calm); // the list above says which trouble it is
   const where = link.device ?? link.address ?? link.peer;
@@ -96,8 +97,9 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
         <dl class="flows">
           <div><dt>{t("in")}</dt><dd>{rateText(rate("frames_in"))}<small> {t("per_second")}</small></dd></div>
           <div><dt>{t("out")}</dt><dd>{rateText(rate("frames_out"))}<small> {t("per_second")}</small></dd></div>
-          <div class={lost > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(dropped)}<small> {t("per_second")}</small></dd></div>
+          <div class={losing > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
         </dl>
+        {link.replayed && <p class="calm">{t("replayed")}</p>}
         {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
         <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
         <Peers link={link} />
@@ -109,7 +111,11 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
 }
 
 export function Network({ status }: { status: Status }) {
-  const behind = (link: Link): Route[] => status.routes.filter((route) => route.links.includes(link.name) && route.via !== "port");
+  const replayed = replayedDevices(status);
+  const behind = (link: Link): Route[] => [
+    ...status.routes.filter((route) => route.links.includes(link.name) && route.via !== "port"),
+    ...(link.replayed ?? []).filter((one) => replayed.get(Number(one.address)) === link.name).map((one) => ({ ...one, links: [link.name], via: "replayed" })),
+  ];
   const all = status.links;
   const total = (name: string): number => all.reduce((sum, link) => sum + (linkRates.perSecond("link:" + link.name, name) ?? 0), 0);
   return (

@@ -59,7 +59,8 @@ test("calls no trouble what a lone browser sees", async () => {
     const page = await openPage(here.browser, alone);
     await until("what no host takes", () => page.$$eval(".branch .calm", (all) => all.some((one) => one.textContent.includes("no other host takes it"))));
     await page.waitForSelector(".well");
-    assert.equal(await page.$$eval(".troubles, .flows .warn, .drops .warn, .troubled", (all) => all.length), 0);
+    assert.equal(await page.$$eval(".troubles, .flows .warn, .drops, .troubled", (all) => all.length), 0);
+    assert.deepEqual(await page.$$eval(".flows div:last-child dd", (all) => all.map((one) => parseFloat(one.textContent))), [0, 0]);
     await page.browserContext().close();
   } finally {
     await alone.end();

@@ -1,6 +1,6 @@
 // Recordings: begun, ended, taken home, deleted; and what is said where the disk takes nothing.
 import assert from "node:assert/strict";
-import { copyFileSync, readdirSync, rmSync } from "node:fs";
+import { copyFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { asked, confirm, Gateway, openPage, outcome, press, shot, textOf, type, until, wider, world } from "./gateway.mjs";
@@ -113,6 +113,28 @@ test("a disk that is too full is said to be", async () => {
     await outcome(page, "main .note[role=alert]", /Nothing is written: less than 900 TB/);
     await shot(page, "recordings-full");
     await page.browserContext().close();
+  } finally {
+    await gateway.end();
+  }
+});
+
+test("the overview says that a recording fails, and leads there", async () => {
+  const gateway = await Gateway.start(["sim:fc", "udp-listen:127.0.0.1:0,name=ground"], (folder) => {
+    writeFileSync(join(folder, "file"), "");
+    return { record: { folder: join(folder, "file") } };
+  });
+  try {
+    for (const [language, width, height, words] of [["en", 1440, 900, /Recording .*: Not a directory/], ["zh-CN", 390, 844, /录制 .*：不是文件夹/]]) {
+      const page = await openPage(here.browser, gateway, { language, width, height });
+      await outcome(page, ".troubles .bad", words);
+      await shot(page, `overview-recording-fails-${language}-${width}`);
+      assert.equal(await page.$(".well"), null);
+      assert.ok((await wider(page)) <= 0);
+      await page.click(".troubles .bad a");
+      await page.waitForSelector(".running .bad[role=alert]");
+      assert.equal(await page.evaluate(() => location.hash), "#/recordings");
+      await page.browserContext().close();
+    }
   } finally {
     await gateway.end();
   }
