@@ -25,11 +25,19 @@ std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings)
     return order;
 }
 
-// In the order of oldest_first(). One that is written now is the newest of all.
-std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
-    std::vector<bool> stay(recordings.size());
-    for (std::size_t i = 0; i < recordings.size(); ++i) stay[i] = recordings[i].is_written || recordings[i].is_just_saved;
-    if (!order.empty() && order.size() == recordings.size()) stay[order.back()] = true;
+// What does not go, unless it is too old.
+struct Staying {
+    std::vector<bool> for_bytes, for_free;
+};
+
+// While one is written, that one is worth more than the newest of the others: it goes when the disk is full, but not for `bytes`.
+Staying which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
+    Staying stay{std::vector<bool>(recordings.size()), std::vector<bool>(recordings.size())};
+    for (std::size_t i = 0; i < recordings.size(); ++i)
+        stay.for_bytes[i] = stay.for_free[i] = recordings[i].is_written || recordings[i].is_just_saved;
+    if (order.empty()) return stay;
+    stay.for_bytes[order.back()] = true;
+    if (order.size() == recordings.size()) stay.for_free[order.back()] = true;
     return stay;
 }
 
@@ -78,11 +86,11 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
 RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
                                         std::uint64_t free_bytes) {
     const std::vector<std::size_t> order = oldest_first(recordings);
-    const std::vector<bool> stay = which_stay(recordings, order);
+    const Staying stay = which_stay(recordings, order);
     std::uint64_t all = 0, may_go = 0;
     for (std::size_t i = 0; i < recordings.size(); ++i) {
         all += recordings[i].bytes;
-        if (!stay[i]) may_go += recordings[i].bytes;
+        if (!stay.for_free[i]) may_go += recordings[i].bytes;
     }
     std::uint64_t wanted = free_bytes < limits.free ? limits.free - free_bytes : 0;
     if (wanted > may_go) wanted = 0;
@@ -93,7 +101,8 @@ RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recording
         const bool is_too_old = limits.age > std::chrono::seconds::zero() && recording.age > limits.age;
         const bool is_beyond = limits.bytes != 0 && all > limits.bytes;
         if (!is_too_old && !is_beyond && wanted == 0) break;
-        if (!is_too_old && stay[i]) {
+        const bool may_go_now = (is_beyond && !stay.for_bytes[i]) || (wanted > 0 && !stay.for_free[i]);
+        if (!is_too_old && !may_go_now) {
             result.stays = i;
             continue;
         }

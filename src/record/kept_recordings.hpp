@@ -56,8 +56,9 @@ struct RecordingsToDelete {
     std::vector<std::size_t> going;        // the oldest first
     std::optional<std::size_t> stays{};    // the newest that stays though it is beyond `bytes`
 };
-/// Only its age has one go that was just saved, or that is the newest of all: "it is saved" would be said of what is gone a moment later.
-/// For the sake of free bytes none goes when all of them were not enough: they would be lost for nothing.
+/// Only its age has one go that was just saved, or that is the newest of those that are not written: "it is saved" would be said of
+/// what is gone a moment later. That newest one goes for the sake of free bytes too, while another is written. For the sake of free
+/// bytes none goes when all of them were not enough: they would be lost for nothing.
 RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
                                         std::uint64_t free_bytes);
 

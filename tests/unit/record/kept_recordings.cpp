@@ -75,8 +75,18 @@ TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{0});
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 899), "") << "its bytes can't be had";
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 19s, .free = 0}), "a b ") << "the age holds all the same";
-    kept[0].is_just_saved = false;
-    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the one that is written is newer";
+}
+
+TEST(KeptRecordings, the_newest_of_those_that_are_not_written_goes_only_when_the_disk_is_full_or_for_its_age) {
+    std::vector<KeptRecording> kept = three;
+    kept.push_back({"now", 50, now, true, {}});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 1000}, 700), "a b ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 1000}, 699), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 400), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 399), "") << "they are not enough";
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 9s, .free = 0}), "a b c ");
 }
 
 TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
