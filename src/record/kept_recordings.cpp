@@ -9,11 +9,17 @@ namespace anogate {
 namespace {
 
 constexpr std::chrono::seconds clock_was_set{1'577'836'800};    // 2020-01-01
+constexpr std::chrono::seconds far_ahead = std::chrono::hours{24} * 365 * 15;
+
+bool is_far_ahead(std::chrono::seconds changed, std::chrono::seconds since_1970) {
+    return changed > std::max(since_1970, clock_was_set) + far_ahead;
+}
 
 // The oldest is the least. Of the files of one recording that changed in the same second, "flight.pcapng" is the first, and
 // "flight-10.pcapng" behind "flight-9.pcapng".
 auto order_of(const KeptRecording& recording) {
-    return std::tuple{-recording.age, recording.changed, recording.name.size(), std::string_view{recording.name}};
+    return std::tuple{-recording.age, !recording.is_far_ahead, recording.changed, recording.name.size(),
+                      std::string_view{recording.name}};
 }
 
 std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings) {
@@ -42,13 +48,14 @@ Staying which_stay(std::span<const KeptRecording> recordings, const std::vector<
 }
 
 // Of each time of a change: how much older than the newest it is, without the longest pause in between. The one that is
-// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set.
+// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set, or far ahead.
 std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
                                                                   std::chrono::seconds since_1970) {
     const bool is_set = since_1970 >= clock_was_set;
     std::map<std::chrono::seconds, std::chrono::seconds> ages;
     for (const KeptRecording& recording : recordings)
-        if (!recording.is_written && (!is_set || recording.changed <= since_1970)) ages[recording.changed] = {};
+        if (!recording.is_written && !is_far_ahead(recording.changed, since_1970) && (!is_set || recording.changed <= since_1970))
+            ages[recording.changed] = {};
     if (ages.empty()) return ages;
     std::chrono::seconds newer = ages.rbegin()->first, sum{}, longest{};
     for (auto older = ages.rbegin(); older != ages.rend(); ++older) {
@@ -75,9 +82,12 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
     for (KeptRecording& recording : recordings) {
         const auto before = seen_.find(recording.name);
         if (before != seen_.end() && before->second.changed == recording.changed) seen.insert(*before);
-        else seen[recording.name] = {recording.changed, age_when_seen(recording), steady};
+        else
+            seen[recording.name] = {recording.changed, age_when_seen(recording), steady,
+                                    is_far_ahead(recording.changed, since_1970)};
         const Seen& is = seen.at(recording.name);
         recording.age = is.age + (steady - is.at);
+        recording.is_far_ahead = is.is_far_ahead;
     }
     seen_ = std::move(seen);
     looked_at_ = steady;

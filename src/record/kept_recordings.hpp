@@ -19,6 +19,7 @@ struct KeptRecording {
     bool is_written = false;           // now: it never goes
     std::chrono::seconds age{};        // since its last change; RecordingAges knows it
     bool is_just_saved = false;        // it does not go for want of room
+    bool is_far_ahead = false;         // its time can't be true: it is older than others of its age; RecordingAges knows it
 };
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
@@ -32,13 +33,15 @@ class RecordingAges {
 public:
     using seconds = std::chrono::seconds;
 
-    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look one from before 2020
-    /// has no age: the clock was not set then.
+    /// Sets `age` and `is_far_ahead` of each. They are all that there are now: what is not among them is forgotten. At the first look one
+    /// from before 2020 has no age: the clock was not set then. Nor has one whose time is more than 15 years ahead of the clock, and of
+    /// 2020: a clock may be behind by the years since its system was built, but no further.
     void look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady);
 
 private:
     struct Seen {
         seconds changed, age, at;
+        bool is_far_ahead;
     };
     std::map<std::string, Seen> seen_;
     std::optional<seconds> looked_at_;
