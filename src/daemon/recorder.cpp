@@ -154,9 +154,10 @@ void Recorder::Impl::look() {
     if (is_new) tell();
 }
 
-// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much.
+// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much. What waited through a silence or a
+// fault is still on its way behind it.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
-    if (is_silent() || given_ - thread_->progress().in_flight >= marked_) {
+    if (is_silent() || !news_.error.empty() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
         marked_at_ = now;
     }

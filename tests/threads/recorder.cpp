@@ -403,6 +403,26 @@ TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_fi
     EXPECT_EQ(support::number_of(next.items.back().frame), 59);
 }
 
+TEST_F(RecorderOfGateway, what_waited_through_a_fault_is_no_sign_of_a_slow_disk) {
+    std::ofstream{settings.folder} << "no folder";
+    start();
+    ASSERT_NE(recorder->report().error, "");
+    const auto send_for = [&](ano::Duration time, const auto& look) {
+        for (const auto end = ano::Clock::now() + time; ano::Clock::now() < end;) {
+            ASSERT_NO_FATAL_FAILURE(send(3));
+            gateway.until([] { return false; }, 10ms);
+            ASSERT_NO_FATAL_FAILURE(look());
+        }
+    };
+    ASSERT_NO_FATAL_FAILURE(send_for(1500ms, [] {}));
+    fs::remove(settings.folder);
+    ASSERT_NO_FATAL_FAILURE(send_for(2s, [&] { ASSERT_FALSE(recorder->report().is_slow); }));
+    EXPECT_EQ(recorder->report().error, "");
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(sent));
+}
+
 /// A process with a gateway that records what comes to the port that it says.
 class OtherProcess {
 public:
