@@ -41,7 +41,8 @@ struct RecorderReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t not_written = 0;    // frames: for want of room, or of a disk that takes them
     std::string error;                // why not all is written now, in a clause; empty: it is
-    bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it
+    bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it;
+    bool loses = false;               // and frames are lost by that
 };
 
 /// All calls are from the loop.

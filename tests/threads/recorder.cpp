@@ -246,7 +246,7 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
     const auto begin = ano::Clock::now();
     ASSERT_TRUE(until_error("the disk takes less than comes", 5s)) << recorder->report().error;
     EXPECT_LT(ano::Clock::now() - begin, 2s);
-    EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_TRUE(recorder->report().is_slow && recorder->report().loses);
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
     b.forget();
     send(30);
@@ -269,8 +269,9 @@ TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_fra
     failing_disk.slowness = 600;    // less than what is told as a disk that takes nothing
     const auto begin = ano::Clock::now();
     while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
-    EXPECT_EQ(recorder->report().error, "the disk takes less than comes");
+    EXPECT_EQ(recorder->report().error, "the disk falls behind what comes");
     EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_FALSE(recorder->report().loses);
     EXPECT_GT(recorder->report().waiting, 0u);
     EXPECT_EQ(recorder->report().not_written, 0u);
     failing_disk.slowness = 0;
