@@ -141,11 +141,12 @@ void Recorder::Impl::look() {
     eventfd_t count = 0;
     ::eventfd_read(said_.fd(), &count);
     bool is_new = false;
+    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // no news come behind that
     while (auto news = thread_->next_news()) {
         news_ = std::move(*news);
         is_new = true;
     }
-    if (thread_->wait_for_end(std::chrono::milliseconds::zero())) {
+    if (has_ended) {
         is_ended_ = is_new = true;
         disk_ = DiskPace::State::well;
         said_.close();
@@ -196,7 +197,7 @@ RecorderReport Recorder::Impl::report() const {
     RecorderReport report;
     report.is_ended = is_ended_;
     report.file = news_.file;
-    report.files = progress.files;
+    report.files = news_.files;    // with its path
     report.frames = progress.frames;
     report.bytes = progress.bytes;
     report.waiting = progress.in_flight;

@@ -161,6 +161,14 @@ TEST_F(RecorderOfGateway, loses_nothing_when_the_next_file_begins) {
     EXPECT_EQ(recorder->report().files, files().files.size());
 }
 
+TEST_F(RecorderOfGateway, counts_a_file_when_it_knows_which_it_is) {
+    recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [] {});
+    ASSERT_TRUE(support::wait_until([&] { return recorder->report().bytes > 0; })) << "the loop did not hear of it yet";
+    EXPECT_EQ(recorder->report().files, recorder->report().file.empty() ? 0u : 1u);
+    ASSERT_TRUE(gateway.until([&] { return recorder->report().files == 1; }));
+    EXPECT_EQ(recorder->report().file, settings.folder + "/flight.pcapng");
+}
+
 TEST_F(RecorderOfGateway, may_be_destroyed_by_what_it_calls_at_the_end) {
     recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] {
         if (recorder->report().is_ended) recorder.reset();
