@@ -542,6 +542,23 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
     EXPECT_EQ(recordings.figures().saved, 2u);
 }
 
+TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
+    http::Response first = recordings.last({});
+    http::Response second = recordings.last({});
+    EXPECT_EQ(first.status, 200u);
+    EXPECT_EQ(second.status, 200u);
+    const http::Response third = recordings.last({});
+    EXPECT_EQ(third.status, 503u);
+    EXPECT_NE(third.body.find("read by 2 clients already"), std::string::npos) << third.body;
+    first = {};
+    const http::Response next = recordings.last({});
+    EXPECT_EQ(next.status, 200u) << "one has them";
+    EXPECT_EQ(recordings.last({}).status, 503u);
+    std::string all;
+    while (second.producer->next(all) == http::Producer::Next::part) {}
+    EXPECT_EQ(recordings.last({}).status, 200u) << "all of them are made";
+}
+
 TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_them_from_their_end) {
     failing_disk.hangs = true;
     for (int i = 0; i < 20; ++i) {
