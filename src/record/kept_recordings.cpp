@@ -113,7 +113,7 @@ RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recording
         if (!is_too_old && !is_beyond && wanted == 0) break;
         const bool may_go_now = (is_beyond && !stay.for_bytes[i]) || (wanted > 0 && !stay.for_free[i]);
         if (!is_too_old && !may_go_now) {
-            result.stays = i;
+            if (stay.for_free[i]) result.stays = i;
             continue;
         }
         result.going.push_back(i);
