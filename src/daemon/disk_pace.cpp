@@ -5,20 +5,21 @@
 namespace anogate {
 
 ano::Duration DiskPace::silence_that_is_told() const noexcept {
-    return is_troubled_ ? std::max(hang_told, 2 * longest_) : silence_told;
+    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // more than behind: a hang begins so
+    return is_troubled_ && is_told_of ? std::max(hang_told, 2 * longest_) : silence_told;
 }
 
 // The first look behind a silence that was told is no sign of slowness: what waited through it is still on its way.
 DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept {
     const bool is_quiet = signs.silence >= silence_told, was_silent = state_ == State::silent;
     if (signs.fails || (is_troubled_ && now >= troubled_until_)) {
-        is_troubled_ = false;
+        is_troubled_ = has_lost_ = false;
         longest_ = silence_ = {};
     }
     if (!is_quiet) longest_ = std::max(longest_, silence_);
     silence_ = is_quiet ? signs.silence : ano::Duration{};
 
-    if (!was_silent) before_ = state_;
+    if (!was_silent) before_ = silence_that_is_told() == silence_told ? State::well : state_;
     if (is_quiet) state_ = was_silent || signs.silence >= silence_that_is_told() ? State::silent : State::slow;
     else if (was_silent) state_ = is_troubled_ ? before_ : State::well;
     else if (signs.is_behind && !signs.fails) state_ = State::slow;
@@ -26,6 +27,7 @@ DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept 
 
     if (is_quiet || (signs.is_behind && state_ == State::slow)) {
         is_troubled_ = !signs.fails;
+        has_lost_ = is_troubled_ && (has_lost_ || signs.loses);
         troubled_until_ = now + holds;
     }
     return state_;

@@ -17,13 +17,14 @@ public:
 
     enum class State : std::uint8_t {
         well,
-        slow,     // it takes less than comes, or is silent once more
-        silent    // it takes nothing: for silence_told, or in the middle of a trouble for hang_told and twice as long as before
+        slow,    // it takes less than comes, or is silent once more
+        silent    // it takes nothing: for silence_told, or behind another silence or a loss for hang_told and twice as long as before
     };
     struct Signs {
         ano::Duration silence{};    // since the disk answered last, while something is asked of it; 0: nothing is
-        bool is_behind = false;     // by a second, or it lost frames
-        bool fails = false;         // there is an error that says it all
+        bool is_behind = false;     // by a second, or it lost frames:
+        bool loses = false;
+        bool fails = false;    // there is an error that says it all
     };
 
     State look(ano::TimePoint now, const Signs& signs) noexcept;
@@ -34,6 +35,7 @@ private:
     State state_ = State::well;
     State before_ = State::well;             // it was silent
     bool is_troubled_ = false;               // or was, just before
+    bool has_lost_ = false;                  // in this trouble
     ano::TimePoint troubled_until_{};        // where it is
     ano::Duration silence_{}, longest_{};    // of this trouble, that is under way; of those before it
 };

@@ -46,6 +46,7 @@ private:
     void look();
     void beat();
     ano::Duration behind(TimePoint now);
+    std::uint64_t not_written() const noexcept { return lost_ + queue.lost() + thread_->progress().not_written; }
     bool is_silent() const noexcept { return disk_ == DiskPace::State::silent; }
     void tell();
 
@@ -58,6 +59,7 @@ private:
     Alarm beat_;
     RecorderThread::News news_;
     std::uint64_t lost_ = 0;                  // frames, told in the file or not
+    std::uint64_t lost_before_ = 0;           // of not_written(), when the disk was well last
     std::uint64_t given_ = 0, marked_ = 0;    // bytes, to the thread; and until marked_at_
     TimePoint marked_at_{};
     bool watches_ = false;
@@ -139,11 +141,12 @@ void Recorder::Impl::look() {
     eventfd_t count = 0;
     ::eventfd_read(said_.fd(), &count);
     bool is_new = false;
+    const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // no news come behind that
     while (auto news = thread_->next_news()) {
         news_ = std::move(*news);
         is_new = true;
     }
-    if (thread_->wait_for_end(std::chrono::milliseconds::zero())) {
+    if (has_ended) {
         is_ended_ = is_new = true;
         disk_ = DiskPace::State::well;
         said_.close();
@@ -154,9 +157,10 @@ void Recorder::Impl::look() {
     if (is_new) tell();
 }
 
-// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much.
+// The age of a byte that is not on the disk for sure: of the oldest one, or at least half as much. What waited through a silence or a
+// fault is still on its way behind it.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
-    if (is_silent() || given_ - thread_->progress().in_flight >= marked_) {
+    if (is_silent() || !news_.error.empty() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
         marked_at_ = now;
     }
@@ -167,9 +171,10 @@ ano::Duration Recorder::Impl::behind(TimePoint now) {
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
-    const bool is_behind = behind(now) >= behind_told || queue.lost() > 0;
-    const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, !news_.error.empty()}));
-    if (was != disk_) tell();
+    const bool loses = queue.lost() > 0, is_behind = behind(now) >= behind_told || loses;
+    const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, loses, !news_.error.empty()}));
+    if (was == DiskPace::State::well && disk_ == DiskPace::State::well) lost_before_ = not_written();
+    if (was != disk_ || loses) tell();
     const bool is_slow = disk_ == DiskPace::State::slow;
     if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow || !watches_) beat_.set(now + beat_time);
     else beat_.cancel();
@@ -192,16 +197,17 @@ RecorderReport Recorder::Impl::report() const {
     RecorderReport report;
     report.is_ended = is_ended_;
     report.file = news_.file;
-    report.files = progress.files;
+    report.files = news_.files;    // with its path
     report.frames = progress.frames;
     report.bytes = progress.bytes;
     report.waiting = progress.in_flight;
     report.file_frames = progress.file_frames;
     report.file_bytes = progress.file_bytes;
-    report.not_written = lost_ + queue.lost() + progress.not_written;
+    report.not_written = not_written();
     report.error = is_silent() ? silence_text(thread_->silence(Clock::now())) : news_.error;
     report.is_slow = report.error.empty() && disk_ == DiskPace::State::slow && !is_ended_;
-    if (report.is_slow) report.error = "the disk takes less than comes";
+    report.loses = report.is_slow && report.not_written > lost_before_;
+    if (report.is_slow) report.error = report.loses ? "the disk takes less than comes" : "the disk falls behind what comes";
     return report;
 }
 

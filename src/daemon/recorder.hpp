@@ -33,7 +33,7 @@ constexpr std::uint64_t room_needed(std::uint64_t free) noexcept { return free =
 struct RecorderReport {
     bool is_ended = false;
     std::string file;                 // that is written; with its folder
-    std::uint64_t files = 0;          // that were begun
+    std::uint64_t files = 0;          // that were begun; the last of them is `file`
     std::uint64_t frames = 0;         // written
     std::uint64_t bytes = 0;          // written, in all files
     std::uint64_t waiting = 0;        // bytes of frames that are not on the disk for sure
@@ -41,7 +41,8 @@ struct RecorderReport {
     std::uint64_t file_bytes = 0;
     std::uint64_t not_written = 0;    // frames: for want of room, or of a disk that takes them
     std::string error;                // why not all is written now, in a clause; empty: it is
-    bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it
+    bool is_slow = false;             // that is the error: what is written is less than comes, or a second behind it;
+    bool loses = false;               // and frames are lost by that
 };
 
 /// All calls are from the loop.

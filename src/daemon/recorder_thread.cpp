@@ -153,9 +153,9 @@ void RecorderThread::sleep(const DiskWriter& disk) {
 void RecorderThread::tell(const DiskWriter& disk) {
     bool has_said = wants_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
     if (has_said) wants_room_ = false;
-    if (told_.file != disk.file() || told_.error != disk.error()) {
+    if (told_.file != disk.file() || told_.error != disk.error() || told_.files != progress_.files) {
         try {
-            News news{disk.file(), disk.error()};
+            News news{disk.file(), disk.error(), progress_.files};
             if (news_.push(news)) {
                 told_ = std::move(news);
                 has_said = true;

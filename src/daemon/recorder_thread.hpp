@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -23,6 +24,7 @@ public:
 
     struct News {
         std::string file, error;    // as of DiskWriter
+        std::uint64_t files = 0;    // that were begun; the last of them is `file`
     };
 
     explicit RecorderThread(const RecorderSettings& settings) : settings_{settings} {}

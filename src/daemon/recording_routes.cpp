@@ -201,7 +201,7 @@ void add_recording_routes(http::Routes& routes, Recordings& recordings) {
                 "what keep_last holds",
                 [&recordings](const Request& request) { return begin(recordings, request); }});
     routes.add({"GET", "/recordings/last", Access::view,
-                "what keep_last holds, as a file; format=pcapng or mcap, message_encoding=cdr or json",
+                "what keep_last holds, as a file, for two clients at once; format=pcapng or mcap, message_encoding=cdr or json",
                 [&recordings](const Request& request) { return last(recordings, request); }});
     routes.add({"GET", "/recordings/{name}", Access::view, "a recording, whole or a range of it",
                 [&recordings, name_in](const Request& request) { return recordings.file(request, name_in(request)); }});

@@ -251,8 +251,10 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     if (report.error.empty())
         spdlog::info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
     else
-        spdlog::warn("recording {}: {}; frames go on, but {} recorded", running.asked.name, report.error,
-                     report.is_slow ? "not all are" : "are not");
+        spdlog::warn("recording {}: {}; frames go on, {}", running.asked.name, report.error,
+                     !report.is_slow ? "but are not recorded"
+                     : report.loses  ? "but not all are recorded"
+                                     : "and none is lost yet");
     running.told_error = error;
     look_soon();
 }

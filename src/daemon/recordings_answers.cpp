@@ -31,12 +31,18 @@ Json json_of(const FoundRecording& file) {
 // What keep_last holds, made while it is sent.
 class KeptFramesParts final : public http::Producer {
 public:
-    KeptFramesParts(KeptFrames frames, RecordingFormat format, RecordingOptions options)
-        : writing_{std::move(frames), format, options} {}
-    Next next(std::string& into) override { return writing_.next(into) ? Next::part : Next::end; }
+    /// `place` is held until all of them are made.
+    KeptFramesParts(KeptFrames frames, RecordingFormat format, RecordingOptions options, std::shared_ptr<void> place)
+        : writing_{std::move(frames), format, options}, place_{std::move(place)} {}
+    Next next(std::string& into) override {
+        if (writing_.next(into)) return Next::part;
+        place_.reset();
+        return Next::end;
+    }
 
 private:
     KeptFramesWriting writing_;
+    std::shared_ptr<void> place_;
 };
 
 std::string type_of(RecordingFormat format) {
@@ -236,12 +242,15 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
 
 http::Response Recordings::last(const WantedForm& wanted) {
     if (!memory_) return http::error(409, nothing_kept);
+    if (static_cast<std::size_t>(reading_.use_count()) > most_reading)
+        return http::try_again("the last frames are read by " + std::to_string(most_reading) +
+                               " clients already: again when one has them");
     const RecordingFormat made = format_for(wanted);
     http::Response response;
     response.type = type_of(made);
     response.headers.push_back({"Content-Disposition", "attachment; filename=\"" + name_by_time(since_1970()) + "-last." +
                                                            std::string{text(made)} + "\""});
-    response.producer = std::make_unique<KeptFramesParts>(memory_->frames(), made, options_for(wanted));
+    response.producer = std::make_unique<KeptFramesParts>(memory_->frames(), made, options_for(wanted), reading_);
     return response;
 }
 

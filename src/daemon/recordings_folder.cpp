@@ -18,7 +18,6 @@
 #include <cerrno>
 #include <filesystem>
 #include <memory>
-#include <thread>
 #include <utility>
 
 namespace anogate {
@@ -69,14 +68,18 @@ bool is_locked(int fd) {
     return false;
 }
 
-/// As long as `fd` is open. Who looks is waited for; false: somebody writes it.
-bool lock_to_write(int fd) {
-    constexpr int turns = 20;
-    for (int turn = 0; ::flock(fd, LOCK_EX | LOCK_NB) != 0; ++turn) {
-        if (turn == turns || errno != EWOULDBLOCK) return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds{5});
-    }
-    return true;
+/// Who repairs a recording locks it against others that do, as long as `fd` is open: it is not written, and may be deleted meanwhile.
+/// That lock and the one of is_locked() do not see each other.
+bool lock_to_repair(int fd) {
+    struct flock all {};
+    all.l_type = F_WRLCK;
+    all.l_whence = SEEK_SET;
+    return ::fcntl(fd, F_OFD_SETLK, &all) == 0;
+}
+
+bool is_deleted(int fd) {
+    struct stat is {};
+    return ::fstat(fd, &is) == 0 && is.st_nlink == 0;
 }
 
 struct OpenRecording {
@@ -233,11 +236,12 @@ std::string damage_text(std::uint64_t behind, std::uint64_t bytes) {
 
 std::optional<RepairedFile> repair(int folder, const std::string& name) {
     const auto file = open_ours(folder, name, true);
-    if (!file || file->glance.is_ended || !lock_to_write(file->fd.get())) return std::nullopt;
+    if (!file || file->glance.is_ended || is_locked(file->fd.get()) || !lock_to_repair(file->fd.get())) return std::nullopt;
     RecordingRepair repair{file->format};
     std::uint64_t at = 0, written = 0;    // a loss of power may leave zeros behind what was written
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
+        if (is_deleted(file->fd.get())) return std::nullopt;    // its room is wanted
         repair.give(piece);
         if (const auto last = piece.find_last_not_of('\0'); last != piece.npos) written = at + last + 1;
         at += piece.size();

@@ -63,7 +63,7 @@ struct RepairedFile {
     std::uint64_t cut = 0;    // bytes that were no whole part
     std::string fault;        // why it stays as it is; empty: it is whole now
 };
-/// Makes whole what was cut by a loss of power or by force; not what somebody still writes.
+/// Makes whole what was cut by a loss of power or by force; not what somebody still writes, or is deleted meanwhile.
 std::vector<RepairedFile> repair_recordings(const std::string& folder);
 
 /// What the clocks say: the one that is set, since 1970, and the one that nobody sets.

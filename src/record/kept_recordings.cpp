@@ -9,11 +9,17 @@ namespace anogate {
 namespace {
 
 constexpr std::chrono::seconds clock_was_set{1'577'836'800};    // 2020-01-01
+constexpr std::chrono::seconds far_ahead = std::chrono::hours{24} * 365 * 15;
+
+bool is_far_ahead(std::chrono::seconds changed, std::chrono::seconds since_1970) {
+    return changed > std::max(since_1970, clock_was_set) + far_ahead;
+}
 
 // The oldest is the least. Of the files of one recording that changed in the same second, "flight.pcapng" is the first, and
 // "flight-10.pcapng" behind "flight-9.pcapng".
 auto order_of(const KeptRecording& recording) {
-    return std::tuple{-recording.age, recording.changed, recording.name.size(), std::string_view{recording.name}};
+    return std::tuple{-recording.age, !recording.is_far_ahead, recording.changed, recording.name.size(),
+                      std::string_view{recording.name}};
 }
 
 std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings) {
@@ -25,22 +31,31 @@ std::vector<std::size_t> oldest_first(std::span<const KeptRecording> recordings)
     return order;
 }
 
-// In the order of oldest_first(). One that is written now is the newest of all.
-std::vector<bool> which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
-    std::vector<bool> stay(recordings.size());
-    for (std::size_t i = 0; i < recordings.size(); ++i) stay[i] = recordings[i].is_written || recordings[i].is_just_saved;
-    if (!order.empty() && order.size() == recordings.size()) stay[order.back()] = true;
+// What does not go, unless it is too old.
+struct Staying {
+    std::vector<bool> for_bytes, for_free;
+};
+
+// While one is written, that one is worth more than the newest of the others: it goes when the disk is full, but not for `bytes`.
+Staying which_stay(std::span<const KeptRecording> recordings, const std::vector<std::size_t>& order) {
+    Staying stay{std::vector<bool>(recordings.size()), std::vector<bool>(recordings.size())};
+    for (std::size_t i = 0; i < recordings.size(); ++i)
+        stay.for_bytes[i] = stay.for_free[i] = recordings[i].is_written || recordings[i].is_just_saved;
+    if (order.empty()) return stay;
+    stay.for_bytes[order.back()] = true;
+    if (order.size() == recordings.size()) stay.for_free[order.back()] = true;
     return stay;
 }
 
 // Of each time of a change: how much older than the newest it is, without the longest pause in between. The one that is
-// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set.
+// written now is no measure: its time is that of the clock. Nor is one ahead of a clock that is set, or far ahead.
 std::map<std::chrono::seconds, std::chrono::seconds> ages_by_time(std::span<const KeptRecording> recordings,
                                                                   std::chrono::seconds since_1970) {
     const bool is_set = since_1970 >= clock_was_set;
     std::map<std::chrono::seconds, std::chrono::seconds> ages;
     for (const KeptRecording& recording : recordings)
-        if (!recording.is_written && (!is_set || recording.changed <= since_1970)) ages[recording.changed] = {};
+        if (!recording.is_written && !is_far_ahead(recording.changed, since_1970) && (!is_set || recording.changed <= since_1970))
+            ages[recording.changed] = {};
     if (ages.empty()) return ages;
     std::chrono::seconds newer = ages.rbegin()->first, sum{}, longest{};
     for (auto older = ages.rbegin(); older != ages.rend(); ++older) {
@@ -67,9 +82,12 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
     for (KeptRecording& recording : recordings) {
         const auto before = seen_.find(recording.name);
         if (before != seen_.end() && before->second.changed == recording.changed) seen.insert(*before);
-        else seen[recording.name] = {recording.changed, age_when_seen(recording), steady};
+        else
+            seen[recording.name] = {recording.changed, age_when_seen(recording), steady,
+                                    is_far_ahead(recording.changed, since_1970)};
         const Seen& is = seen.at(recording.name);
         recording.age = is.age + (steady - is.at);
+        recording.is_far_ahead = is.is_far_ahead;
     }
     seen_ = std::move(seen);
     looked_at_ = steady;
@@ -78,11 +96,11 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
 RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
                                         std::uint64_t free_bytes) {
     const std::vector<std::size_t> order = oldest_first(recordings);
-    const std::vector<bool> stay = which_stay(recordings, order);
+    const Staying stay = which_stay(recordings, order);
     std::uint64_t all = 0, may_go = 0;
     for (std::size_t i = 0; i < recordings.size(); ++i) {
         all += recordings[i].bytes;
-        if (!stay[i]) may_go += recordings[i].bytes;
+        if (!stay.for_free[i]) may_go += recordings[i].bytes;
     }
     std::uint64_t wanted = free_bytes < limits.free ? limits.free - free_bytes : 0;
     if (wanted > may_go) wanted = 0;
@@ -93,8 +111,9 @@ RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recording
         const bool is_too_old = limits.age > std::chrono::seconds::zero() && recording.age > limits.age;
         const bool is_beyond = limits.bytes != 0 && all > limits.bytes;
         if (!is_too_old && !is_beyond && wanted == 0) break;
-        if (!is_too_old && stay[i]) {
-            result.stays = i;
+        const bool may_go_now = (is_beyond && !stay.for_bytes[i]) || (wanted > 0 && !stay.for_free[i]);
+        if (!is_too_old && !may_go_now) {
+            if (stay.for_free[i]) result.stays = i;
             continue;
         }
         result.going.push_back(i);

@@ -19,6 +19,7 @@ struct KeptRecording {
     bool is_written = false;           // now: it never goes
     std::chrono::seconds age{};        // since its last change; RecordingAges knows it
     bool is_just_saved = false;        // it does not go for want of room
+    bool is_far_ahead = false;         // its time can't be true: it is older than others of its age; RecordingAges knows it
 };
 
 /// How old recordings are, whatever happens to the clock: a computer without a battery for it begins with 1970 and learns the time in
@@ -32,13 +33,15 @@ class RecordingAges {
 public:
     using seconds = std::chrono::seconds;
 
-    /// Sets `age` of each. They are all that there are now: what is not among them is forgotten. At the first look one from before 2020
-    /// has no age: the clock was not set then.
+    /// Sets `age` and `is_far_ahead` of each. They are all that there are now: what is not among them is forgotten. At the first look one
+    /// from before 2020 has no age: the clock was not set then. Nor has one whose time is more than 15 years ahead of the clock, and of
+    /// 2020: a clock may be behind by the years since its system was built, but no further.
     void look(std::span<KeptRecording> recordings, seconds since_1970, seconds steady);
 
 private:
     struct Seen {
         seconds changed, age, at;
+        bool is_far_ahead;
     };
     std::map<std::string, Seen> seen_;
     std::optional<seconds> looked_at_;
@@ -53,11 +56,13 @@ struct KeepLimits {
 
 /// Places in a list of recordings.
 struct RecordingsToDelete {
-    std::vector<std::size_t> going;        // the oldest first
-    std::optional<std::size_t> stays{};    // the newest that stays though it is beyond `bytes`
+    std::vector<std::size_t> going;    // the oldest first
+    std::optional<std::size_t>
+        stays{};    // the newest that stays though it is beyond `bytes`, and not only while another is written
 };
-/// Only its age has one go that was just saved, or that is the newest of all: "it is saved" would be said of what is gone a moment later.
-/// For the sake of free bytes none goes when all of them were not enough: they would be lost for nothing.
+/// Only its age has one go that was just saved, or that is the newest of those that are not written: "it is saved" would be said of
+/// what is gone a moment later. That newest one goes for the sake of free bytes too, while another is written. For the sake of free
+/// bytes none goes when all of them were not enough: they would be lost for nothing.
 RecordingsToDelete recordings_to_delete(std::span<const KeptRecording> recordings, const KeepLimits& limits,
                                         std::uint64_t free_bytes);
 

@@ -161,6 +161,14 @@ TEST_F(RecorderOfGateway, loses_nothing_when_the_next_file_begins) {
     EXPECT_EQ(recorder->report().files, files().files.size());
 }
 
+TEST_F(RecorderOfGateway, counts_a_file_when_it_knows_which_it_is) {
+    recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [] {});
+    ASSERT_TRUE(support::wait_until([&] { return recorder->report().bytes > 0; })) << "the loop did not hear of it yet";
+    EXPECT_EQ(recorder->report().files, recorder->report().file.empty() ? 0u : 1u);
+    ASSERT_TRUE(gateway.until([&] { return recorder->report().files == 1; }));
+    EXPECT_EQ(recorder->report().file, settings.folder + "/flight.pcapng");
+}
+
 TEST_F(RecorderOfGateway, may_be_destroyed_by_what_it_calls_at_the_end) {
     recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] {
         if (recorder->report().is_ended) recorder.reset();
@@ -247,7 +255,7 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
     const auto begin = ano::Clock::now();
     ASSERT_TRUE(until_error("the disk takes less than comes", 5s)) << recorder->report().error;
     EXPECT_LT(ano::Clock::now() - begin, 2s);
-    EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_TRUE(recorder->report().is_slow && recorder->report().loses);
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
     b.forget();
     send(30);
@@ -270,8 +278,9 @@ TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_fra
     failing_disk.slowness = 600;    // less than what is told as a disk that takes nothing
     const auto begin = ano::Clock::now();
     while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
-    EXPECT_EQ(recorder->report().error, "the disk takes less than comes");
+    EXPECT_EQ(recorder->report().error, "the disk falls behind what comes");
     EXPECT_TRUE(recorder->report().is_slow);
+    EXPECT_FALSE(recorder->report().loses);
     EXPECT_GT(recorder->report().waiting, 0u);
     EXPECT_EQ(recorder->report().not_written, 0u);
     failing_disk.slowness = 0;
@@ -404,6 +413,26 @@ TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_fi
     EXPECT_EQ(support::number_of(next.items.back().frame), 59);
 }
 
+TEST_F(RecorderOfGateway, what_waited_through_a_fault_is_no_sign_of_a_slow_disk) {
+    std::ofstream{settings.folder} << "no folder";
+    start();
+    ASSERT_NE(recorder->report().error, "");
+    const auto send_for = [&](ano::Duration time, const auto& look) {
+        for (const auto end = ano::Clock::now() + time; ano::Clock::now() < end;) {
+            ASSERT_NO_FATAL_FAILURE(send(3));
+            gateway.until([] { return false; }, 10ms);
+            ASSERT_NO_FATAL_FAILURE(look());
+        }
+    };
+    ASSERT_NO_FATAL_FAILURE(send_for(1500ms, [] {}));
+    fs::remove(settings.folder);
+    ASSERT_NO_FATAL_FAILURE(send_for(2s, [&] { ASSERT_FALSE(recorder->report().is_slow); }));
+    EXPECT_EQ(recorder->report().error, "");
+    recorder->end();
+    ASSERT_TRUE(until_ended());
+    EXPECT_EQ(files().numbers, support::numbers_to(sent));
+}
+
 /// A process with a gateway that records what comes to the port that it says.
 class OtherProcess {
 public:
@@ -512,6 +541,23 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
     ASSERT_TRUE(gateway.until([&] { return *next != 0; }));
     EXPECT_EQ(*next, 200u);
     EXPECT_EQ(recordings.figures().saved, 2u);
+}
+
+TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
+    http::Response first = recordings.last({});
+    http::Response second = recordings.last({});
+    EXPECT_EQ(first.status, 200u);
+    EXPECT_EQ(second.status, 200u);
+    const http::Response third = recordings.last({});
+    EXPECT_EQ(third.status, 503u);
+    EXPECT_NE(third.body.find("read by 2 clients already"), std::string::npos) << third.body;
+    first = {};
+    const http::Response next = recordings.last({});
+    EXPECT_EQ(next.status, 200u) << "one has them";
+    EXPECT_EQ(recordings.last({}).status, 503u);
+    std::string all;
+    while (second.producer->next(all) == http::Producer::Next::part) {}
+    EXPECT_EQ(recordings.last({}).status, 200u) << "all of them are made";
 }
 
 TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_them_from_their_end) {

@@ -15,9 +15,9 @@ class DiskPaces : public testing::Test {
 protected:
     static constexpr ano::Duration beat = 150ms;
 
-    State look(ano::Duration silence, bool is_behind = false, bool fails = false) {
+    State look(ano::Duration silence, bool is_behind = false, bool fails = false, bool loses = false) {
         now += beat;
-        const State state = pace.look(now, {silence, is_behind, fails});
+        const State state = pace.look(now, {silence, is_behind, loses, fails});
         if (told.empty() || told.back() != state) told.push_back(state);
         return state;
     }
@@ -78,10 +78,24 @@ TEST_F(DiskPaces, one_that_takes_sixteen_seconds_for_each_write_is_told_once_too
     EXPECT_EQ(told.back(), State::slow) << "as it was before";
 }
 
-TEST_F(DiskPaces, one_that_was_slow_and_hangs_is_silent_after_half_a_minute) {
+TEST_F(DiskPaces, one_that_hangs_is_silent_at_once_though_it_was_behind_by_chance_just_before) {
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_EQ(look(400ms, true), State::slow) << "what it took last is 600 ms older";
+        EXPECT_EQ(look(749ms, true), State::slow);
+        EXPECT_EQ(look(750ms, true), State::silent);
+        EXPECT_EQ(look(5s, true), State::silent);
+        EXPECT_EQ(look(0ms, true), State::well) << "what waited is still on its way";
+        pass(11s);
+        look(0ms, true, false, true);
+        pass(11s);
+    }
+}
+
+TEST_F(DiskPaces, one_that_lost_frames_and_hangs_is_silent_after_half_a_minute) {
     write(16s);
     pass(11s);
     ASSERT_EQ(told.back(), State::well) << "a trouble that is over does not count";
+    look(0ms, true, false, true);
     look(0ms, true);
     EXPECT_EQ(look(29'999ms), State::slow);
     EXPECT_EQ(look(30s), State::silent);

@@ -3,6 +3,7 @@
 #include <support/files.hpp>
 #include <support/recorded.hpp>
 #include <support/temp_dir.hpp>
+#include <support/wait.hpp>
 
 #include <gtest/gtest.h>
 
@@ -187,18 +188,50 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
 TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
     dir.write("cut.pcapng", recording(3, false));
     dir.write("flight.pcapng", recording(3));
-    UniqueFd cut{::open((dir / "cut.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
+    const UniqueFd cut{::open((dir / "cut.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
     const UniqueFd flight{::open((dir / "flight.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
     ASSERT_EQ(::flock(cut.get(), LOCK_SH | LOCK_NB), 0);
     ASSERT_EQ(::flock(flight.get(), LOCK_SH | LOCK_NB), 0);
     for (const FoundRecording& file : view_of(folder).files) EXPECT_NE(file.state, State::recording) << file.name;
     EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 200u);
-    std::thread other{[&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds{20});
-        cut = UniqueFd{};
-    }};
-    EXPECT_EQ(repair_recordings(folder).size(), 1u) << "who looks is waited for";
-    other.join();
+    EXPECT_EQ(repair_recordings(folder).size(), 1u);
+}
+
+TEST_F(RecordingsFolder, deletes_what_is_being_repaired_as_what_is_not) {
+    dir.write("old.pcapng", recording(3000, false));
+    dir.write("new.pcapng", recording(1000));
+    fs::last_write_time(dir / "old.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{700});
+    const UniqueFd repairer{::open((dir / "old.pcapng").c_str(), O_RDWR | O_CLOEXEC)};
+    struct flock all {};
+    all.l_type = F_WRLCK;
+    ASSERT_EQ(::fcntl(repairer.get(), F_OFD_SETLK, &all), 0);
+    EXPECT_TRUE(repair_recordings(folder).empty()) << "somebody else does it";
+    EXPECT_EQ(view_of(folder).files.at(1).state, State::unfinished);
+    RecordingAges ages;
+    const KeepLimits limits{recording(3000).size(), {}, 0};
+    EXPECT_EQ(delete_old(folder, limits, ages, {std::chrono::seconds{1'763'898'044}, {}}).gone,
+              std::vector<std::string>{"old.pcapng"});
+    EXPECT_EQ(names(), std::vector<std::string>{"new.pcapng"});
+}
+
+TEST_F(RecordingsFolder, stops_the_repair_of_what_is_deleted) {
+    dir.write("old.pcapng", recording(3, false));
+    const UniqueFd old{::open((dir / "old.pcapng").c_str(), O_RDWR | O_CLOEXEC)};
+    constexpr off_t large = off_t{8} * 1024 * 1024 * 1024;    // of zeros, that take nothing of the disk: seconds to read
+    ASSERT_EQ(::ftruncate(old.get(), large), 0);
+    std::vector<RepairedFile> repaired(1);
+    std::thread repairer{[&] { repaired = repair_recordings(folder); }};
+    const auto is_repaired = [&] {
+        struct flock all {};
+        all.l_type = F_WRLCK;
+        return ::fcntl(old.get(), F_OFD_GETLK, &all) == 0 && all.l_type != F_UNLCK;
+    };
+    EXPECT_TRUE(support::wait_until(is_repaired));
+    EXPECT_EQ(status_of(remove_recording(folder, "old.pcapng")), 200u);
+    repairer.join();
+    EXPECT_TRUE(repaired.empty());
+    EXPECT_EQ(fs::file_size("/proc/self/fd/" + std::to_string(old.get())), static_cast<std::uintmax_t>(large))
+        << "it stays as it was";
 }
 
 TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {

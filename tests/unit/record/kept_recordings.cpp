@@ -68,6 +68,7 @@ TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
     kept[2].is_just_saved = true;
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 400, .age = {}, .free = 0}, plenty).stays, std::nullopt) << "a newer one goes";
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 399, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 900), "b ");
     kept[2].is_just_saved = false;
     kept[0].is_just_saved = true;
     kept[1].is_written = true;
@@ -75,8 +76,19 @@ TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
     EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{0});
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 899), "") << "its bytes can't be had";
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 19s, .free = 0}), "a b ") << "the age holds all the same";
-    kept[0].is_just_saved = false;
-    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the one that is written is newer";
+}
+
+TEST(KeptRecordings, the_newest_of_those_that_are_not_written_goes_only_when_the_disk_is_full_or_for_its_age) {
+    std::vector<KeptRecording> kept = three;
+    kept.push_back({"now", 50, now, true, {}});
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ");
+    EXPECT_EQ(recordings_to_delete(kept, {.bytes = 1, .age = {}, .free = 0}, plenty).stays, std::nullopt)
+        << "it goes with the next";
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 1000}, 700), "a b ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 1000}, 699), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 400), "a b c ");
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = {}, .free = 1000}, 399), "") << "they are not enough";
+    EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 9s, .free = 0}), "a b c ");
 }
 
 TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
@@ -172,6 +184,48 @@ TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_se
     real = now;
     EXPECT_EQ(age_of("flight-4"), 72h + 10s);
     EXPECT_EQ(age_of("flight-0"), 10s);
+}
+
+TEST_F(AgesOfRecordings, are_none_of_what_is_far_ahead_and_it_goes_before_others_that_have_none) {
+    for (const auto clock : {now, now - 5 * 365 * 24h, 100s}) {    // set; of when the system was built; of 1970
+        all.clear();
+        write("flight", now - 1h);
+        write("before", now - 9 * 24h);
+        write("far", 4'294'967'295s);    // 2106
+        write("further", 4'294'967'296s);
+        RecordingAges first;
+        first.look(all, clock, steady);
+        for (const KeptRecording& one : all) EXPECT_EQ(one.age, 0s) << one.name;
+        EXPECT_EQ(names_of_those_that_go(all, {.bytes = 300, .age = {}, .free = 0}), "far ");
+        EXPECT_EQ(names_of_those_that_go(all, {.bytes = 1, .age = {}, .free = 0}), "far further before ");
+    }
+}
+
+TEST_F(AgesOfRecordings, of_others_are_not_told_by_what_is_far_ahead_of_a_clock_that_was_not_set_yet) {
+    write("flight", now);
+    write("before", now - 100h);
+    write("oldest", now - 101h);
+    write("far", 4'294'967'295s);
+    real = 100s;
+    EXPECT_EQ(age_of("oldest"), 1h) << "the longest pause is that of 100 h";
+}
+
+TEST_F(AgesOfRecordings, hold_though_the_clock_comes_back_from_far_ahead) {
+    write("before", now);
+    write("far", now + 15 * 365 * 24h);
+    write("further", now + 15 * 365 * 24h + 1s);
+    EXPECT_EQ(age_of("far"), 0s);
+    EXPECT_FALSE(all[1].is_far_ahead) << "15 years";
+    EXPECT_TRUE(all[2].is_far_ahead);
+    pass(10s);
+    real += 15 * 365 * 24h;
+    write("now");
+    EXPECT_EQ(age_of("now"), 0s);
+    real -= 15 * 365 * 24h;
+    pass(10s);
+    EXPECT_EQ(age_of("now"), 10s);
+    EXPECT_FALSE(all[3].is_far_ahead) << "it was not when it was seen";
+    EXPECT_TRUE(all[2].is_far_ahead);
 }
 
 TEST_F(AgesOfRecordings, without_a_pause_that_is_left_out_come_with_the_time) {
