@@ -23,6 +23,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
+constexpr std::size_t most_in_a_batch = 64 * 1024;    // bytes of frames that are looked at
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
 constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
 
@@ -49,7 +50,7 @@ void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
 
 }    // namespace
 
-/// What one read of the disk gave.
+/// Of what one read of the disk gave, as much as is held at a time: a chunk of MCAP may unpack to a thousand times its bytes.
 struct ReplayFile::Batch {
     struct Entry {
         ano::Duration due;
@@ -124,7 +125,7 @@ private:
             const std::string_view bytes{room.data(), static_cast<std::size_t>(n)};
             if (!reader) reader = make_recording_reader(bytes);
             reader->give(bytes);
-            read_piece(*reader, plan);
+            while (read_batch(*reader, plan)) {}
         }
         add_kept_back(kept_back_before_, plan.kept_back());
         if (!reader) return why_absent(settings_.file, "it is empty");
@@ -136,21 +137,29 @@ private:
         return {};
     }
 
-    void read_piece(RecordingReader& reader, ReplayPlan& plan) {
+    // False: nothing is left of what the reader was given, or nobody wants it.
+    bool read_batch(RecordingReader& reader, ReplayPlan& plan) {
         auto batch = std::make_shared<Batch>();
-        while (const auto item = reader.next()) {
+        std::size_t looked_at = 0;
+        std::optional<Recorded> item;
+        while (looked_at < most_in_a_batch && !plan.is_over() && (item = reader.next())) {
+            looked_at += sizeof(Batch::Entry);
             const auto* const frame = std::get_if<RecordedFrame>(&*item);
             if (frame == nullptr) continue;
-            const auto due = plan.due(*frame);
-            if (plan.is_over()) break;
-            if (!due) continue;
-            const auto bytes = frame->frame.bytes();
-            latest_ = round_begin_ + *due;
-            batch->bytes.insert(batch->bytes.end(), bytes.begin(), bytes.end());
-            batch->entries.push_back({latest_, link_number(frame->link, *batch), static_cast<std::uint32_t>(bytes.size())});
-            ++frames_;
+            looked_at += frame->frame.bytes().size();
+            if (const auto due = plan.due(*frame)) add(*frame, *due, *batch);
         }
+        const bool has_more = looked_at >= most_in_a_batch && !plan.is_over();
         if (reader.position() > 0) deliver(std::move(batch), plan);
+        return has_more && !is_stopping();
+    }
+
+    void add(const RecordedFrame& frame, ano::Duration due, Batch& batch) {
+        const auto bytes = frame.frame.bytes();
+        latest_ = round_begin_ + due;
+        batch.bytes.insert(batch.bytes.end(), bytes.begin(), bytes.end());
+        batch.entries.push_back({latest_, link_number(frame.link, batch), static_cast<std::uint32_t>(bytes.size())});
+        ++frames_;
     }
 
     std::uint32_t link_number(std::string_view name, Batch& batch) {

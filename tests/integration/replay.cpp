@@ -1,5 +1,7 @@
 // replay:FILE: what devices said is said again, beside those who speak now.
 #include <daemon/status.hpp>
+#include <link/asio.hpp>
+#include <link/replay_file.hpp>
 #include <link/serial_settings.hpp>
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
@@ -345,6 +347,39 @@ TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
     UdpPeer peer;
     peer.send(daemon.port("air"), numbered(1));
     EXPECT_TRUE(daemon.until([&] { return daemon.link("air")["channels"].size() == 1; }));
+}
+
+// Packed frames that are alike are a thousand times as small: one read of the file has megabytes of them. Every second is kept back, which
+// tells how far it was read.
+TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_read_ahead) {
+    std::vector<KeptItem> items;
+    const Bytes wanted = frame(fc, all, 0xF1, Bytes(4000, 0)), kept_back = frame(fc, 0xDD, 0x40, Bytes(4000, 0));
+    for (unsigned i = 0; i < 2000; ++i) {
+        items.push_back(said(wanted, i * 1ms));
+        items.push_back(said(kept_back, i * 1ms));
+    }
+    const std::string bytes = write_recording(anogate::RecordingFormat::mcap, items, {"anogate 0.1.0"});
+    ASSERT_LT(bytes.size(), items.size() * wanted.size() / 64);
+    anogate::ReplaySettings settings;
+    settings.file = dir.write("flight.mcap", bytes);
+    anogate::asio::io_context io{1};
+    anogate::ReplayFile file{io, [] {}};
+    file.start(settings);
+    while (!file.next()) io.run_one_for(10s);
+    io.run_for(50ms);
+    const std::uint64_t most = anogate::ReplayFile::read_ahead / wanted.size() + 50;
+    EXPECT_LE(file.kept_back().commands, most) << "a batch more than is read ahead, and one that waits";
+    unsigned taken = 0;
+    while (file.state() != anogate::ReplayFile::State::ended || file.next()) {
+        while (file.next()) {
+            file.take();
+            ++taken;
+            EXPECT_LE(file.kept_back().commands, taken + most);
+        }
+        if (file.state() != anogate::ReplayFile::State::ended) io.run_one_for(10s);
+    }
+    EXPECT_EQ(taken, 2000u);
+    EXPECT_EQ(file.kept_back().commands, 2000u);
 }
 
 // By the real programs.
