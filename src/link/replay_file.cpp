@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -40,6 +41,18 @@ const char* why_strange(RecordingFormat format) {
     return format == RecordingFormat::pcapng
                ? "it is a capture of a network, not of a gateway: anoctl record makes recordings of one"
                : "it is of another program: it has no frames of V8";
+}
+
+/// Nothing that is no file is waited for: a pipe that nobody writes to would hold up the thread for ever.
+std::variant<UniqueFd, std::string> open_file(const std::string& path) {
+    UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
+    struct stat is {};
+    if (!file || ::fstat(file.get(), &is) != 0) return error_text(errno);
+    if (S_ISREG(is.st_mode)) return file;
+    return std::string{S_ISDIR(is.st_mode)    ? "it is a folder"
+                       : S_ISFIFO(is.st_mode) ? "it is a named pipe"
+                                              : "it is a device"} +
+           ": name a file; anoctl replay takes a recording by standard input, too";
 }
 
 void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
@@ -112,13 +125,14 @@ private:
 
     /// Once, from the begin to the end. Why that can't be.
     LinkError play() {
-        const UniqueFd file{::open(settings_.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)};
-        if (!file) return why_absent(settings_.file, error_text(errno));
+        const auto opened = open_file(settings_.file);
+        if (const auto* const fault = std::get_if<std::string>(&opened)) return why_absent(settings_.file, *fault);
+        const int file = std::get<UniqueFd>(opened).get();
         std::unique_ptr<RecordingReader> reader;
         ReplayPlan plan{options_of(settings_)};
         std::vector<char> room(piece_of_file);
         while (!is_stopping() && !plan.is_over() && !(reader && reader->is_damaged())) {
-            const ssize_t n = ::read(file.get(), room.data(), room.size());
+            const ssize_t n = ::read(file, room.data(), room.size());
             if (n < 0 && errno == EINTR) continue;
             if (n < 0) return why_absent(settings_.file, error_text(errno));
             if (n == 0) break;

@@ -6,6 +6,7 @@
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
 #include <support/files.hpp>
+#include <support/hanging_file.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/recorded.hpp>
@@ -16,7 +17,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -263,33 +263,48 @@ TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_w
     }
 }
 
-// A pipe is the slowest of all disks: it gives what somebody writes.
-TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
+TEST_F(Replay, what_is_no_file_is_told_and_not_waited_for) {
     const std::string file = dir / "flight.pcapng";
-    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
-    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
-    ground.send(daemon.port("ground"), question);    // while it can't even be opened
-    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
-    const anogate::UniqueFd disk{::open(file.c_str(), O_WRONLY | O_CLOEXEC)};
+    for (const bool is_pipe : {true, false}) {
+        ASSERT_EQ(is_pipe ? ::mkfifo(file.c_str(), 0600) : ::mkdir(file.c_str(), 0700), 0);
+        RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+        EXPECT_TRUE(daemon.until([&] {
+            return daemon.link("flight")["error"].get<std::string>().starts_with(
+                file + (is_pipe ? ": it is a named pipe" : ": it is a folder") + ": name a file");
+        })) << daemon.status();
+        EXPECT_EQ(daemon.link("flight")["error_id"], "no_recording");
+        EXPECT_EQ(daemon.link("flight")["state"], "waiting");
+        std::filesystem::remove(file);
+        recording({said(numbered(0), 0s)});
+        EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
+        std::filesystem::remove(file);
+    }
+}
+
+TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
     const std::string bytes = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"});
     const std::size_t half = write_pcapng({said(numbered(0), 0s)}, {"anogate"}, false).size();
-    ASSERT_EQ(::write(disk.get(), bytes.data(), half), static_cast<ssize_t>(half));
+    const std::string file = dir.write("flight.pcapng", bytes);
+    const HangingFile disk{file};
+    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
+    ground.send(daemon.port("ground"), question);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
+    ASSERT_TRUE(disk.give(bytes.substr(0, half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "recording_slow"; })) << daemon.status();
     EXPECT_EQ(daemon.link("flight")["frames_in"], 1);
     ground.send(daemon.port("ground"), question);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
-    ASSERT_EQ(::write(disk.get(), bytes.data() + half, bytes.size() - half), static_cast<ssize_t>(bytes.size() - half));
+    ASSERT_TRUE(disk.give(bytes.substr(half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") == 2; }));
     EXPECT_EQ(daemon.link("flight")["error"], "");
 }
 
 TEST_F(Replay, a_gateway_ends_while_its_disk_hangs) {
-    const std::string file = dir / "flight.pcapng";
-    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
-    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
-    daemon.run_for(20ms);
+    const HangingFile disk{recording({said(numbered(0), 0s)})};
+    RunningGateway daemon{settings_of_texts({"replay:" + (dir / "flight.pcapng"), ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
     EXPECT_LT(daemon.stop(), 5s);
-    const anogate::UniqueFd ends_the_thread{::open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)};
 }
 
 // More than is read ahead, by a line that takes 11,520 bytes a second.
