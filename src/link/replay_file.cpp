@@ -1,3 +1,4 @@
+#include <config/config_error.hpp>
 #include <gateway/backoff.hpp>
 #include <link/errors.hpp>
 #include <link/replay_file.hpp>
@@ -25,6 +26,7 @@ namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
 constexpr std::size_t most_in_a_batch = 64 * 1024;    // bytes of frames that are looked at
+constexpr std::size_t longest_name = 64;              // bytes of the name of a link, as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
 constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
 
@@ -181,7 +183,7 @@ private:
         if (place == links_.end() && links_.size() == max_links) place = links_.end() - 1;
         if (place == links_.end()) {
             place = links_.emplace(place, name);
-            batch.new_links.emplace_back(name);
+            batch.new_links.push_back(printable(std::string{name}, longest_name));
         }
         return static_cast<std::uint32_t>(place - links_.begin());
     }

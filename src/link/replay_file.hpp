@@ -59,7 +59,7 @@ public:
     /// Why it is absent; in any other state what is wrong with the file, as far as it was read: "damaged behind byte 4711: …".
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
-    /// Of the recording, for the frames that next() gave.
+    /// Of the recording, for the frames that next() gave; as printable() makes them: they get into the log and the status.
     const std::vector<std::string>& links() const noexcept { return links_; }
 
 private:

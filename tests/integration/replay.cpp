@@ -364,6 +364,19 @@ TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
     EXPECT_TRUE(daemon.until([&] { return daemon.link("air")["channels"].size() == 1; }));
 }
 
+TEST_F(Replay, names_of_links_are_shown_without_what_a_terminal_or_a_log_obeys_and_not_at_any_length) {
+    const std::string forged = "\x1b[31mred\a\r\n2026-01-01 all is well";
+    const std::vector<KeptItem> items{said(numbered(0), 0s, forged), said(numbered(1), 0s, "\xff(\n"),
+                                      said(numbered(2), 0s, std::string(1000, 'L'))};
+    RunningGateway daemon{settings_of_texts({link(items), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground).size(), 3u);
+    const json told = daemon.link("flight")["channels"];
+    ASSERT_EQ(told.size(), 3u);
+    EXPECT_EQ(told[0]["peer"], "\\x1b[31mred\\x07\\x0d\\x0a2026-01-01 all is well");
+    EXPECT_EQ(told[1]["peer"], "\\xff(\\x0a");
+    EXPECT_EQ(told[2]["peer"], std::string(64, 'L') + "...");
+}
+
 // Packed frames that are alike are a thousand times as small: one read of the file has megabytes of them. Every second is kept back, which
 // tells how far it was read.
 TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_read_ahead) {
