@@ -11,22 +11,31 @@ constexpr std::size_t min_part = 3;     // so many letters of a word are enough 
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// The number of edits: a letter added, left out or changed, or two swapped.
-std::size_t edits(std::string_view a, std::string_view b) {
+char as_it_is(char c) { return c; }
+
+/// The number of edits: a letter added, left out or changed, or two swapped. Letters are compared as `form` makes them.
+std::size_t edits(std::string_view a, std::string_view b, char (*form)(char) = lower) {
     std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
     for (std::size_t i = 1; i <= a.size(); ++i) {
         row[0] = i;
         for (std::size_t j = 1; j <= b.size(); ++j) {
-            const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+            const bool same = form(a[i - 1]) == form(b[j - 1]);
             row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0 : 1)});
-            const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+            const bool swapped = i > 1 && j > 1 && form(a[i - 1]) == form(b[j - 2]) && form(a[i - 2]) == form(b[j - 1]);
             if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
         }
         before = above;
         above = row;
     }
     return above[b.size()];
+}
+
+/// Of two that are equally near, the one that `word` is the beginning of ("of": off, not on); then the one that is nearer as it is
+/// written ("fligth": flight, not FLIGHT); otherwise the first.
+bool is_rather_meant(std::string_view candidate, std::string_view best, std::string_view word) {
+    const bool begun = candidate.starts_with(word), best_is_begun = best.starts_with(word);
+    return begun != best_is_begun ? begun : edits(word, candidate, as_it_is) < edits(word, best, as_it_is);
 }
 
 /// "timeout" of peer_timeout.
@@ -47,9 +56,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
         if (candidate.size() > max_word) continue;
         const std::size_t count = edits(word, candidate);
         if (count > fewest || count * 2 > candidate.size()) continue;
-        // Of two that are equally near, the one that `word` is the beginning of ("of": off, not on); otherwise the first.
-        const bool begun = candidate.starts_with(word) && !best.starts_with(word);
-        if (count == fewest && !best.empty() && !begun) continue;
+        if (count == fewest && !best.empty() && !is_rather_meant(candidate, best, word)) continue;
         best = candidate;
         fewest = count;
     }

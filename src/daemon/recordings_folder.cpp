@@ -170,6 +170,17 @@ FolderView quick_view_of(const std::string& folder) {
     return view;
 }
 
+/// " (did you mean 'flight.mcap'?)", or nothing. A name without an end is compared with names without theirs.
+std::string file_meant_by(const std::string& name, std::vector<std::string> files) {
+    std::sort(files.begin(), files.end());
+    const bool has_end = recording_format_of(name).has_value();
+    std::vector<std::string_view> words;
+    for (const std::string_view file : files) words.push_back(has_end ? file : file.substr(0, file.rfind('.')));
+    const std::string_view meant = ano::nearest(name, words);
+    const auto at = std::find(words.begin(), words.end(), meant) - words.begin();
+    return meant.empty() ? std::string{} : " (did you mean '" + files[static_cast<std::size_t>(at)] + "'?)";
+}
+
 /// "; there is flight.mcap", or what may have been meant.
 std::string there_is(int folder, const std::string& name) {
     std::vector<std::string> files = names_in(folder);
@@ -179,7 +190,7 @@ std::string there_is(int folder, const std::string& name) {
         if (file.substr(0, file.rfind('.')) == name.substr(0, recording_format_of(name) ? name.rfind('.') : name.npos))
             same += (same.empty() ? "; there is " : " and ") + file;
     if (!same.empty()) return same;
-    return ano::did_you_mean(name, std::vector<std::string_view>(files.begin(), files.end()));
+    return file_meant_by(name, std::move(files));
 }
 
 Refusal refusal_of_open(int folder, const std::string& name, int error) {

@@ -1,3 +1,4 @@
+#include <config/config_error.hpp>
 #include <gateway/backoff.hpp>
 #include <link/errors.hpp>
 #include <link/replay_file.hpp>
@@ -6,6 +7,7 @@
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +25,8 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
+constexpr std::size_t most_in_a_batch = 64 * 1024;    // bytes of frames that are looked at
+constexpr std::size_t longest_name = 64;              // bytes of the name of a link, as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
 constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
 
@@ -41,6 +45,18 @@ const char* why_strange(RecordingFormat format) {
                : "it is of another program: it has no frames of V8";
 }
 
+/// Nothing that is no file is waited for: a pipe that nobody writes to would hold up the thread for ever.
+std::variant<UniqueFd, std::string> open_file(const std::string& path) {
+    UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
+    struct stat is {};
+    if (!file || ::fstat(file.get(), &is) != 0) return error_text(errno);
+    if (S_ISREG(is.st_mode)) return file;
+    return std::string{S_ISDIR(is.st_mode)    ? "it is a folder"
+                       : S_ISFIFO(is.st_mode) ? "it is a named pipe"
+                                              : "it is a device"} +
+           ": name a file; anoctl replay takes a recording by standard input, too";
+}
+
 void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
     a.of_hosts += b.of_hosts;
     a.commands += b.commands;
@@ -49,7 +65,7 @@ void add_kept_back(ReplayPlan::KeptBack& a, const ReplayPlan::KeptBack& b) {
 
 }    // namespace
 
-/// What one read of the disk gave.
+/// Of what one read of the disk gave, as much as is held at a time: a chunk of MCAP may unpack to a thousand times its bytes.
 struct ReplayFile::Batch {
     struct Entry {
         ano::Duration due;
@@ -111,20 +127,21 @@ private:
 
     /// Once, from the begin to the end. Why that can't be.
     LinkError play() {
-        const UniqueFd file{::open(settings_.file.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)};
-        if (!file) return why_absent(settings_.file, error_text(errno));
+        const auto opened = open_file(settings_.file);
+        if (const auto* const fault = std::get_if<std::string>(&opened)) return why_absent(settings_.file, *fault);
+        const int file = std::get<UniqueFd>(opened).get();
         std::unique_ptr<RecordingReader> reader;
         ReplayPlan plan{options_of(settings_)};
         std::vector<char> room(piece_of_file);
         while (!is_stopping() && !plan.is_over() && !(reader && reader->is_damaged())) {
-            const ssize_t n = ::read(file.get(), room.data(), room.size());
+            const ssize_t n = ::read(file, room.data(), room.size());
             if (n < 0 && errno == EINTR) continue;
             if (n < 0) return why_absent(settings_.file, error_text(errno));
             if (n == 0) break;
             const std::string_view bytes{room.data(), static_cast<std::size_t>(n)};
             if (!reader) reader = make_recording_reader(bytes);
             reader->give(bytes);
-            read_piece(*reader, plan);
+            while (read_batch(*reader, plan)) {}
         }
         add_kept_back(kept_back_before_, plan.kept_back());
         if (!reader) return why_absent(settings_.file, "it is empty");
@@ -136,21 +153,29 @@ private:
         return {};
     }
 
-    void read_piece(RecordingReader& reader, ReplayPlan& plan) {
+    // False: nothing is left of what the reader was given, or nobody wants it.
+    bool read_batch(RecordingReader& reader, ReplayPlan& plan) {
         auto batch = std::make_shared<Batch>();
-        while (const auto item = reader.next()) {
+        std::size_t looked_at = 0;
+        std::optional<Recorded> item;
+        while (looked_at < most_in_a_batch && !plan.is_over() && (item = reader.next())) {
+            looked_at += sizeof(Batch::Entry);
             const auto* const frame = std::get_if<RecordedFrame>(&*item);
             if (frame == nullptr) continue;
-            const auto due = plan.due(*frame);
-            if (plan.is_over()) break;
-            if (!due) continue;
-            const auto bytes = frame->frame.bytes();
-            latest_ = round_begin_ + *due;
-            batch->bytes.insert(batch->bytes.end(), bytes.begin(), bytes.end());
-            batch->entries.push_back({latest_, link_number(frame->link, *batch), static_cast<std::uint32_t>(bytes.size())});
-            ++frames_;
+            looked_at += frame->frame.bytes().size();
+            if (const auto due = plan.due(*frame)) add(*frame, *due, *batch);
         }
+        const bool has_more = looked_at >= most_in_a_batch && !plan.is_over();
         if (reader.position() > 0) deliver(std::move(batch), plan);
+        return has_more && !is_stopping();
+    }
+
+    void add(const RecordedFrame& frame, ano::Duration due, Batch& batch) {
+        const auto bytes = frame.frame.bytes();
+        latest_ = round_begin_ + due;
+        batch.bytes.insert(batch.bytes.end(), bytes.begin(), bytes.end());
+        batch.entries.push_back({latest_, link_number(frame.link, batch), static_cast<std::uint32_t>(bytes.size())});
+        ++frames_;
     }
 
     std::uint32_t link_number(std::string_view name, Batch& batch) {
@@ -158,7 +183,7 @@ private:
         if (place == links_.end() && links_.size() == max_links) place = links_.end() - 1;
         if (place == links_.end()) {
             place = links_.emplace(place, name);
-            batch.new_links.emplace_back(name);
+            batch.new_links.push_back(printable(std::string{name}, longest_name));
         }
         return static_cast<std::uint32_t>(place - links_.begin());
     }

@@ -1,4 +1,5 @@
-// A recording that a thread of its own reads ahead: the loop never waits for the disk.
+// A recording that a thread of its own reads ahead: the loop never waits for the disk. Beside the frames that wait, the thread holds what is
+// unpacked of the file: a chunk of MCAP, 64 MiB at the most.
 //
 // Flow:    ReplayFile file{io, [] { there is news: frames, or another state }};
 //          file.start(settings);
@@ -25,7 +26,7 @@ namespace anogate {
 /// All calls are from the loop.
 class ReplayFile {
 public:
-    static constexpr std::size_t read_ahead = 1024 * 1024;    // bytes of frames that wait, and one piece more
+    static constexpr std::size_t read_ahead = 1024 * 1024;    // bytes of frames that wait, and a batch of 64 KiB more
     static constexpr std::size_t max_links = 16;              // with a name of their own; the frames of others count to the last
 
     struct Frame {
@@ -58,7 +59,7 @@ public:
     /// Why it is absent; in any other state what is wrong with the file, as far as it was read: "damaged behind byte 4711: …".
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
-    /// Of the recording, for the frames that next() gave.
+    /// Of the recording, for the frames that next() gave; as printable() makes them: they get into the log and the status.
     const std::vector<std::string>& links() const noexcept { return links_; }
 
 private:

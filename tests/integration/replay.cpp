@@ -1,9 +1,12 @@
 // replay:FILE: what devices said is said again, beside those who speak now.
 #include <daemon/status.hpp>
+#include <link/asio.hpp>
+#include <link/replay_file.hpp>
 #include <link/serial_settings.hpp>
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
 #include <support/files.hpp>
+#include <support/hanging_file.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/recorded.hpp>
@@ -14,7 +17,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -263,33 +265,48 @@ TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_w
     }
 }
 
-// A pipe is the slowest of all disks: it gives what somebody writes.
-TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
+TEST_F(Replay, what_is_no_file_is_told_and_not_waited_for) {
     const std::string file = dir / "flight.pcapng";
-    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
-    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
-    ground.send(daemon.port("ground"), question);    // while it can't even be opened
-    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
-    const anogate::UniqueFd disk{::open(file.c_str(), O_WRONLY | O_CLOEXEC)};
+    for (const bool is_pipe : {true, false}) {
+        ASSERT_EQ(is_pipe ? ::mkfifo(file.c_str(), 0600) : ::mkdir(file.c_str(), 0700), 0);
+        RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+        EXPECT_TRUE(daemon.until([&] {
+            return daemon.link("flight")["error"].get<std::string>().starts_with(
+                file + (is_pipe ? ": it is a named pipe" : ": it is a folder") + ": name a file");
+        })) << daemon.status();
+        EXPECT_EQ(daemon.link("flight")["error_id"], "no_recording");
+        EXPECT_EQ(daemon.link("flight")["state"], "waiting");
+        std::filesystem::remove(file);
+        recording({said(numbered(0), 0s)});
+        EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
+        std::filesystem::remove(file);
+    }
+}
+
+TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
     const std::string bytes = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"});
     const std::size_t half = write_pcapng({said(numbered(0), 0s)}, {"anogate"}, false).size();
-    ASSERT_EQ(::write(disk.get(), bytes.data(), half), static_cast<ssize_t>(half));
+    const std::string file = dir.write("flight.pcapng", bytes);
+    const HangingFile disk{file};
+    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
+    ground.send(daemon.port("ground"), question);
+    ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
+    ASSERT_TRUE(disk.give(bytes.substr(0, half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "recording_slow"; })) << daemon.status();
     EXPECT_EQ(daemon.link("flight")["frames_in"], 1);
     ground.send(daemon.port("ground"), question);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
-    ASSERT_EQ(::write(disk.get(), bytes.data() + half, bytes.size() - half), static_cast<ssize_t>(bytes.size() - half));
+    ASSERT_TRUE(disk.give(bytes.substr(half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") == 2; }));
     EXPECT_EQ(daemon.link("flight")["error"], "");
 }
 
 TEST_F(Replay, a_gateway_ends_while_its_disk_hangs) {
-    const std::string file = dir / "flight.pcapng";
-    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
-    RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
-    daemon.run_for(20ms);
+    const HangingFile disk{recording({said(numbered(0), 0s)})};
+    RunningGateway daemon{settings_of_texts({"replay:" + (dir / "flight.pcapng"), ground.link("ground")})};
+    ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
     EXPECT_LT(daemon.stop(), 5s);
-    const anogate::UniqueFd ends_the_thread{::open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)};
 }
 
 // More than is read ahead, by a line that takes 11,520 bytes a second.
@@ -347,6 +364,52 @@ TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
     UdpPeer peer;
     peer.send(daemon.port("air"), numbered(1));
     EXPECT_TRUE(daemon.until([&] { return daemon.link("air")["channels"].size() == 1; }));
+}
+
+TEST_F(Replay, names_of_links_are_shown_without_what_a_terminal_or_a_log_obeys_and_not_at_any_length) {
+    const std::string forged = "\x1b[31mred\a\r\n2026-01-01 all is well";
+    const std::vector<KeptItem> items{said(numbered(0), 0s, forged), said(numbered(1), 0s, "\xff(\n"),
+                                      said(numbered(2), 0s, std::string(1000, 'L'))};
+    RunningGateway daemon{settings_of_texts({link(items), ground.link("ground")})};
+    EXPECT_EQ(all_heard(daemon, ground).size(), 3u);
+    const json told = daemon.link("flight")["channels"];
+    ASSERT_EQ(told.size(), 3u);
+    EXPECT_EQ(told[0]["peer"], "\\x1b[31mred\\x07\\x0d\\x0a2026-01-01 all is well");
+    EXPECT_EQ(told[1]["peer"], "\\xff(\\x0a");
+    EXPECT_EQ(told[2]["peer"], std::string(64, 'L') + "...");
+}
+
+// Packed frames that are alike are a thousand times as small: one read of the file has megabytes of them. Every second is kept back, which
+// tells how far it was read.
+TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_read_ahead) {
+    std::vector<KeptItem> items;
+    const Bytes wanted = frame(fc, all, 0xF1, Bytes(4000, 0)), kept_back = frame(fc, 0xDD, 0x40, Bytes(4000, 0));
+    for (unsigned i = 0; i < 2000; ++i) {
+        items.push_back(said(wanted, i * 1ms));
+        items.push_back(said(kept_back, i * 1ms));
+    }
+    const std::string bytes = write_recording(anogate::RecordingFormat::mcap, items, {"anogate 0.1.0"});
+    ASSERT_LT(bytes.size(), items.size() * wanted.size() / 64);
+    anogate::ReplaySettings settings;
+    settings.file = dir.write("flight.mcap", bytes);
+    anogate::asio::io_context io{1};
+    anogate::ReplayFile file{io, [] {}};
+    file.start(settings);
+    while (!file.next()) io.run_one_for(10s);
+    io.run_for(50ms);
+    const std::uint64_t most = anogate::ReplayFile::read_ahead / wanted.size() + 50;
+    EXPECT_LE(file.kept_back().commands, most) << "a batch more than is read ahead, and one that waits";
+    unsigned taken = 0;
+    while (file.state() != anogate::ReplayFile::State::ended || file.next()) {
+        while (file.next()) {
+            file.take();
+            ++taken;
+            EXPECT_LE(file.kept_back().commands, taken + most);
+        }
+        if (file.state() != anogate::ReplayFile::State::ended) io.run_one_for(10s);
+    }
+    EXPECT_EQ(taken, 2000u);
+    EXPECT_EQ(file.kept_back().commands, 2000u);
 }
 
 // By the real programs.

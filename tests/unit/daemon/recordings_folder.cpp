@@ -75,9 +75,13 @@ TEST_F(RecordingsFolder, says_of_a_name_that_is_not_there_what_may_be_meant) {
     EXPECT_EQ(words("flight"), "404 there is no recording flight; there is flight.pcapng");
     EXPECT_EQ(words("flight.mcap"), "404 there is no recording flight.mcap; there is flight.pcapng");
     EXPECT_EQ(words("fligth.pcapng"), "404 there is no recording fligth.pcapng (did you mean 'flight.pcapng'?)");
+    EXPECT_EQ(words("fligt"), "404 there is no recording fligt (did you mean 'flight.pcapng'?)");
     EXPECT_EQ(words("entirely-else"), "404 there is no recording entirely-else");
     EXPECT_EQ(words("notes"), "403 notes was not written by the gateway, and is left alone");
     EXPECT_EQ(std::get<Refusal>(open_recording(folder, "flight")).status, 404u);
+    dir.write("FLIGHT.pcapng", recording(1));
+    EXPECT_EQ(words("fligth.pcapng"), "404 there is no recording fligth.pcapng (did you mean 'flight.pcapng'?)");
+    EXPECT_EQ(words("FLIGTH"), "404 there is no recording FLIGTH (did you mean 'FLIGHT.pcapng'?)");
 }
 
 TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace ano {
 namespace {
 
@@ -16,6 +18,14 @@ TEST(Nearest, finds_slips_of_the_finger) {
     EXPECT_EQ(nearest("Bauds", keys), "baud");
     EXPECT_EQ(nearest("flod", keys), "flow");
     EXPECT_EQ(nearest("fload", keys), "flood");
+}
+
+TEST(Nearest, of_two_that_differ_in_upper_case_only_takes_the_one_that_is_written_alike) {
+    constexpr std::array<std::string_view, 2> upper_first{"FLIGHT", "flight"}, lower_first{"flight", "FLIGHT"};
+    for (const auto& both : {upper_first, lower_first}) {
+        EXPECT_EQ(nearest("fligth", both), "flight");
+        EXPECT_EQ(nearest("FLIGTH", both), "FLIGHT");
+    }
 }
 
 TEST(Nearest, finds_a_part_of_a_word) { EXPECT_EQ(nearest("timeout", keys), "peer_timeout"); }
