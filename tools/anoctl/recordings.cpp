@@ -101,10 +101,19 @@ private:
         std::string note = text_at(one, "error");
         if (const auto missing = static_cast<std::uint64_t>(number_at(one, "not_written")); missing > 0)
             note += (note.empty() ? "" : "; ") + counted(missing, "frame") + " not written";
+        const char* const state = note.empty() ? "recording" : "troubled";
+        if (number_at(one, "files") > 1) {
+            const RecordingSum sum = sum_of_recording(one);
+            note += (note.empty() ? "" : "; ") + sum.of + ": " + sum.frames;
+        }
         const std::string file = text_at(one, "file");
-        return {file.empty() ? text_at(one, "name") : file, note.empty() ? "recording" : "troubled",
-                size_of(number_at(one, "file_bytes")),      text_at(one, "file_frames"),
-                time_text(number_at(one, "seconds")),       note};
+        const bool tells_of_the_file = one.contains("file_seconds");    // an older gateway does not
+        return {file.empty() ? text_at(one, "name") : file,
+                state,
+                size_of(number_at(one, "file_bytes")),
+                text_at(one, "file_frames"),
+                time_text(number_at(one, tells_of_the_file ? "file_seconds" : "seconds")),
+                note};
     }
     static Table::Line cells_of_file(const Json& one) {
         const std::optional<double> length = length_of_recording(one);
@@ -140,10 +149,10 @@ private:
 
     int say_one(const Json& answer, const char* became, Streams& streams) const {
         if (json) return streams.out << answer.dump() << '\n', fine;
-        const std::string written = text_at(answer, "file"), error = text_at(answer, "error");
-        std::string text = (written.empty() ? text_at(answer, "name") : written) + " " + became;
-        if (const std::string frames = text_at(answer, "frames"); !frames.empty() && frames != "0")
-            text += ", " + frames + " frames";
+        const RecordingSum sum = sum_of_recording(answer);
+        const std::string error = text_at(answer, "error");
+        std::string text = sum.of + " " + became;
+        if (number_at(answer, "frames") > 0) text += ", " + sum.frames;
         say(streams, text + (error.empty() ? "" : "; " + error));
         return fine;
     }
