@@ -56,4 +56,12 @@ TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     expect(anoctl({"recordings", "end", "flight"}), 0, "flight is ended, " + sum);
 }
 
+TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
+    start(R"(, "record": {"start": false, "keep_last": "60s"})");
+    for (const char* action : {"start", "save"})
+        expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: what is recorded is pcapng");
+    EXPECT_TRUE(get().at("running").empty());
+    expect(anoctl({"recordings", "start", "2026.11", "--format", "mcap"}), 0, "2026.11.mcap is being recorded");
+}
+
 }    // namespace

@@ -9,6 +9,7 @@
 
 #include <ano_json/text.hpp>
 #include <http/client.hpp>
+#include <record/recording_writer.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -126,6 +127,7 @@ private:
     }
 
     int start(Streams& streams) const {
+        check_ending();
         Json body = Json::object();
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
@@ -137,7 +139,13 @@ private:
             if (!words->empty()) body[key] = *words;
         return say_one(ask("POST", "/recordings", body), "is being recorded", streams);
     }
+    // Where the format is said, a name may end as it likes.
+    void check_ending() const {
+        if (format.empty() && name.rfind('.') != name.npos && !anogate::recording_format_of(name))
+            throw UsageError{ending_refused(name)};
+    }
     int save(Streams& streams) const {
+        check_ending();
         Json body{{"last", true}};
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
