@@ -56,6 +56,29 @@ TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     expect(anoctl({"recordings", "end", "flight"}), 0, "flight is ended, " + sum);
 }
 
+TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_ending_where_that_says_which) {
+    start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
+    begin({{"name", "one"}, {"format", "mcap"}});
+    send_numbered(10);
+    end("one");
+    begin({{"name", "flight"}});
+    for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
+    end("flight");
+    expect(anoctl({"recordings", "get", "one", dir / "copy.mcap"}), 0, "copy.mcap: ");
+    EXPECT_EQ(text_of(dir / "copy.mcap"), content("one.mcap"));
+    expect(anoctl({"recordings", "get", "one.mcap", dir.path().string()}), 0, dir / "one.mcap: ");
+    EXPECT_EQ(text_of(dir / "one.mcap"), content("one.mcap"));
+    for (const char* other : {"x.pcapng", "x.csv"}) {
+        expect(anoctl({"recordings", "get", "one", dir / other}), 2, "get copies one.mcap as it is; anoctl convert makes ");
+        EXPECT_FALSE(std::filesystem::exists(dir / other));
+    }
+    expect(anoctl({"recordings", "delete", "flight"}), 2, " files: say which: flight-");
+    EXPECT_NE(file_called("flight.pcapng"), json());
+    expect(anoctl({"recordings", "delete", "flight-2"}), 0, "flight-2.pcapng is deleted");
+    expect(anoctl({"recordings", "delete", "one"}), 0, "one.mcap is deleted");
+    expect(anoctl({"recordings", "delete", "flihgt.pcapng"}), 1, "did you mean 'flight.pcapng'?");
+}
+
 TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     for (const char* action : {"start", "save"})
