@@ -123,6 +123,12 @@ const std::vector<std::string>& drop_causes() {
     static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out"});
     return names;
 }
+const std::vector<std::string>& counts_of_kinds() {
+    static const std::vector<std::string> names{"refused",          "kernel_drops",       "transfer_errors",
+                                                "wrong_source",     "kept_back_of_hosts", "kept_back_commands",
+                                                "kept_back_tunnels"};
+    return names;
+}
 const std::vector<std::string>& causes_in() {
     static const auto names = names_of(anogate::receive_counters, {"frames_in"});
     return names;

@@ -47,6 +47,8 @@ std::optional<double> length_of_recording(const ano::Json& file);
 
 /// The counters of frames that were to be sent and were not.
 const std::vector<std::string>& drop_causes();
+/// What kinds of links count beside frames and bytes.
+const std::vector<std::string>& counts_of_kinds();
 /// All counters but the frames of their direction.
 const std::vector<std::string>& causes_in();
 const std::vector<std::string>& causes_out();

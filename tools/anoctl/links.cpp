@@ -39,6 +39,7 @@ void add_counters(Table& table, const Json& counted) {
     };
     add("      in: ", not_zero(counted, causes_in()));
     add("      out: ", not_zero(counted, causes_out()));
+    add("      also: ", not_zero(counted, counts_of_kinds()));
 }
 
 void add_link(Table& table, const Json& link) {
