@@ -104,7 +104,7 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(one[0].at("name"), "ground");
     const Result unknown = ask({"links", "gruond"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?)\n");
+    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?); give one of fc, ground, absent\n");
 }
 
 TEST(AnoctlLinks, show_what_only_some_kinds_count) {
