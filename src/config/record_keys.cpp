@@ -86,7 +86,10 @@ constexpr Key<Rec> record_rows[] = {
     duration<&Rec::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
     size_from<&Rec::keep_free, MB>("keep.free",
                                    "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
-    size_from<&Rec::free, MB>("free", "while fewer bytes of the disk are free, nothing is written"),
+    size_from<&Rec::free, MB>(
+        "free",
+        "so many bytes of the disk stay free: nothing is written while fewer than these and 5 MB are; 0: until it "
+        "is full"),
     duration<&Rec::keep_last>(
         "keep_last", second, most_in_memory,
         "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "

@@ -270,6 +270,11 @@ private:
                                                                ": give 'format' \"mcap\", which alone has decoded messages");
         for (std::size_t i = 0; i < record.links.size(); ++i)
             must_exist(record.links[i], draft_.record, "link/" + std::to_string(i), {}, true);
+        if (record.keep_size != 0 && record.keep_size < record.rotate_size)
+            warning(draft_.record.key("keep/size"), "'keep.size' is smaller than 'rotate.size', " +
+                                                        size_text(record.rotate_size) +
+                                                        ": the file that is written grows beyond it, as only ended ones are "
+                                                        "deleted; give a smaller 'rotate.size'");
         if (record.keep_free != 0 && record.keep_free < record.free)
             error(draft_.record, "keep/free",
                   "'keep.free' must be at least 'free', " + size_text(record.free) +

@@ -143,7 +143,7 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     if (free >= needed) return {};
     look_for_room_at_ = now;
     return settings_.folder + ": only " + room_text(free) + " of the disk are free, and " + room_text(needed) +
-           " must be to write more";
+           " must be to write more: " + room_text(settings_.keep_free) + " that stay, as record.free says, and 5 MB";
 }
 
 std::string DiskWriter::write(ano::TimePoint now) {

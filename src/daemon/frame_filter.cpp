@@ -48,9 +48,15 @@ Fault read_id(std::string_view word, bool given, Bytes& set) {
     return {};
 }
 
+std::string one_of(std::span<const std::string_view> links) {
+    std::string all;
+    for (const std::string_view link : links) all.append(all.empty() ? "; give one of " : ", ").append(link);
+    return all;
+}
+
 Fault read_link(std::string_view word, std::span<const std::string_view> links, std::vector<std::string>& chosen) {
     if (std::find(links.begin(), links.end(), word) == links.end())
-        return "there is no link " + ano::in_quotes(word) + ano::did_you_mean(word, links);
+        return "there is no link " + ano::in_quotes(word) + ano::did_you_mean(word, links) + one_of(links);
     if (std::find(chosen.begin(), chosen.end(), word) == chosen.end()) chosen.emplace_back(word);
     return {};
 }

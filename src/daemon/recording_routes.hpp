@@ -9,11 +9,11 @@
 //    "keep_last": null,                    or {"seconds": 60, "held_s": 59.9, "frames": 1200, "bytes": 48000, "saved": 2,
 //                                          "skipped": 0, "last": "20261123-154735Z-fault.pcapng", "error": ""}
 //    "running": [{"name": "flight", "by": "request", "file": "flight-2.pcapng", "files": 2, "format": "pcapng", "frames": 123,
-//                 "bytes": 4567, "file_frames": 23, "file_bytes": 967, "not_written": 0, "error": "",
-//                 "since": 1763898044.1, "seconds": 12.3, "ends_in_s": null}],
+//                 "bytes": 4567, "file_frames": 23, "file_bytes": 967, "file_seconds": 2.1, "not_written": 0,
+//                 "error": "", "since": 1763898044.1, "seconds": 12.3, "ends_in_s": null}],
 //    "recordings": [{"name": "flight.pcapng", "format": "pcapng", "bytes": 4567, "frames": 123, "begun": 1763898044.1,
 //                    "time": 1763898050, "state": "ended"}]}
-// frames and bytes: in all its files; file_frames and file_bytes: in the file that is written now, which `file` names.
+// frames, bytes and seconds: in all its files; file_frames, file_bytes and file_seconds: in the file that is written now, which `file` names.
 // by: "configuration" or "request"; state: "recording", "ended" or "unfinished"; frames: null where the file does not tell them;
 // begun and time, that of its last change, are Unix seconds. The newest recording is the first.
 //

@@ -202,7 +202,7 @@ Recordings::Running& Recordings::launch(const AskedRecording& asked, bool is_con
     running.asked = asked;
     running.is_configured = is_configured;
     running.began_ns = recording_head().time_ns;
-    running.began_at = Clock::now();
+    running.began_at = running.file_began_at = Clock::now();
     running.recorder = std::make_unique<Recorder>(gateway_, watch_, settings_of(asked), [this, &running] { changed(running); });
     keep_clock();
     return running;
@@ -242,6 +242,7 @@ void Recordings::changed(Running& running) {
 
 void Recordings::tell_news(Running& running, const RecorderReport& report) {
     if (report.files != running.told_files) {
+        if (running.told_files > 0) running.file_began_at = Clock::now();
         running.told_files = report.files;
         spdlog::info("recording into {}", report.file);
         look_soon();

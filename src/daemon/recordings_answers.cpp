@@ -69,7 +69,8 @@ http::Response json_answer(Json json) {
 
 Json Recordings::json_of(const Running& running) const {
     const RecorderReport report = running.recorder->report();
-    const ano::Duration runs = Clock::now() - running.began_at;
+    const TimePoint now = Clock::now();
+    const ano::Duration runs = now - running.began_at;
     Json json{{"name", running.asked.name},
               {"by", running.is_configured ? "configuration" : "request"},
               {"file", file_name_of(running)},
@@ -79,6 +80,7 @@ Json Recordings::json_of(const Running& running) const {
               {"bytes", report.bytes},
               {"file_frames", report.file_frames},
               {"file_bytes", report.file_bytes},
+              {"file_seconds", in_seconds(now - running.file_began_at)},
               {"not_written", report.not_written},
               {"error", report.error},
               {"since", json_seconds(running.began_ns)},

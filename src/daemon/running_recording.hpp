@@ -13,7 +13,8 @@ struct Recordings::Running {
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
     std::uint64_t told_files = 0;
-    std::string told_error{};    // without its numbers
+    TimePoint file_began_at{};    // the one that is written
+    std::string told_error{};     // without its numbers
     bool is_ending = false;
     std::vector<std::function<void(http::Response)>> begun{}, ended{};    // who waits to hear of it
 };

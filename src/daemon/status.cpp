@@ -222,8 +222,9 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
         std::set<std::string>& told = told_[state.link->name()];
         if (!state.up) told.clear();
         const LinkError error = state.up ? state.link->trouble() : LinkError{};
-        const std::string damage = error.id == "recording_damaged" ? error.text : std::string{};    // which is no hint
-        for (const std::string& words : {damage, hint_of_trouble(report_of(gateway, state, now).figures)})
+        const bool is_of_recording = error.id == "recording_damaged" || error.id == "nothing_to_replay";    // which is no hint
+        for (const std::string& words :
+             {is_of_recording ? error.text : std::string{}, hint_of_trouble(report_of(gateway, state, now).figures)})
             if (!words.empty() && told.insert(words).second) lines.push_back(state.link->name() + ": " + words);
     }
     return lines;

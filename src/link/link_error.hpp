@@ -65,6 +65,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"bus_blocked", "interface", "while it is up: the CAN bus takes nothing"},
     {"no_recording", "file what", "the recording can't be read, or is none; it is waited for"},
     {"recording_damaged", "file what", "while it is up: the recording is damaged or was cut, and is said as far as it is whole"},
+    {"nothing_to_replay", "file what", "while it is up: no frame of the recording is one that is to be said"},
     {"recording_slow", "file", "while it is up: the disk does not give the recording in time"},
     {"no_channel", "", "while it is up: all channels of the gateway are in use"},
     {"disabled", "", "its configuration, or the parameter of the gateway, says enabled=false"},

@@ -150,6 +150,7 @@ private:
                               reader->is_damaged() ? reader->fault() : "it ends before the head of a recording does");
         if (reader->is_strange()) return why_absent(settings_.file, why_strange(reader->format()));
         note_ = note_on(*reader, plan.is_over());
+        if (note_.text.empty()) note_ = note_on_silence(plan);
         return {};
     }
 
@@ -217,6 +218,12 @@ private:
         else if (reader.unfinished() > 0) what = "it is cut off: what is behind byte " + where + " is not whole";
         if (what.empty()) return {};
         return {"recording_damaged", settings_.file + ": " + what, {{"file", settings_.file}, {"what", what}}};
+    }
+
+    LinkError note_on_silence(const ReplayPlan& plan) const {
+        const std::string what = plan.why_nothing();
+        if (what.empty()) return {};
+        return {"nothing_to_replay", settings_.file + ": " + what, {{"file", settings_.file}, {"what", what}}};
     }
 
     void set(State state, LinkError error) {

@@ -56,7 +56,8 @@ public:
     void take();
 
     State state() const;
-    /// Why it is absent; in any other state what is wrong with the file, as far as it was read: "damaged behind byte 4711: …".
+    /// Why it is absent; in any other state what is wrong with the file, as far as it was read: "damaged behind byte 4711: …"; or
+    /// why nothing of it is said.
     LinkError error() const;
     ReplayPlan::KeptBack kept_back() const;
     /// Of the recording, for the frames that next() gave; as printable() makes them: they get into the log and the status.

@@ -12,6 +12,24 @@ namespace {
 
 constexpr std::uint64_t longest_ns = 1'000'000'000ull * 3600 * 24 * 365;    // of any file: what is beyond can't be told apart
 
+constexpr std::size_t most_seen = 16;    // names of links
+
+/// "fc, imu and radio"
+std::string list_of(const std::vector<std::string>& words, const std::string& last) {
+    std::string text;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        text += (i == 0 ? "" : i + 1 < words.size() ? ", " : ' ' + last + ' ') + words[i];
+    return text;
+}
+
+/// "0.4 s", "20 s": of a day too.
+std::string seconds_text(ano::Duration time) {
+    const auto tenths = std::chrono::duration_cast<std::chrono::milliseconds>(time + std::chrono::milliseconds{50}).count() / 100;
+    std::string text = std::to_string(tenths / 10);
+    if (tenths % 10 != 0 && tenths < 1000) text += '.' + std::to_string(tenths % 10);
+    return text + " s";
+}
+
 // What can't be read may be anything.
 bool may_hide_a_risk(ano::FrameView tunnel_frame) noexcept {
     const auto content = unwrap(tunnel_frame, {});
@@ -52,14 +70,36 @@ ano::Duration ReplayClock::at_rate(ano::Duration elapsed) const noexcept {
 std::optional<ano::Duration> ReplayPlan::due(const RecordedFrame& frame) {
     const ano::Duration elapsed = clock_.elapsed(frame);
     is_over_ = options_.to > ano::Duration{} && elapsed >= options_.to;
+    if (!says_some_) note(frame, elapsed);
     if (is_over_ || elapsed < options_.from || !is_wanted(frame)) return std::nullopt;
     switch (options_.commands ? Risk::none : risk_of(frame.frame)) {
-    case Risk::none: return clock_.at_rate(elapsed - options_.from);
+    case Risk::none: says_some_ = true; return clock_.at_rate(elapsed - options_.from);
     case Risk::of_host: ++kept_back_.of_hosts; break;
     case Risk::command: ++kept_back_.commands; break;
     case Risk::tunnel: ++kept_back_.tunnels; break;
     }
     return std::nullopt;
+}
+
+void ReplayPlan::note(const RecordedFrame& frame, ano::Duration elapsed) {
+    has_frames_ = true;
+    length_ = elapsed;
+    if (!options_.links.empty() && seen_.size() < most_seen && std::find(seen_.begin(), seen_.end(), frame.link) == seen_.end())
+        seen_.emplace_back(frame.link);
+}
+
+std::string ReplayPlan::why_nothing() const {
+    if (says_some_) return {};
+    if (!has_frames_) return "there is no frame in it";
+    const auto is_seen = [&](const std::string& link) { return std::find(seen_.begin(), seen_.end(), link) != seen_.end(); };
+    const auto& links = options_.links;
+    if (!links.empty() && std::none_of(links.begin(), links.end(), is_seen))
+        return "there is no link " + list_of(links, "or") + " in it; there is " + list_of(seen_, "and");
+    if (length_ < options_.from)
+        return "it is " + seconds_text(length_) + " long, and was to be said from " + seconds_text(options_.from) + " on";
+    if (kept_back_.of_hosts + kept_back_.commands + kept_back_.tunnels > 0)
+        return "all that came in is of hosts or to command a vehicle, and is kept back: commands=true says it, too";
+    return "none of its frames that are asked for came in";
 }
 
 bool ReplayPlan::is_wanted(const RecordedFrame& frame) const {

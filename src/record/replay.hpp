@@ -62,14 +62,22 @@ public:
     /// The frames from here on are behind `to`.
     bool is_over() const noexcept { return is_over_; }
     const KeptBack& kept_back() const noexcept { return kept_back_; }
+    /// Behind the last frame: why not one was to be said, in a clause, "there is no link radio in it; there is fc". Empty: one was.
+    std::string why_nothing() const;
 
 private:
     bool is_wanted(const RecordedFrame& frame) const;
+    void note(const RecordedFrame& frame, ano::Duration elapsed);
 
     Options options_;
     ReplayClock clock_;
     KeptBack kept_back_;
     bool is_over_ = false;
+
+    bool says_some_ = false;    // behind that nothing of the following is noted
+    bool has_frames_ = false;
+    ano::Duration length_{};           // up to the last frame
+    std::vector<std::string> seen_;    // the names of links, at most 16
 };
 
 }    // namespace anogate

@@ -3,6 +3,7 @@
 #include <support/loop.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
+#include <support/recorded.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
@@ -103,7 +104,20 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(one[0].at("name"), "ground");
     const Result unknown = ask({"links", "gruond"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?)\n");
+    EXPECT_EQ(unknown.said, "anoctl: there is no link 'gruond' (did you mean 'ground'?); give one of fc, ground, absent\n");
+}
+
+TEST(AnoctlLinks, show_what_only_some_kinds_count) {
+    const TempDir dir;
+    KeptItem command;
+    command.link = "fc";
+    command.frame = frame(0x30, 0xDC, 0xC0, {1, 0});
+    const std::string file = dir.write("flight.pcapng", write_pcapng({command, command}, {"anogate 0.1.0"}));
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"replay:" + file}};
+    ASSERT_TRUE(daemon.until([&](const json&) { return daemon.count("flight", "kept_back_commands") == 2; })) << daemon.status();
+    const Result links = anoctl({"links", "--control", socket});
+    EXPECT_NE(links.said.find("      also: kept_back_commands 2\n"), std::string::npos) << links.said;
 }
 
 TEST_F(AnoctlGateway, shows_which_port_the_system_chose) {

@@ -8,6 +8,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <string>
 #include <vector>
@@ -92,6 +96,28 @@ TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
     EXPECT_EQ(plot.output().find(words), plot.output().rfind(words)) << plot.output();
     EXPECT_NE(plot.output().find(" sent to " + nobody), std::string::npos) << plot.output();
     EXPECT_EQ(plot.output().find(" were not: "), std::string::npos) << plot.output();
+}
+
+TEST_F(AnoctlPlotUdp, says_once_that_no_frame_leaves) {
+    PtyDevice device{dir / "tty"};
+    const auto cut_off = [] { return ::unshare(CLONE_NEWNET) == 0 || ::unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0; };
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(cut_off() ? 0 : 1);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    if (status != 0) GTEST_SKIP() << "no network namespaces here";
+    Process plot{ANOCTL, {"plot-udp", "192.0.2.1:9870", "serial:" + device.path()}, {}, [&] { (void)cut_off(); }};
+    ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
+    const std::string words = "nothing leaves for 192.0.2.1:9870: ";
+    ASSERT_TRUE(wait_until([&] {
+        device.write(euler);
+        return plot.output().find(words) != std::string::npos;
+    })) << plot.output();
+    for (int i = 0; i < 3; ++i) device.write(euler);
+    plot.signal(SIGINT);
+    EXPECT_EQ(plot.wait(), 0) << plot.output();
+    EXPECT_EQ(plot.output().find(words), plot.output().rfind(words)) << plot.output();
+    EXPECT_NE(plot.output().find(" were not: "), std::string::npos) << plot.output();
 }
 
 TEST_F(AnoctlPlotUdp, refuses_what_is_no_address) {

@@ -306,6 +306,29 @@ TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) 
     EXPECT_NE(all.output().find(R"({"frames":3,"not_sent":0,"kept_back":0})"), std::string::npos) << all.output();
 }
 
+TEST_F(AnoctlReplay, says_why_nothing_is_replayed) {
+    Process nothing = replay({});
+    EXPECT_EQ(nothing.wait(), 0);
+    EXPECT_NE(nothing.output().find("0 frames replayed: there is none in it\n"), std::string::npos) << nothing.output();
+    Process sent = replay({said(euler, 0, anogate::Direction::out)});
+    EXPECT_EQ(sent.wait(), 0);
+    EXPECT_NE(sent.output().find("0 frames replayed: none of those in it came in\n"), std::string::npos) << sent.output();
+}
+
+TEST_F(AnoctlReplay, says_once_that_nobody_listens) {
+    const std::string nobody = support::UdpPeer{}.local().text();    // that is gone again
+    for (const std::size_t count : {std::size_t{1}, std::size_t{200}}) {
+        const std::vector<KeptItem> items(count, said(euler, 0));
+        const std::string file = dir.write("flight.pcapng", write_pcapng(items, {"anoctl 0.1.0"}));
+        Process replayed{ANOCTL, {"replay", file, "udp:" + nobody, "--rate", "0"}};
+        EXPECT_EQ(replayed.wait(), 0) << replayed.output();
+        const std::string& said = replayed.output();
+        EXPECT_NE(said.find("nothing listens at " + nobody), std::string::npos) << said;
+        EXPECT_EQ(said.find("nothing listens"), said.rfind("nothing listens")) << said;
+        EXPECT_NE(said.find(" replayed"), std::string::npos) << said;
+    }
+}
+
 TEST_F(AnoctlReplay, ends_at_once_when_it_is_interrupted) {
     constexpr std::uint64_t an_hour = 3'600'000'000'000;
     Process replayed = replay({said(euler, 0), said(wind, an_hour)});

@@ -171,6 +171,25 @@ TEST_F(Replay, plays_the_part_and_the_links_that_are_asked_for) {
     EXPECT_EQ(all_heard(daemon, ground), (Frames{numbered(1), numbered(3)}));
 }
 
+TEST_F(Replay, of_which_nothing_is_to_be_said_tells_why) {
+    const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 20s)};
+    const std::pair<const char*, const char*> asked[] = {{",links=radio", "there is no link radio in it; there is fc"},
+                                                         {",from=30s", "it is 20 s long, and was to be said from 30 s on"},
+                                                         {",from=30s,loop", "it is 20 s long, and was to be said from 30 s on"}};
+    for (const auto& [keys, why] : asked) {
+        RunningGateway daemon{settings_of_texts({link(items, keys), ground.link("ground")})};
+        EXPECT_TRUE(all_heard(daemon, ground).empty()) << keys;
+        const json told = daemon.link("flight");
+        EXPECT_EQ(told["error"], dir / "flight.pcapng: " + why) << told;
+        EXPECT_EQ(told["error_id"], "nothing_to_replay");
+        EXPECT_EQ(told["error_args"]["what"], why);
+        anogate::HintLog log;
+        const auto news = log.news(daemon.gateway());
+        ASSERT_FALSE(news.empty()) << keys;
+        EXPECT_EQ(news.front(), "flight: " + (dir / "flight.pcapng: ") + why);
+    }
+}
+
 TEST_F(Replay, begins_again_at_its_end_where_that_is_asked_for) {
     RunningGateway daemon{
         settings_of_texts({link({said(numbered(0), 0s), said(numbered(1), 1ms)}, ",loop"), ground.link("ground")})};

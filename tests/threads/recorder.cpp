@@ -372,7 +372,7 @@ TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     settings.keep_free = 8'000'000;
     start();
     while (recorder->report().error.empty() && sent < 20'000) send(300, true);
-    EXPECT_TRUE(until_error("of the disk are free, and 13.2 MB must be to write more"));
+    EXPECT_TRUE(until_error("of the disk are free, and 13.2 MB must be to write more: "));
     const std::string error = recorder->report().error;
     send(3000, true);
     recorder->end();

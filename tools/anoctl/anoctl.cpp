@@ -83,6 +83,8 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
     name.resize(end);
     const auto option = std::find_if(options.begin(), options.end(), [&](const Option& one) { return one.name == name; });
     for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (option != options.end() && option->value.find_first_of("|[") == std::string::npos)
+        name = option->value;    // as --help has it
     return name + " is missing" + (option != options.end() ? choices(option->value) : std::string{});
 }
 
@@ -176,6 +178,18 @@ void declare(CLI::App& app, const Options& options) {
         for (const std::string& other : option.excludes) app.get_option(option.name)->excludes(app.get_option(other));
 }
 
+/// The one name that begins with the same three letters at least, --seconds for --secs; empty: there is none, or more than one.
+std::string beginning_alike(const std::string& given, const std::vector<std::string>& names) {
+    constexpr std::size_t alike = 5;    // with "--"
+    std::string found;
+    for (const std::string& name : names) {
+        if (given.size() < alike || name.compare(0, alike, given, 0, alike) != 0) continue;
+        if (!found.empty()) return {};
+        found = name;
+    }
+    return found;
+}
+
 /// The message for an error of the parser of options.
 std::string told(const CLI::ParseError& error, const CLI::App& command) {
     std::string what = error.what();
@@ -190,8 +204,10 @@ std::string told(const CLI::ParseError& error, const CLI::App& command) {
     for (const CLI::Option* known : command.get_options())
         for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
     const std::string name = option->substr(0, option->find('='));
-    return "there is no option " + ano::in_quotes(name) +
-           ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
+    std::string meant = ano::did_you_mean(name, std::vector<std::string_view>{names.begin(), names.end()});
+    if (const std::string begins = beginning_alike(name, names); meant.empty() && !begins.empty())
+        meant = " (did you mean " + ano::in_quotes(begins) + "?)";
+    return "there is no option " + ano::in_quotes(name) + meant;
 }
 
 /// ", and --link LINK does without", of a command that can have a link of its own; --link of several is a filter.

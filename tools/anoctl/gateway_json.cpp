@@ -57,12 +57,20 @@ std::string listening_place(const Json& link) {
     return link.contains("port") && !link.contains("peer") ? text_at(link, "address") : std::string{};
 }
 
+RecordingSum sum_of_recording(const Json& recording) {
+    const std::string file = text_at(recording, "file"), files = text_at(recording, "files"),
+                      count = text_at(recording, "frames");
+    const std::string frames = count + (count == "1" ? " frame" : " frames");
+    if (number_at(recording, "files") > 1) return {text_at(recording, "name"), frames + " in " + files + " files"};
+    return {file.empty() ? text_at(recording, "name") : file, frames};
+}
+
 std::vector<std::string> recording_lines(const Json& recording) {
     std::vector<std::string> lines;
     for (const Json& one : at(recording, "running")) {
-        const std::string file = text_at(one, "file"), error = text_at(one, "error");
-        std::string line = "recording: " + (file.empty() ? text_at(one, "name") : file) + ": ";
-        line += error.empty() ? text_at(one, "frames") + " frames" : error;
+        const RecordingSum sum = sum_of_recording(one);
+        const std::string error = text_at(one, "error");
+        std::string line = "recording: " + sum.of + ": " + (error.empty() ? sum.frames : error);
         if (number_at(one, "not_written") > 0) line += "; not written: " + text_at(one, "not_written");
         lines.push_back(std::move(line));
     }
@@ -113,6 +121,12 @@ std::string list_text(const std::string& head, const std::vector<std::string>& i
 
 const std::vector<std::string>& drop_causes() {
     static const auto names = names_of(anogate::send_counters, {"frames_out", "bytes_out", "empty_out"});
+    return names;
+}
+const std::vector<std::string>& counts_of_kinds() {
+    static const std::vector<std::string> names{"refused",          "kernel_drops",       "transfer_errors",
+                                                "wrong_source",     "kept_back_of_hosts", "kept_back_commands",
+                                                "kept_back_tunnels"};
     return names;
 }
 const std::vector<std::string>& causes_in() {

@@ -32,6 +32,13 @@ std::vector<std::string> not_zero(const ano::Json& object, const std::vector<std
 /// `head` and `items` with ", " between them, on lines of at most 80 cells; the next ones are indented as far as `head`.
 std::string list_text(const std::string& head, const std::vector<std::string>& items);
 
+/// What a recording that runs, or ended, amounts to: "flight-2.mcap" and "7 frames"; of one that has more than one file, "flight" and
+/// "18461 frames in 8 files".
+struct RecordingSum {
+    std::string of, frames;
+};
+RecordingSum sum_of_recording(const ano::Json& recording);
+
 /// Of the status' `recording`: a line for each that runs, with what is wrong with it, and one when keep_last was not saved.
 std::vector<std::string> recording_lines(const ano::Json& recording);
 
@@ -40,6 +47,8 @@ std::optional<double> length_of_recording(const ano::Json& file);
 
 /// The counters of frames that were to be sent and were not.
 const std::vector<std::string>& drop_causes();
+/// What kinds of links count beside frames and bytes.
+const std::vector<std::string>& counts_of_kinds();
 /// All counters but the frames of their direction.
 const std::vector<std::string>& causes_in();
 const std::vector<std::string>& causes_out();

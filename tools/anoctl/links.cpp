@@ -39,6 +39,7 @@ void add_counters(Table& table, const Json& counted) {
     };
     add("      in: ", not_zero(counted, causes_in()));
     add("      out: ", not_zero(counted, causes_out()));
+    add("      also: ", not_zero(counted, counts_of_kinds()));
 }
 
 void add_link(Table& table, const Json& link) {
@@ -90,7 +91,9 @@ private:
     static std::string nearest(const std::string& name, const Json& all) {
         std::vector<std::string> known;
         for (const Json& link : all) known.push_back(text_at(link, "name"));
-        return ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()});
+        std::string words = ano::did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()});
+        for (std::size_t i = 0; i < known.size(); ++i) words.append(i == 0 ? "; give one of " : ", ").append(known[i]);
+        return words;
     }
 };
 

@@ -114,6 +114,7 @@ public:
     }
     const std::string& name() const noexcept { return link_->name(); }
     bool is_up() const noexcept { return up_; }
+    std::string trouble() const { return up_ ? link_->trouble().text : std::string{}; }
     std::uint64_t skipped() const noexcept {
         std::uint64_t bytes = gone_skipped_ + link_->unassigned_traffic().received.skipped_bytes;
         for (const auto& open : channels_)
@@ -282,6 +283,7 @@ void OwnLink::stop() { host_->stop(); }
 bool OwnLink::send(ano::FrameView frame) { return host_->send(frame); }
 const std::string& OwnLink::name() const noexcept { return host_->name(); }
 bool OwnLink::is_up() const noexcept { return host_->is_up(); }
+std::string OwnLink::trouble() const { return host_->trouble(); }
 std::uint64_t OwnLink::skipped() const noexcept { return host_->skipped(); }
 std::size_t OwnLink::waiting() const noexcept { return host_->waiting(); }
 std::uint64_t OwnLink::given_up() const noexcept { return host_->given_up(); }

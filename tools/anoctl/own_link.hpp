@@ -41,6 +41,8 @@ public:
     bool send(ano::FrameView frame);
     const std::string& name() const noexcept;
     bool is_up() const noexcept;
+    /// What is wrong with it while it is up, in a clause: "refused: nothing listens at 127.0.0.1:5555". Empty: nothing.
+    std::string trouble() const;
     /// Bytes of no frame.
     std::uint64_t skipped() const noexcept;
     /// Frames of send() that wait to leave, and those that will not, each for every channel.

@@ -67,10 +67,18 @@ private:
         int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         if (may_be_reported(error)) {    // of one before it, in whose place this one did not leave
             take_error_reports(socket_.get(), [this](const Endpoint&) { tell_that_nobody_listens(); });
+            if (error == EHOSTUNREACH || error == ENETUNREACH) tell_that_none_leave(error);    // the next one may seem to leave
             error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         }
-        if (error != 0) why = error_text(error);
-        return error == 0;
+        if (error == 0) return true;
+        why = error_text(error);
+        if (error != EAGAIN && error != EINTR) tell_that_none_leave(error);
+        return false;
+    }
+
+    void tell_that_none_leave(int error) {
+        if (std::exchange(is_told_that_none_leave_, true)) return;
+        tell(streams_, "nothing leaves for " + to_.text() + ": " + error_text(error) + "; it is tried again with each frame");
     }
 
     void tell_that_nobody_listens() {
@@ -87,6 +95,7 @@ private:
     Streams& streams_;
     UniqueFd socket_;
     bool is_told_ = false;    // that nobody listens
+    bool is_told_that_none_leave_ = false;
 };
 
 struct PlotOptions {

@@ -157,10 +157,7 @@ private:
     void check_ending(Streams& streams) const {
         const std::string name = file.substr(file.rfind('/') + 1);
         if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
-        if (name.rfind('.') != name.npos)
-            throw UsageError{file +
-                             ": record writes pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl "
-                             "convert makes others of it"};
+        if (name.rfind('.') != name.npos) throw UsageError{ending_refused(file)};
         tell(streams, file + ": pcapng is written; for MCAP end the name with .mcap");
     }
     anogate::RecordingFormat format() const {

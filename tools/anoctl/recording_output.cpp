@@ -14,6 +14,12 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 }    // namespace
 
+std::string ending_refused(const std::string& file) {
+    return file +
+           ": what is recorded is pcapng, as Wireshark reads it, or MCAP: name it .pcapng or .mcap; anoctl convert makes "
+           "others of it";
+}
+
 RecordingOutput::RecordingOutput(const std::string& path, bool force, Streams& streams) : path_{path}, streams_{streams} {
     if (path.empty()) throw UsageError{"a FILE has a name"};
     if (path == "-") return;

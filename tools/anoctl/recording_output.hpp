@@ -8,6 +8,9 @@
 
 namespace anoctl {
 
+/// What is said of a new recording, `file`, that ends neither in .pcapng nor in .mcap.
+std::string ending_refused(const std::string& file);
+
 /// Of what is written, it holds whole parts only: when the disk is full, what does not fit whole is taken off again.
 class RecordingOutput {
 public:

@@ -7,19 +7,23 @@
 #include "say.hpp"
 #include "table.hpp"
 
+#include <ano_json/lower_case.hpp>
 #include <ano_json/text.hpp>
 #include <http/client.hpp>
+#include <record/recording_writer.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,6 +34,7 @@ namespace {
 namespace http = anogate::http;
 using ano::Json;
 
+constexpr std::size_t most_named = 3;                       // files of a recording, in an error
 constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // of a file, that is asked for at once
 
 std::string size_of(double bytes) {
@@ -44,6 +49,15 @@ std::string size_of(double bytes) {
     text.erase(text.find_last_not_of('0') + 1);
     if (text.ends_with('.')) text.pop_back();
     return text + " " + units[unit];
+}
+
+/// "flight.pcapng" and "flight-2.pcapng" are of "flight".
+bool is_file_of(std::string_view name, std::string_view file) {
+    if (!file.starts_with(name)) return false;
+    std::string_view rest = file.substr(name.size());
+    rest = rest.substr(0, rest.rfind('.'));
+    if (rest.empty()) return file.size() > name.size();
+    return rest.size() > 1 && rest.front() == '-' && rest.find_first_not_of("0123456789", 1) == rest.npos;
 }
 
 struct Recordings {
@@ -63,7 +77,7 @@ struct Recordings {
     }
 
 private:
-    std::string path() const { return "/recordings/" + percent_encoded(name); }
+    static std::string path_of(const std::string& of) { return "/recordings/" + percent_encoded(of); }
 
     /// What is answered to a body; throws Failure with its words when it is refused.
     Json ask(const std::string& method, const std::string& target, const Json& body = nullptr) const {
@@ -101,10 +115,19 @@ private:
         std::string note = text_at(one, "error");
         if (const auto missing = static_cast<std::uint64_t>(number_at(one, "not_written")); missing > 0)
             note += (note.empty() ? "" : "; ") + counted(missing, "frame") + " not written";
+        const char* const state = note.empty() ? "recording" : "troubled";
+        if (number_at(one, "files") > 1) {
+            const RecordingSum sum = sum_of_recording(one);
+            note += (note.empty() ? "" : "; ") + sum.of + ": " + sum.frames;
+        }
         const std::string file = text_at(one, "file");
-        return {file.empty() ? text_at(one, "name") : file, note.empty() ? "recording" : "troubled",
-                size_of(number_at(one, "file_bytes")),      text_at(one, "file_frames"),
-                time_text(number_at(one, "seconds")),       note};
+        const bool tells_of_the_file = one.contains("file_seconds");    // an older gateway does not
+        return {file.empty() ? text_at(one, "name") : file,
+                state,
+                size_of(number_at(one, "file_bytes")),
+                text_at(one, "file_frames"),
+                time_text(number_at(one, tells_of_the_file ? "file_seconds" : "seconds")),
+                note};
     }
     static Table::Line cells_of_file(const Json& one) {
         const std::optional<double> length = length_of_recording(one);
@@ -117,6 +140,7 @@ private:
     }
 
     int start(Streams& streams) const {
+        check_ending();
         Json body = Json::object();
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
@@ -128,37 +152,58 @@ private:
             if (!words->empty()) body[key] = *words;
         return say_one(ask("POST", "/recordings", body), "is being recorded", streams);
     }
+    // Where the format is said, a name may end as it likes.
+    void check_ending() const {
+        if (format.empty() && name.rfind('.') != name.npos && !anogate::recording_format_of(name))
+            throw UsageError{ending_refused(name)};
+    }
     int save(Streams& streams) const {
+        check_ending();
         Json body{{"last", true}};
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
         if (!encoding.empty()) body["message_encoding"] = encoding;
         return say_one(ask("POST", "/recordings", body), "is saved", streams);
     }
-    int end(Streams& streams) const { return say_one(ask("POST", path() + "/end", Json::object()), "is ended", streams); }
-    int remove(Streams& streams) const { return say_one(ask("DELETE", path()), "is deleted", streams); }
+    int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "is ended", streams); }
+    int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "is deleted", streams); }
+
+    /// NAME with the ending of the one file that it has. The gateway says what it is when there is none.
+    std::string file_meant() const {
+        if (anogate::recording_format_of(name)) return name;
+        std::vector<std::string> files;
+        const Json all = ask("GET", "/recordings");
+        for (const Json& one : at(all, "recordings"))
+            if (std::string of = text_at(one, "name"); is_file_of(name, of)) files.push_back(std::move(of));
+        if (files.size() == 1) return files.front();
+        if (files.empty()) return name;
+        std::string some;
+        for (std::size_t i = 0; i < std::min(files.size(), most_named); ++i) some += (i > 0 ? ", " : "") + files[i];
+        throw UsageError{name + " has " + std::to_string(files.size()) + " files: say which: " + some +
+                         (files.size() > most_named ? ", …" : "")};
+    }
 
     int say_one(const Json& answer, const char* became, Streams& streams) const {
         if (json) return streams.out << answer.dump() << '\n', fine;
-        const std::string written = text_at(answer, "file"), error = text_at(answer, "error");
-        std::string text = (written.empty() ? text_at(answer, "name") : written) + " " + became;
-        if (const std::string frames = text_at(answer, "frames"); !frames.empty() && frames != "0")
-            text += ", " + frames + " frames";
+        const RecordingSum sum = sum_of_recording(answer);
+        const std::string error = text_at(answer, "error");
+        std::string text = sum.of + " " + became;
+        if (number_at(answer, "frames") > 0) text += ", " + sum.frames;
         say(streams, text + (error.empty() ? "" : "; " + error));
         return fine;
     }
 
     // Piece by piece: it may be larger than memory, and is no other one in the middle.
     int get(Streams& streams) const {
-        const std::string into = file.empty() ? name.substr(name.rfind('/') + 1) : file;
+        const std::string which = file_meant(), into = place_for(which);
         if (into == "-" && streams.terminal) throw UsageError{"a recording is nothing for a terminal: say a file"};
         std::unique_ptr<RecordingOutput> output;
         std::string tag;
         for (std::uint64_t at = 0, size = 1; at < size;) {
-            const http::Answer part = piece_at(at, tag);
+            const http::Answer part = piece_at(which, at, tag);
             if (part.status == 416) break;    // it is empty
             if (part.status / 100 != 2) throw Failure{words_of(part)};
-            if (part.status != 206 && at > 0) throw Failure{name + " is another one now: get it again"};
+            if (part.status != 206 && at > 0) throw Failure{which + " is another one now: get it again"};
             const std::string_view range = part.header("Content-Range");
             const auto whole = ano::parse_number(range.substr(range.rfind('/') + 1));
             size = whole && std::holds_alternative<std::uint64_t>(*whole) ? std::get<std::uint64_t>(*whole)
@@ -175,10 +220,24 @@ private:
         if (into != "-") tell(streams, into + ": " + counted(output->size(), "byte"));
         return fine;
     }
-    http::Answer piece_at(std::uint64_t at, const std::string& tag) const {
+    /// Where that file goes: "." is a folder.
+    std::string place_for(const std::string& which) const {
+        const std::string plain = which.substr(which.rfind('/') + 1);
+        std::error_code none;
+        if (file.empty()) return plain;
+        if (std::filesystem::is_directory(file, none)) return std::filesystem::path{file} / plain;
+        const std::string ending = ano::lower_case(std::filesystem::path{file}.extension().string());
+        const bool is_other = ending == ".csv" || ending == ".ndjson" ||
+                              (anogate::recording_format_of(file) &&
+                               anogate::recording_format_of(file) != anogate::recording_format_of(which));
+        if (is_other)
+            throw UsageError{file + ": get copies " + plain + " as it is; anoctl convert makes " + ending + " of it afterwards"};
+        return file;
+    }
+    http::Answer piece_at(const std::string& which, std::uint64_t at, const std::string& tag) const {
         http::Request request;
         request.method = "GET";
-        request.target = path();
+        request.target = path_of(which);
         request.headers.push_back({"Range", "bytes=" + std::to_string(at) + "-" + std::to_string(at + bytes_at_once - 1)});
         if (!tag.empty()) request.headers.push_back({"If-Range", tag});
         http::Outcome outcome = http::ask(gateway.socket(), std::move(request));
@@ -208,7 +267,8 @@ Run add_recordings(Options& options) {
          "list (default): those that run and those in the folder; start [NAME]; end NAME; get NAME [FILE] copies one here; "
          "delete NAME; save [NAME] keeps what keep_last holds"});
     options.push_back({"name", &self->name, "NAME", "A-Z, a-z, 0-9, '.', '_' and '-' (default of a new one: the time)"});
-    options.push_back({"file", &self->file, "FILE", "Of get: where to (default: NAME, here); - is standard output"});
+    options.push_back(
+        {"file", &self->file, "FILE", "Of get: where to, a file or a folder (default: NAME, here); - is standard output"});
     options.push_back({"--format", &self->format, "pcapng|mcap", "Of start and save (default: as the configuration says)"});
     options.push_back({"--message-encoding", &self->encoding, "cdr|json",
                        "Of start and save: how MCAP has decoded messages, as ROS 2 does or as JSON (default: as the "

@@ -42,7 +42,12 @@ constexpr int most_at_once = 64;                                // frames: then 
 class Replayer final : public FrameTaker {
 public:
     Replayer(RecordingInput& input, const anogate::LinkSettings& settings, bool commands, double rate, Streams& streams)
-        : input_{input}, commands_{commands}, at_once_{rate == 0}, clock_{rate}, link_{io_, settings, *this, streams, "replay"} {}
+        : input_{input},
+          streams_{streams},
+          commands_{commands},
+          at_once_{rate == 0},
+          clock_{rate},
+          link_{io_, settings, *this, streams, "replay"} {}
 
     void run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -62,7 +67,7 @@ public:
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
 
     std::uint64_t given = 0, kept_back = 0, not_sent = 0;
-    bool was_interrupted = false;
+    bool was_interrupted = false, has_frames = false;
 
 private:
     template <class Then>
@@ -79,9 +84,20 @@ private:
         step();
     }
 
+    // Nobody may hear it: that is told once, as soon as it is known.
+    void look_for_trouble() {
+        if (has_told_) return;
+        const std::string trouble = link_.trouble();
+        if (trouble.empty()) return;
+        has_told_ = true;
+        tell(streams_, link_.name() + ": " + trouble);
+    }
+
     void step() {
+        look_for_trouble();
         for (int i = 0; i < most_at_once; ++i) {
-            if (!next_ && !(next_ = next_wanted())) return end_when_empty(Clock::now() + time_to_leave);
+            if (!next_ && !(next_ = next_wanted()))
+                return at(Clock::now() + look_again, [this] { end_when_empty(Clock::now() + time_to_leave); });
             if (!due_) due_ = began_ + clock_.due(*next_);
             if (*due_ > Clock::now()) return at(*due_, [this] { step(); });
             if (at_once_ && must_wait()) return at(Clock::now() + look_soon, [this] { step(); });
@@ -104,6 +120,7 @@ private:
     std::optional<RecordedFrame> next_wanted() {
         while (const auto item = input_.next()) {
             const auto* frame = std::get_if<RecordedFrame>(&*item);
+            has_frames = has_frames || frame != nullptr;
             if (frame == nullptr || frame->direction != anogate::Direction::in) continue;
             if (commands_ || !anogate::may_command(frame->frame)) return *frame;
             ++kept_back;
@@ -117,12 +134,14 @@ private:
     }
 
     void end() {
+        look_for_trouble();
         not_sent = link_.waiting() + link_.given_up();
         link_.stop();
         io_.stop();
     }
 
     RecordingInput& input_;
+    Streams& streams_;
     const bool commands_;
     const bool at_once_;
     anogate::ReplayClock clock_;
@@ -133,6 +152,7 @@ private:
     std::optional<RecordedFrame> next_;    // valid until the next one is read
     std::optional<ano::TimePoint> due_;
     std::optional<ano::TimePoint> waits_since_;    // for the link
+    bool has_told_ = false;                        // of its trouble
 };
 
 struct Replay {
@@ -156,6 +176,8 @@ struct Replay {
                         << '\n';
         } else {
             std::string text = counted(replayer.given, "frame") + " replayed";
+            if (replayer.given + replayer.kept_back == 0 && !replayer.was_interrupted)
+                text += replayer.has_frames ? ": none of those in it came in" : ": there is none in it";
             if (replayer.not_sent > 0)
                 text += ", of which " + std::to_string(replayer.not_sent) + " did not leave: the link was not there, or too slow";
             if (replayer.kept_back > 0)

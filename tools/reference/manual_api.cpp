@@ -50,11 +50,15 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
         " \"keep_last\": {\"seconds\": 60, \"held_s\": 59.9, \"frames\": 1200, \"bytes\": 48000, \"saved\": 2, \"skipped\": 0,\n"
         "               \"last\": \"20261123-154735Z-fault.pcapng\", \"error\": \"\"},\n"
         " \"running\": [{\"name\": \"flight\", \"by\": \"request\", \"file\": \"flight-2.pcapng\", \"files\": 2,\n"
-        "              \"format\": \"pcapng\", \"frames\": 123, \"bytes\": 4567, \"not_written\": 0, \"error\": \"\",\n"
+        "              \"format\": \"pcapng\", \"frames\": 123, \"bytes\": 4567, \"file_frames\": 23,\n"
+        "              \"file_bytes\": 967, \"file_seconds\": 2.1, \"not_written\": 0, \"error\": \"\",\n"
         "              \"since\": 1763898044.1, \"seconds\": 12.3, \"ends_in_s\": null}],\n"
         " \"recordings\": [{\"name\": \"flight.pcapng\", \"format\": \"pcapng\", \"bytes\": 4567, \"frames\": 123,\n"
         "                 \"begun\": 1763898044.1, \"time\": 1763898050, \"state\": \"ended\"}]}");
     page.text(
+        "frames, bytes and seconds of one that runs are those of all its files, file_frames, file_bytes and file_seconds of the "
+        "one that "
+        "is written now, which file names. "
         "error of one that runs says why nothing of it is written now, and not_written how many frames are missing. others are "
         "files "
         "that the gateway did not write: they are neither listed, read nor deleted. The status has the same under recording, "

@@ -67,6 +67,7 @@ export const errors: Record<string, string> = {
   bus_blocked: "CAN 总线 {interface} 什么也不收",
   no_recording: "{file} 读不了或不是录制：等它出现（{what}）",
   recording_damaged: "{file} 已损坏或被截断，只放完整的部分（{what}）",
+  nothing_to_replay: "{file} 里没有可放的帧（{what}）",
   recording_slow: "磁盘读 {file} 太慢：来了再放",
   no_channel: "网关的 64 个通道都用完了：它的帧没有去处",
 };

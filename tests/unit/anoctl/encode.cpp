@@ -62,6 +62,8 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     EXPECT_EQ(first_line({"waypoint"}), "anoctl: ACTION is missing; it is get or put");
     EXPECT_EQ(first_line({"param"}), "anoctl: ACTION is missing; it is list, get, set, save, reset, export, import or diff");
     EXPECT_EQ(first_line({"calibrate"}), "anoctl: WHAT is missing; it is accelerometer or compass");
+    EXPECT_EQ(first_line({"convert", "a.mcap"}), "anoctl: OUT_FILE is missing");
+    EXPECT_EQ(first_line({"recordings", "--secs"}), "anoctl: there is no option '--secs' (did you mean '--seconds'?)");
     EXPECT_EQ(first_line({"encode", "check", "--rwa"}), "anoctl: there is no option '--rwa' (did you mean '--raw'?)");
     EXPECT_EQ(first_line({"encode", "check", "--to"}), "anoctl: --to: its value is missing");
     EXPECT_EQ(anoctl({"encode", "ranging", "points=[{"}).exit, 2);

@@ -45,6 +45,11 @@ TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
         lines_of(R"({"running": [{"name": "flight", "file": "flight-2.mcap", "frames": 7, "not_written": 0, "error": ""}]})"),
         Lines{"recording: flight-2.mcap: 7 frames"});
     EXPECT_EQ(
+        lines_of(R"({"running": [{"name": "flight", "file": "flight-11.mcap", "files": 11, "frames": 27775, "error": ""}]})"),
+        Lines{"recording: flight: 27775 frames in 11 files"});
+    EXPECT_EQ(lines_of(R"({"running": [{"name": "flight", "file": "flight.mcap", "files": 1, "frames": 1, "error": ""}]})"),
+              Lines{"recording: flight.mcap: 1 frame"});
+    EXPECT_EQ(
         lines_of(
             R"({"running": [{"name": "flight", "file": "", "frames": 0, "not_written": 12, "error": "/a: Permission denied"}],
                            "keep_last": {"error": ""}})"),

@@ -58,5 +58,17 @@ TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
     EXPECT_EQ(warnings_in(R"({"message_encoding": "cdr"})"), "");
 }
 
+TEST(Config, files_larger_than_all_recordings_may_be_are_warned_of) {
+    const auto warnings_in = [](const std::string& record) {
+        return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
+    };
+    const std::string warned = "anogated: /record/keep/size: warning: 'keep.size' is smaller than 'rotate.size', ";
+    EXPECT_EQ(warnings_in(R"({"keep": {"size": "999MB"}})").substr(0, warned.size() + 4), warned + "1GB:");
+    EXPECT_NE(warnings_in(R"({"keep": {"size": "20MB"}, "rotate": {"size": "21MB"}})"), "");
+    EXPECT_EQ(warnings_in(R"({"keep": {"size": "20MB"}, "rotate": {"size": "20MB"}})"), "");
+    EXPECT_EQ(warnings_in(R"({"keep": {"size": "20MB"}, "rotate": {"size": 0, "time": "60s"}})"), "");
+    EXPECT_EQ(warnings_in(R"({"keep": {"age": "24h"}})"), "");
+}
+
 }    // namespace
 }    // namespace anogate

@@ -121,7 +121,7 @@ TEST(FrameFilter, what_is_wrong_is_told_in_words) {
         "there is no filter 'form' (did you mean 'from'?); there are from, to, id, link, direction, limit.ID, batch and format");
     EXPECT_EQ(fault({"id", "eular"}), "id='eular' is no id, range of ids, message or class of messages (did you mean 'euler'?)");
     EXPECT_EQ(fault({"id", ""}), "id= says nothing: leave it out");
-    EXPECT_EQ(fault({"link", "grund"}), "there is no link 'grund' (did you mean 'ground'?)");
+    EXPECT_EQ(fault({"link", "grund"}), "there is no link 'grund' (did you mean 'ground'?); give one of fc, ground, control");
     EXPECT_EQ(fault({"direction", "inn"}), "direction='inn' is none of in, out and dropped (did you mean 'in'?)");
     for (const char* time : {"0ms", "2s", "1001ms", "-5ms", "40", "soon"})
         EXPECT_EQ(fault({"batch", time}), std::string{"batch='"} + time + "' is no time from 1ms to 1s");

@@ -123,6 +123,30 @@ TEST(ReplayPlan, counts_what_it_keeps_back_by_its_risk) {
     EXPECT_EQ(all.kept_back().commands, 0u);
 }
 
+TEST(ReplayPlan, that_says_nothing_tells_why) {
+    const Bytes command = support::frame(0x30, 0xDC, 0x61, {0});
+    const auto why = [](ReplayPlan::Options options, const std::vector<RecordedFrame>& frames) {
+        ReplayPlan plan{std::move(options)};
+        for (const RecordedFrame& frame : frames) plan.due(frame);
+        return plan.why_nothing();
+    };
+    const std::vector<RecordedFrame> flight{recorded(euler, 0s), recorded(euler, 10s, "imu", Direction::out),
+                                            recorded(euler, 20s)};
+    EXPECT_EQ(why({}, flight), "");
+    EXPECT_EQ(why({.from = 20s}, flight), "");
+    EXPECT_EQ(why({}, {}), "there is no frame in it");
+    EXPECT_EQ(why({.links = {"radio"}}, flight), "there is no link radio in it; there is fc and imu");
+    EXPECT_EQ(why({.from = 30s, .links = {"radio", "gps"}}, flight), "there is no link radio or gps in it; there is fc and imu");
+    EXPECT_EQ(why({.links = {"radio", "fc"}}, flight), "");
+    EXPECT_EQ(why({.links = {"imu"}}, flight), "none of its frames that are asked for came in");
+    EXPECT_EQ(why({.from = 30s}, flight), "it is 20 s long, and was to be said from 30 s on");
+    EXPECT_EQ(why({.from = 20001ms}, {recorded(euler, 0s), recorded(euler, 1440ms)}),
+              "it is 1.4 s long, and was to be said from 20 s on");
+    EXPECT_EQ(why({.from = 1s, .to = 5s}, flight), "none of its frames that are asked for came in");
+    EXPECT_NE(why({}, {recorded(command, 0s)}).find("is kept back: commands=true"), std::string::npos);
+    EXPECT_EQ(why({}, {recorded(command, 0s), recorded(euler, 1s)}), "");
+}
+
 TEST(ReplayPlan, begins_and_ends_where_it_is_told_by_the_time_of_the_whole_recording) {
     ReplayPlan plan{{.rate = 2, .from = 10s, .to = 20s, .links = {"radio"}}};
     EXPECT_EQ(plan.due(recorded(euler, 0s)), std::nullopt);

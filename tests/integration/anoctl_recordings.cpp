@@ -1,0 +1,90 @@
+// anoctl recordings and status, about what a gateway records itself.
+#include <support/recording_gateway.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace support;
+using nlohmann::json;
+
+class AnoctlRecordings : public RecordingGateway {
+protected:
+    struct Told {
+        int exit = 0;
+        std::string text;
+    };
+    Told anoctl(std::vector<std::string> words) const {
+        words.insert(words.end(), {"--control", socket});
+        Process process{ANOCTL, std::move(words)};
+        Told told;
+        told.exit = process.wait();
+        told.text = process.output();
+        return told;
+    }
+    static void expect(const Told& told, int exit, const std::string& words) {
+        EXPECT_EQ(told.exit, exit) << told.text;
+        EXPECT_NE(told.text.find(words), std::string::npos) << told.text;
+    }
+};
+
+TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
+    start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
+    expect(anoctl({"recordings", "start", "one"}), 0, "one.pcapng is being recorded");
+    send_numbered(10);
+    expect(anoctl({"recordings", "end", "one"}), 0, "one.pcapng is ended, 10 frames");
+
+    begin({{"name", "flight"}});
+    const auto files = [&] { return get().at("running").at(0).at("files").get<int>(); };
+    for (int round = 0; round < 50 && files() < 2; ++round) send_numbered(150);
+    const std::string sum = std::to_string(sent_ - 10) + " frames in " + std::to_string(files()) + " files";
+    ASSERT_TRUE(until([&](const json& all) { return all.at("running").at(0).at("frames") == sent_ - 10; })) << get();
+    const json one = get().at("running").at(0);
+    EXPECT_LT(one.at("file_frames"), one.at("frames"));
+    EXPECT_LT(one.at("file_seconds"), one.at("seconds"));
+    const std::string file = one.at("file");
+    expect(anoctl({"status"}), 0, "recording: flight: " + sum);
+    const Told list = anoctl({"recordings"});
+    expect(list, 0, "flight: " + sum);
+    expect(list, 0, file);
+    EXPECT_EQ(list.text.find("troubled"), std::string::npos) << list.text;
+    expect(anoctl({"recordings", "end", "flight"}), 0, "flight is ended, " + sum);
+}
+
+TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_ending_where_that_says_which) {
+    start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
+    begin({{"name", "one"}, {"format", "mcap"}});
+    send_numbered(10);
+    end("one");
+    begin({{"name", "flight"}});
+    for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
+    end("flight");
+    expect(anoctl({"recordings", "get", "one", dir / "copy.mcap"}), 0, "copy.mcap: ");
+    EXPECT_EQ(text_of(dir / "copy.mcap"), content("one.mcap"));
+    expect(anoctl({"recordings", "get", "one.mcap", dir.path().string()}), 0, dir / "one.mcap: ");
+    EXPECT_EQ(text_of(dir / "one.mcap"), content("one.mcap"));
+    for (const char* other : {"x.pcapng", "x.csv"}) {
+        expect(anoctl({"recordings", "get", "one", dir / other}), 2, "get copies one.mcap as it is; anoctl convert makes ");
+        EXPECT_FALSE(std::filesystem::exists(dir / other));
+    }
+    expect(anoctl({"recordings", "delete", "flight"}), 2, " files: say which: flight-");
+    EXPECT_NE(file_called("flight.pcapng"), json());
+    expect(anoctl({"recordings", "delete", "flight-2"}), 0, "flight-2.pcapng is deleted");
+    expect(anoctl({"recordings", "delete", "one"}), 0, "one.mcap is deleted");
+    expect(anoctl({"recordings", "delete", "flihgt.pcapng"}), 1, "did you mean 'flight.pcapng'?");
+}
+
+TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
+    start(R"(, "record": {"start": false, "keep_last": "60s"})");
+    for (const char* action : {"start", "save"})
+        expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: what is recorded is pcapng");
+    EXPECT_TRUE(get().at("running").empty());
+    expect(anoctl({"recordings", "start", "2026.11", "--format", "mcap"}), 0, "2026.11.mcap is being recorded");
+}
+
+}    // namespace
