@@ -198,8 +198,10 @@ void DiskWriter::leave_file() noexcept {
     waiting_frames_ = written_frames_ = 0;
 }
 
+// What a file that was left had is written once more: it is counted already. At the end it may be given up.
 void DiskWriter::report() {
-    progress_.frames = safe_frames_ + written_frames_;
+    const std::uint64_t frames = safe_frames_ + written_frames_;
+    if (is_finishing_ || frames > progress_.frames) progress_.frames = frames;
     progress_.bytes = bytes_before_ + (file_ ? file_->size() : 0);
     progress_.file_frames = file_ ? safe_frames_ + written_frames_ - frames_before_ : 0;
     progress_.file_bytes = file_ ? file_->size() : 0;

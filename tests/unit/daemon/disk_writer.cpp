@@ -13,6 +13,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <string>
@@ -265,7 +266,7 @@ TEST_F(DiskWriters, a_file_that_does_not_get_onto_its_disk_is_left_and_nothing_i
     EXPECT_EQ(disk().error(), path("flight-2.pcapng") + ": Input/output error");
     EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
     EXPECT_EQ(files().files.size(), 1u) << "no file without anything in it";
-    EXPECT_EQ(progress.frames, 10u);
+    EXPECT_EQ(progress.frames, 20u) << "it does not go back";
     failing_disk.sync_error = 0;
     turn(DiskWriter::try_again_after);
     EXPECT_EQ(disk().error(), "");
@@ -398,6 +399,28 @@ TEST_F(DiskWriters, a_file_that_was_moved_away_has_what_was_safe_then) {
     finish();
     EXPECT_EQ(support::read_pcapng(support::text_of(dir / "moved.pcapng")).items.size(), 10u);
     EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
+}
+
+TEST_F(DiskWriters, the_count_of_frames_does_not_go_back_when_a_file_is_left) {
+    turn();
+    take(10);
+    turn(DiskWriter::sync_time);
+    take(10);
+    turn();
+    ASSERT_EQ(progress.frames, 20u);
+    ASSERT_GT(progress.in_flight, 0u);
+    fs::remove_all(settings.folder);
+    std::ofstream{settings.folder} << "no folder";
+    turn(DiskWriter::look_time);
+    ASSERT_NE(disk().error(), "");
+    EXPECT_EQ(progress.frames, 20u);
+    fs::remove(settings.folder);
+    turn(DiskWriter::try_again_after);
+    ASSERT_EQ(disk().error(), "");
+    EXPECT_EQ(progress.frames, 20u) << "none counts twice";
+    take(5);
+    finish();
+    EXPECT_EQ(progress.frames, 25u);
 }
 
 TEST_F(DiskWriters, a_folder_that_was_removed_is_made_again) {
