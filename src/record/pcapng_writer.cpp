@@ -90,11 +90,12 @@ PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
 
 std::uint32_t PcapngWriter::interface_of(const RecordedFrame& frame, std::string& out) {
     const std::string_view name = text_that_fits(frame.link);
-    const auto known = std::find_if(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) { return i.name == name; });
-    if (known != interfaces_.end()) return static_cast<std::uint32_t>(known - interfaces_.begin());
+    if (const auto known = numbers_.find(name); known != numbers_.end()) return known->second;
     append_interface(name, text_that_fits(frame.link_description), out);
-    interfaces_.push_back({std::string{name}});
-    return static_cast<std::uint32_t>(interfaces_.size() - 1);
+    const auto number = static_cast<std::uint32_t>(interfaces_.size());
+    interfaces_.emplace_back();
+    numbers_.emplace(name, number);
+    return number;
 }
 
 void PcapngWriter::write(const RecordedFrame& frame, std::string& out) {
@@ -141,7 +142,7 @@ std::string PcapngWriter::take_lost_names() {
 void PcapngWriter::end(std::string& out) {
     if (interfaces_.empty()) {
         append_interface(no_link, {}, out);
-        interfaces_.push_back({std::string{no_link}});
+        interfaces_.emplace_back();
     }
     for (std::size_t i = 0; i < interfaces_.size(); ++i) {
         const Interface& interface = interfaces_[i];

@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,7 +30,6 @@ public:
 
 private:
     struct Interface {
-        std::string name;
         std::uint64_t frames = 0;
         std::uint64_t last_ns = 0;
     };
@@ -37,8 +38,9 @@ private:
     std::string take_lost_names();
 
     std::vector<Interface> interfaces_;
-    std::array<std::string, 256> peers_;    // that were told, by the number of the channel
-    std::uint64_t lost_ = 0;                // not told yet
+    std::map<std::string, std::uint32_t, std::less<>> numbers_;    // of them, by name
+    std::array<std::string, 256> peers_;                           // that were told, by the number of the channel
+    std::uint64_t lost_ = 0;                                       // not told yet
     std::string lost_names_;
     std::uint64_t all_lost_ = 0;
 };
