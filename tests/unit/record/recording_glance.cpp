@@ -62,6 +62,7 @@ TEST(RecordingGlance, tells_how_long_it_is_from_its_first_frame_to_its_last) {
     EXPECT_EQ(seconds(begin, begin + 61 * second), 61.0);
     EXPECT_EQ(seconds(begin, begin + 3600 * second, 5 * second, 7 * second), 2.0) << "the clock was set";
     EXPECT_EQ(seconds(begin, begin + 61 * second, 0, 0, false), std::nullopt);
+    EXPECT_EQ(seconds(begin, begin + 61 * second, 5 * second, 7 * second, false), std::nullopt) << "it is not ended";
     EXPECT_EQ(glance(recording(1, true)).seconds, 0.0);
     EXPECT_EQ(glance(recording(0, true)).seconds, std::nullopt);
 }
