@@ -11,11 +11,12 @@
 //    "running": [{"name": "flight", "by": "request", "file": "flight-2.pcapng", "files": 2, "format": "pcapng", "frames": 123,
 //                 "bytes": 4567, "file_frames": 23, "file_bytes": 967, "file_seconds": 2.1, "not_written": 0,
 //                 "error": "", "since": 1763898044.1, "seconds": 12.3, "ends_in_s": null}],
-//    "recordings": [{"name": "flight.pcapng", "format": "pcapng", "bytes": 4567, "frames": 123, "begun": 1763898044.1,
-//                    "time": 1763898050, "state": "ended"}]}
-// frames, bytes and seconds: in all its files; file_frames, file_bytes and file_seconds: in the file that is written now, which `file` names.
-// by: "configuration" or "request"; state: "recording", "ended" or "unfinished"; frames: null where the file does not tell them;
-// begun and time, that of its last change, are Unix seconds. The newest recording is the first.
+//    "recordings": [{"name": "flight.pcapng", "format": "pcapng", "bytes": 4567, "frames": 123, "seconds": 5.9,
+//                    "begun": 1763898044.1, "time": 1763898050, "state": "ended"}]}
+// Of one that runs frames, bytes and seconds are those of all its files; file_frames, file_bytes and file_seconds of the one that is
+// written now, which `file` names. by: "configuration" or "request"; state: "recording", "ended" or "unfinished". Of a file, frames and
+// seconds, from its first frame to its last, are null where it does not tell them; begun and time, that of its last change, are Unix
+// seconds. The newest recording is the first.
 //
 // POST /recordings takes {"name": "flight", "format": "mcap", "message_encoding": "cdr", "direction": "in,out", "id": "euler", "from": …,
 // "to": …, "link": …, "limit": {"euler": 10}, "seconds": 60}, all of them optional, and answers with the entry of "running"; with

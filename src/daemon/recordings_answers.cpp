@@ -22,6 +22,7 @@ http::Response refused(const Refusal& refusal) { return http::error(refusal.stat
 Json json_of(const FoundRecording& file) {
     Json json{{"name", file.name}, {"format", text(file.format)}, {"bytes", file.bytes}};
     json["frames"] = file.frames ? Json(*file.frames) : Json(nullptr);
+    json["seconds"] = file.seconds ? Json(*file.seconds) : Json(nullptr);
     json["begun"] = json_seconds(file.begun_ns);
     json["time"] = json_seconds(file.changed_ns);
     json["state"] = text(file.state);

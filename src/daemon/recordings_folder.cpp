@@ -133,6 +133,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
     recording.format = file.format;
     recording.bytes = static_cast<std::uint64_t>(file.is.st_size);
     recording.frames = file.glance.frames;
+    recording.seconds = file.glance.seconds;
     recording.begun_ns = file.glance.head.time_ns;
     recording.changed_ns = nanoseconds_of(file.is.st_mtim);
     using State = FoundRecording::State;
@@ -141,19 +142,21 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
 }
 
 // That of a very long one would take too much of the disk for a list.
-std::optional<std::uint64_t> frames_of_mcap(int folder, const FoundRecording& recording) {
+void add_counts_of_mcap(int folder, FoundRecording& recording) {
     const UniqueFd fd = open_regular(folder, recording.name, false);
-    if (!fd) return std::nullopt;
+    if (!fd) return;
     std::size_t left = most_index;
     const auto index = read_mcap_index(recording.bytes, [&](std::uint64_t at, std::size_t size) {
         if (size > left) return std::string{};
         left -= size;
         return read_at(fd.get(), at, size);
     });
-    return index ? std::optional{index->counts.frames} : std::nullopt;
+    if (!index) return;
+    recording.frames = index->counts.frames;
+    if (index->counts.frames > 0) recording.seconds = index->counts.seconds();
 }
 
-/// Of MCAP without the frames: they want more of each file.
+/// Of MCAP without the frames and the length: they want more of each file.
 FolderView quick_view_of(const std::string& folder) {
     FolderView view;
     const UniqueFd at = opened_folder(folder);
@@ -299,7 +302,7 @@ FolderView view_of(const std::string& folder) {
     const UniqueFd at = opened_folder(folder);
     for (FoundRecording& file : view.files)
         if (at && file.format == RecordingFormat::mcap && file.state == FoundRecording::State::ended)
-            file.frames = frames_of_mcap(at.get(), file);
+            add_counts_of_mcap(at.get(), file);
     return view;
 }
 

@@ -28,6 +28,7 @@ struct FoundRecording {
     RecordingFormat format{};
     std::uint64_t bytes = 0;
     std::optional<std::uint64_t> frames;    // nothing: the file does not tell
+    std::optional<double> seconds;          // from its first frame to its last; nothing: the file does not tell
     std::uint64_t begun_ns = 0;             // since 1970; 0: not known
     std::uint64_t changed_ns = 0;           // since 1970
     State state{};

@@ -4,6 +4,9 @@
 #include <record/pcapng_reader.hpp>
 #include <record/recording_glance.hpp>
 
+#include <algorithm>
+#include <variant>
+
 namespace anogate {
 namespace {
 
@@ -27,18 +30,46 @@ std::optional<std::string_view> take_last_block(std::string_view& bytes) {
     return block;
 }
 
-/// Of the statistics of an interface.
-std::uint64_t frames_of(std::string_view block) {
-    std::string_view options = block.substr(8, block.size() - block_ends);
-    options.remove_prefix(options.size() < 12 ? options.size() : 12);    // interface and time
+constexpr std::size_t before_times = 8 + 4,
+                      behind_times = before_times + 8;    // of a frame and of statistics: type, length, interface
+
+/// 0: the block has none.
+std::uint64_t time_of(std::string_view block) {
+    if (block.size() < behind_times + 4) return 0;
+    return std::uint64_t{loaded_at<std::uint32_t>(block, before_times)} << 32 | loaded_at<std::uint32_t>(block, before_times + 4);
+}
+
+/// The number `wanted` among the options of a block, which begin at `at`; 0: it is not there.
+std::uint64_t number_among_options(std::string_view block, std::size_t at, std::uint16_t wanted) {
+    if (at + 4 > block.size()) return 0;
+    std::string_view options = block.substr(at, block.size() - at - 4);
     while (options.size() >= 4) {
         const auto code = loaded_at<std::uint16_t>(options, 0), size = loaded_at<std::uint16_t>(options, 2);
         const std::size_t whole = 4 + (std::size_t{size} + 3) / 4 * 4;
         if (code == opt_end || whole > options.size()) break;
-        if (code == isb_ifrecv && size == sizeof(std::uint64_t)) return loaded_at<std::uint64_t>(options, 4);
+        if (code == wanted && size == sizeof(std::uint64_t)) return loaded_at<std::uint64_t>(options, 4);
         options.remove_prefix(whole);
     }
     return 0;
+}
+
+/// Of a frame; 0: it is none, or does not tell.
+std::uint64_t boottime_of(std::string_view block) {
+    constexpr std::size_t at_size = behind_times, at_bytes = at_size + 8;
+    if (block.size() < at_bytes + 4 || loaded_at<std::uint32_t>(block, 0) != enhanced_packet) return 0;
+    const std::size_t bytes = loaded_at<std::uint32_t>(block, at_size);
+    return bytes > block.size() ? 0 : number_among_options(block, at_bytes + (bytes + 3) / 4 * 4, opt_boottime);
+}
+
+/// When a frame passed: since 1970, and since the computer was started; ns, 0 where it is not known.
+struct Passed {
+    std::uint64_t time = 0, boottime = 0;
+};
+std::optional<double> seconds_between(const Passed& first, const Passed& last) {
+    const bool has_boottime = first.boottime > 0 && last.boottime >= first.boottime;
+    if (has_boottime) return static_cast<double>(last.boottime - first.boottime) / 1e9;
+    if (first.time == 0 || last.time < first.time) return std::nullopt;
+    return static_cast<double>(last.time - first.time) / 1e9;
 }
 
 // The gateway writes little endian.
@@ -46,15 +77,24 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     RecordingGlance glance;
     PcapngReader reader;
     reader.give(first);
-    while (reader.next()) {}
+    std::optional<Passed> begin;
+    while (const auto item = reader.next())
+        if (const auto* const frame = std::get_if<RecordedFrame>(&*item); frame && !begin)
+            begin = Passed{frame->time_ns, frame->boottime_ns};
     if (reader.position() > 0) glance.head = reader.head();
     std::uint64_t frames = 0;
+    Passed end;
     while (const auto block = take_last_block(last)) {
-        if (loaded_at<std::uint32_t>(*block, 0) != interface_statistics) break;
+        if (loaded_at<std::uint32_t>(*block, 0) != interface_statistics) {
+            end.boottime = boottime_of(*block);
+            break;
+        }
         glance.is_ended = true;
-        frames += frames_of(*block);
+        end.time = std::max(end.time, time_of(*block));
+        frames += number_among_options(*block, behind_times, isb_ifrecv);
     }
     if (glance.is_ended) glance.frames = frames;
+    if (glance.is_ended && begin) glance.seconds = seconds_between(*begin, end);
     return glance;
 }
 
@@ -78,7 +118,7 @@ bool has_end_of_mcap(std::string_view last) {
 }
 
 RecordingGlance glance_at_mcap(std::string_view first, std::string_view last) {
-    return {.head = head_of_mcap(first), .is_ended = has_end_of_mcap(last), .frames = std::nullopt};
+    return {.head = head_of_mcap(first), .is_ended = has_end_of_mcap(last), .frames = std::nullopt, .seconds = std::nullopt};
 }
 
 }    // namespace

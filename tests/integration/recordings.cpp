@@ -362,6 +362,8 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     ASSERT_EQ(read.items.size(), 40u);
     for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(read.items[i].frame, numbered(0xDC, 0xFF, static_cast<int>(i)));
     EXPECT_EQ(read.items[0].link, "a");
+    const auto span = static_cast<double>(read.items[39].boottime_ns - read.items[0].boottime_ns) / 1e9;
+    EXPECT_DOUBLE_EQ(file_called("incident.pcapng").at("seconds").get<double>(), span) << "of what it has, whenever it was saved";
     refuses(409, "POST", "/recordings", R"({"last": true, "name": "incident"})", "is there already");
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }

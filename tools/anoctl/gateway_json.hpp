@@ -42,7 +42,8 @@ RecordingSum sum_of_recording(const ano::Json& recording);
 /// Of the status' `recording`: a line for each that runs, with what is wrong with it, and one when keep_last was not saved.
 std::vector<std::string> recording_lines(const ano::Json& recording);
 
-/// In seconds, of a file that is listed; nothing where its two times tell none: the clock was not set at its begin, or was set meanwhile.
+/// In seconds, of a file that is listed; nothing: it does not tell. Where an older gateway says only two times of it, what is between
+/// them, unless the clock was not set at its begin, or was set meanwhile.
 std::optional<double> length_of_recording(const ano::Json& file);
 
 /// The counters of frames that were to be sent and were not.

@@ -38,9 +38,9 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     page.end_list();
     page.section("RECORDINGS");
     page.text(
-        "GET /recordings answers with what runs and what is in the folder, the newest first. Times are Unix seconds; frames is "
-        "null "
-        "where a file does not tell it, keep_last where nothing is kept. by is configuration or request, state recording, ended "
+        "GET /recordings answers with what runs and what is in the folder, the newest first. Times are Unix seconds; frames and "
+        "seconds, from the first frame to the last, are null where a file does not tell them, keep_last where nothing is kept. "
+        "by is configuration or request, state recording, ended "
         "or "
         "unfinished.");
     page.literal(
@@ -54,7 +54,7 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
         "              \"file_bytes\": 967, \"file_seconds\": 2.1, \"not_written\": 0, \"error\": \"\",\n"
         "              \"since\": 1763898044.1, \"seconds\": 12.3, \"ends_in_s\": null}],\n"
         " \"recordings\": [{\"name\": \"flight.pcapng\", \"format\": \"pcapng\", \"bytes\": 4567, \"frames\": 123,\n"
-        "                 \"begun\": 1763898044.1, \"time\": 1763898050, \"state\": \"ended\"}]}");
+        "                 \"seconds\": 5.9, \"begun\": 1763898044.1, \"time\": 1763898050, \"state\": \"ended\"}]}");
     page.text(
         "frames, bytes and seconds of one that runs are those of all its files, file_frames, file_bytes and file_seconds of the "
         "one that "

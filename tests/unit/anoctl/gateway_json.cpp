@@ -71,6 +71,8 @@ TEST(GatewayJson, a_recording_whose_times_are_of_two_clocks_has_no_length) {
     EXPECT_EQ(length("1700000000", "1731622400"), 31'622'400) << "a year";
     EXPECT_EQ(length("1700000000", "1731622401"), std::nullopt);
     EXPECT_EQ(length_of_recording(parse_answer("{}")), std::nullopt);
+    EXPECT_EQ(length_of_recording(parse_answer(R"({"begun": 1763898044, "time": 1763898050, "seconds": 0.5})")), 0.5);
+    EXPECT_EQ(length_of_recording(parse_answer(R"({"begun": 1763898044, "time": 1763898050, "seconds": null})")), std::nullopt);
 }
 
 TEST(GatewayJson, long_lists_take_several_lines) {

@@ -104,6 +104,7 @@ TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) 
         EXPECT_EQ(file.state, file.name == "flight.pcapng" ? State::ended : State::unfinished);
         if (file.name == "flight.pcapng") {
             EXPECT_EQ(file.frames, 3u);
+            EXPECT_TRUE(file.seconds.has_value());
             EXPECT_EQ(file.begun_ns, 1763898044'000000000u);
         }
     }
@@ -127,6 +128,7 @@ TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {
         const bool is_whole = file.name == "flight.mcap";
         EXPECT_EQ(file.state, is_whole ? State::ended : State::unfinished);
         EXPECT_EQ(file.frames, is_whole ? std::optional<std::uint64_t>{300} : std::nullopt);
+        EXPECT_EQ(file.seconds.has_value(), is_whole);
         EXPECT_EQ(file.format, RecordingFormat::mcap);
         EXPECT_EQ(file.begun_ns, 1763898044'000000000u);
     }

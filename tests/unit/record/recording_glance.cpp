@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,27 @@ TEST(RecordingGlance, tells_who_wrote_it_when_it_began_and_how_many_frames_it_ha
     EXPECT_EQ(seen.head.time_ns, head.time_ns);
     EXPECT_TRUE(seen.is_ended);
     EXPECT_EQ(seen.frames, 5000u);
+}
+
+TEST(RecordingGlance, tells_how_long_it_is_from_its_first_frame_to_its_last) {
+    const auto seconds = [](std::uint64_t first, std::uint64_t last, std::uint64_t first_boot = 0, std::uint64_t last_boot = 0,
+                            bool end = true) {
+        auto items = items_of(3000, 3);
+        items.front().time_ns = first;
+        items.back().time_ns = last;
+        for (auto& item : items) item.time_ns = std::min(item.time_ns, std::max(first, last));
+        items.front().boottime_ns = first_boot;
+        items.back().boottime_ns = last_boot;
+        return glance(support::write_pcapng(items, head, end)).seconds;
+    };
+    constexpr std::uint64_t second = 1'000'000'000;
+    const std::uint64_t begin = head.time_ns - 60 * second;    // what was kept before it was saved
+    EXPECT_EQ(seconds(begin, begin + 61 * second), 61.0);
+    EXPECT_EQ(seconds(begin, begin + 3600 * second, 5 * second, 7 * second), 2.0) << "the clock was set";
+    EXPECT_EQ(seconds(begin, begin + 61 * second, 0, 0, false), std::nullopt);
+    EXPECT_EQ(seconds(begin, begin + 61 * second, 5 * second, 7 * second, false), std::nullopt) << "it is not ended";
+    EXPECT_EQ(glance(recording(1, true)).seconds, 0.0);
+    EXPECT_EQ(glance(recording(0, true)).seconds, std::nullopt);
 }
 
 TEST(RecordingGlance, of_one_without_frames_has_an_end) {
