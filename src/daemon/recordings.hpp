@@ -123,8 +123,9 @@ private:
     std::optional<TimePoint> saved_at_;    // by itself, the last time
     std::string last_saved_, save_fault_;
     std::map<std::string, TimePoint> just_saved_;    // and until when they stay
-    std::string told_to_stay_;                       // beyond what is kept
-    std::string save_as_;                            // when it is due:
+    bool has_looked_ = false;
+    std::string told_to_stay_;    // beyond what is kept
+    std::string save_as_;         // when it is due:
     Alarm save_due_;
     std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // and every answer of last() has it
     std::optional<std::uint64_t> free_;

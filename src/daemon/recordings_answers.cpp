@@ -324,17 +324,26 @@ std::set<std::string> Recordings::just_saved() {
 void Recordings::look() {
     struct Seen {
         std::optional<std::uint64_t> free;
+        std::set<std::string> saved;
         DeletedRecordings old;
     };
     const auto seen = std::make_shared<Seen>();
+    static constexpr auto stays = std::chrono::duration_cast<std::chrono::seconds>(saved_stays);
     disk_.run_for_nobody(
-        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = just_saved()] {
+        [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, saved = just_saved(), is_first = !has_looked_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
             const auto steady = std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch());
-            if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, saved);
+            seen->saved = saved;
+            if (has_limits && is_first) seen->saved.merge(changed_since(folder, since_1970() - stays));
+            if (has_limits) seen->old = delete_old(folder, limits, *ages, {since_1970(), steady}, seen->saved);
             seen->free = room_for(folder);
         },
-        [this, seen](const std::string& fault) { looked(seen->free, seen->old, fault); });
+        [this, seen](const std::string& fault) {
+            // What was saved before this program began, and may be the reason why, stays as long.
+            if (!std::exchange(has_looked_, true))
+                for (const std::string& name : seen->saved) just_saved_.try_emplace(name, Clock::now() + saved_stays);
+            looked(seen->free, seen->old, fault);
+        });
 }
 
 void Recordings::looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault) {

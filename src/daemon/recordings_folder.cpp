@@ -346,6 +346,13 @@ std::vector<RepairedFile> repair_recordings(const std::string& folder) {
     return all;
 }
 
+std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time) {
+    std::set<std::string> names;
+    for (const FoundRecording& file : quick_view_of(folder).files)
+        if (std::chrono::seconds{file.changed_ns / 1'000'000'000} >= time) names.insert(file.name);
+    return names;
+}
+
 DeletedRecordings delete_old(const std::string& folder, const KeepLimits& limits, RecordingAges& ages, BothClocks now,
                              const std::set<std::string>& just_saved) {
     DeletedRecordings deleted;

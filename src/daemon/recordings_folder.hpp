@@ -68,6 +68,9 @@ struct RepairedFile {
 std::vector<RepairedFile> repair_recordings(const std::string& folder);
 
 /// What the clocks say: the one that is set, since 1970, and the one that nobody sets.
+/// The names of those that changed then or later, by the system's clock.
+std::set<std::string> changed_since(const std::string& folder, std::chrono::seconds time);
+
 struct BothClocks {
     std::chrono::seconds real{}, steady{};
 };

@@ -429,6 +429,20 @@ TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the
     EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng", "third.pcapng"}));
 }
 
+TEST_F(Recordings, of_the_minute_before_a_restart_stay_whatever_is_kept) {
+    start();
+    for (const char* name : {"old", "last", "newest"}) {
+        begin({{"name", name}});
+        send_numbered(1500);
+        end(name);
+    }
+    stop();
+    fs::last_write_time(folder + "/old.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{4});
+    start(R"(, "record": {"start": false, "rotate": {"size": "100kB"}, "keep": {"size": "100kB"}})");
+    EXPECT_TRUE(gateway->until_says("old.pcapng is deleted, as \"keep\" says")) << gateway->output();
+    EXPECT_EQ(names(), (std::vector<std::string>{"last.pcapng", "newest.pcapng"}));
+}
+
 TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_commands) {
     write_config("");
     dir.write("anogate.json", R"({"gateway": {"id": 199}, "links": [")" + a.link("a") + R"("]})");

@@ -250,7 +250,7 @@ export const words = {
   save_last: ["Save them here", "保存到网关"],
   take_last: ["Download them", "下载"],
   last_saved: ["{name}: {n} frames", "{name}：{n} 帧"],
-  last_was_saved: ["saved {n} times, at last as {name}", "已保存 {n} 次，最近一次为 {name}"],
+  last_was_saved: ["times saved: {n}, the last as {name}", "已保存 {n} 次，最近一次为 {name}"],
   last_skipped: ["{n} times not saved: at most once a minute", "有 {n} 次没有保存：每分钟最多一次"],
   state_recording: ["recording", "录制中"],
   state_ended: ["whole", "完整"],

@@ -317,6 +317,16 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     EXPECT_EQ(old.stays, "flight-4.pcapng");
 }
 
+TEST_F(RecordingsFolder, knows_what_changed_of_late) {
+    const auto now = std::chrono::seconds{std::time(nullptr)};
+    for (const std::string name : {"before", "now"}) dir.write(name + ".pcapng", recording(1));
+    dir.write("foreign.pcapng", "x");
+    fs::last_write_time(dir / "before.pcapng", fs::file_time_type::clock::now() - std::chrono::seconds{70});
+    EXPECT_EQ(changed_since(folder, now - std::chrono::seconds{60}), std::set<std::string>{"now.pcapng"});
+    EXPECT_EQ(changed_since(folder, now - std::chrono::seconds{80}), (std::set<std::string>{"before.pcapng", "now.pcapng"}));
+    EXPECT_TRUE(changed_since(folder, now + std::chrono::seconds{60}).empty());
+}
+
 TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {
     dir.write("a.pcapng", "whatever it is");
     fs::create_symlink("/nowhere", dir / "b.mcap");

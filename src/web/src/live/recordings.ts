@@ -21,6 +21,7 @@ export interface Recording {
   bytes: number;
   frames: number | null;
   begun: number | null; // Unix seconds
+  seconds: number | null; // its length, as the file tells it
   time: number;
   state: string; // "recording", "ended" or "unfinished"
 }

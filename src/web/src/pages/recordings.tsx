@@ -166,7 +166,7 @@ function Row({ one, action, onDeleted }: { one: Recording; action: Action; onDel
     <li>
       <a href={path(fileOf(one.name))} download={one.name}>{one.name}</a>
       <span class="number muted">{clock(one.begun ?? one.time)}</span>
-      <span class="number">{one.begun === null ? "–" : lasts(Math.max(0, one.time - one.begun))}</span>
+      <span class="number">{one.seconds === null ? "–" : lasts(one.seconds)}</span>
       <span class="number">{bytesText(one.bytes)}</span>
       <span class="number muted">{one.frames === null ? "" : t("frames_n", { n: shortNumber(one.frames) })}</span>
       <span class={one.state === "ended" ? "muted" : one.state === "recording" ? "bad" : "warn"}>{state ? t(state) : one.state}</span>
