@@ -57,8 +57,8 @@ struct KeepLimits {
 /// Places in a list of recordings.
 struct RecordingsToDelete {
     std::vector<std::size_t> going;    // the oldest first
-    std::optional<std::size_t>
-        stays{};    // the newest that stays though it is beyond `bytes`, and not only while another is written
+    /// The newest that stays though it is beyond `bytes`, and not only while another is written.
+    std::optional<std::size_t> stays{};
 };
 /// Only its age has one go that was just saved, or that is the newest of those that are not written: "it is saved" would be said of
 /// what is gone a moment later. That newest one goes for the sake of free bytes too, while another is written. For the sake of free
