@@ -178,6 +178,7 @@ std::string file_meant_by(const std::string& name, std::vector<std::string> file
     std::sort(files.begin(), files.end());
     const bool has_end = recording_format_of(name).has_value();
     std::vector<std::string_view> words;
+    words.reserve(files.size());
     for (const std::string_view file : files) words.push_back(has_end ? file : file.substr(0, file.rfind('.')));
     const std::string_view meant = ano::nearest(name, words);
     const auto at = std::find(words.begin(), words.end(), meant) - words.begin();

@@ -222,7 +222,7 @@ private:
     }
     /// Where that file goes: "." is a folder.
     std::string place_for(const std::string& which) const {
-        const std::string plain = which.substr(which.rfind('/') + 1);
+        std::string plain = which.substr(which.rfind('/') + 1);
         std::error_code none;
         if (file.empty()) return plain;
         if (std::filesystem::is_directory(file, none)) return std::filesystem::path{file} / plain;

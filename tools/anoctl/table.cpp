@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <ostream>
@@ -107,7 +108,7 @@ std::string time_text(double seconds) {
         std::snprintf(text.data(), text.size(), "%.1f s", std::max(seconds, 0.0));
         return text.data();
     }
-    const auto whole = static_cast<std::uint64_t>(std::min(seconds, 1e15) + 0.5);
+    const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e15)));
     const auto two = [](std::uint64_t large, const char* unit, std::uint64_t small, const char* lesser) {
         return std::to_string(large) + unit + (small == 0 ? "" : " " + std::to_string(small) + lesser);
     };

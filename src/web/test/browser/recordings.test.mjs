@@ -52,6 +52,7 @@ test("a name that another one has is refused, in words", async () => {
 
 test("only what is asked for is recorded, and a filter that can't be meant is said to be none", async () => {
   const page = await here.open({ hash: "#/recordings", width: 390, height: 844 });
+  await page.waitForSelector(".begin summary");
   await page.click(".begin summary");
   await type(page, ".begin details label:nth-of-type(5) input", "euler");
   await page.waitForSelector(".begin [role=alert]");
