@@ -55,9 +55,13 @@ protected:
         b = std::make_unique<RunningGateway>(settings_of({device("b"), way(0, false, group), way(1, false, group)}));
         ASSERT_TRUE(until([&] { return a->link("device").at("state") == "up" && b->link("device").at("state") == "up"; }));
         // From here on every relay knows both of its sides, and every gateway has heard by both links.
+        const auto from_a = [](int n) { return frame(0xDC, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
+        const auto from_b = [](int n) { return frame(0xDD, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
+        Times got_a, got_b;
         for (int i : {0, 1}) {
-            at_a.write(frame(0xDC, 0xFF, 0x01, {static_cast<std::uint8_t>(i)}));
-            at_b.write(frame(0xDD, 0xFF, 0x01, {static_cast<std::uint8_t>(i)}));
+            at_a.write(from_a(i));
+            at_b.write(from_b(i));
+            ASSERT_TRUE(until_heard(at_a, got_a, i, i + 1, from_b) && until_heard(at_b, got_b, i, i + 1, from_a));
             ASSERT_TRUE(until_quiet());
         }
         heard(at_a);
@@ -207,14 +211,16 @@ TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
     start("");
     if (HasFatalFailure()) return;
     constexpr int count = 20;
+    const auto command = [](int n) { return numbered(0xFE, 0xFF, 0xC0, n); };
     for (int n = 0; n < count; ++n) {
-        at_a.write(numbered(0xFE, 0xFF, 0xC0, n));
+        at_a.write(command(n));
         for (int i = 0; i < 5; ++i) turn();
     }
+    Times got;
+    EXPECT_TRUE(until_heard(at_b, got, 0, count, command));
     ASSERT_TRUE(until_quiet()) << "something goes round";
-    const Times got = heard(at_b);
-    for (int n = 0; n < count; ++n)
-        EXPECT_EQ(got.count(key(numbered(0xFE, 0xFF, 0xC0, n))) ? got.at(key(numbered(0xFE, 0xFF, 0xC0, n))) : 0, 1) << n;
+    add(got, heard(at_b));
+    for (int n = 0; n < count; ++n) EXPECT_EQ(got[key(command(n))], 1) << n;
     for (auto& gateway : {a.get(), b.get()})
         for (const char* way : {"way1", "way2"}) {
             const std::string hint = gateway->link(way).at("hint");
