@@ -54,18 +54,21 @@ protected:
         a = std::make_unique<RunningGateway>(settings_of({device("a"), way(0, true, group), way(1, true, group)}));
         b = std::make_unique<RunningGateway>(settings_of({device("b"), way(0, false, group), way(1, false, group)}));
         ASSERT_TRUE(until([&] { return a->link("device").at("state") == "up" && b->link("device").at("state") == "up"; }));
-        // From here on every relay knows both of its sides, and every gateway has heard by both links.
         const auto from_a = [](int n) { return frame(0xDC, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
         const auto from_b = [](int n) { return frame(0xDD, 0xFF, 0x01, {static_cast<std::uint8_t>(n)}); };
+        // A relay that does not know both of its sides yet loses some. When one has arrived nothing before it is in a pty any more,
+        // which keeps the order.
         Times got_a, got_b;
-        for (int i : {0, 1}) {
+        bool have_met = false;
+        for (int i = 0; i < 20 && !have_met; ++i) {
             at_a.write(from_a(i));
             at_b.write(from_b(i));
-            ASSERT_TRUE(until_heard(at_a, got_a, i, i + 1, from_b) && until_heard(at_b, got_b, i, i + 1, from_a));
             ASSERT_TRUE(until_quiet());
+            add(got_a, heard(at_a));
+            add(got_b, heard(at_b));
+            have_met = i >= 2 && got_a.count(key(from_b(i))) > 0 && got_b.count(key(from_a(i))) > 0;
         }
-        heard(at_a);
-        heard(at_b);
+        ASSERT_TRUE(have_met);
     }
     LinkSettings device(const std::string& name) {
         LinkSettings link = serial("device", dir / name);
