@@ -27,7 +27,7 @@ public:
     static constexpr std::size_t bands = 6, sectors = 12, cells = bands * sectors;
     static constexpr std::size_t max_in_cell = 12;    // further samples from there say nothing new
     static constexpr double enough = 0.8;             // of the cells
-    static constexpr std::size_t least_samples = 200;
+    static constexpr std::size_t min_samples = 200;
     static constexpr double max_residual = 0.15;    // of the field: more is a disturbed place
 
     void take(const Vector& raw);
@@ -36,7 +36,7 @@ public:
     const std::bitset<cells>& map() const noexcept { return covered_; }
     double coverage() const noexcept { return static_cast<double>(covered_.count()) / double{cells}; }
     std::size_t samples() const noexcept { return samples_.size(); }
-    bool is_complete() const noexcept { return samples_.size() >= least_samples && coverage() >= enough; }
+    bool is_complete() const noexcept { return samples_.size() >= min_samples && coverage() >= enough; }
 
     /// From one half of the samples, judged by the other: rejected when that is no better than with `old`. Residuals are standard
     /// deviations of the field's strength, as a share of it.

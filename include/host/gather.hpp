@@ -43,7 +43,7 @@ protected:
     virtual std::string_view subject() const noexcept = 0;
 
 private:
-    static constexpr std::size_t most_asked = 2 * Window::widest;    // so that the window never waits for us
+    static constexpr std::size_t max_asked = 2 * Window::widest;    // so that the window never waits for us
 
     static constexpr std::uint32_t probing = first_step - 1;
     struct Item {

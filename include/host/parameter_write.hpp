@@ -16,8 +16,8 @@
 namespace ano::host {
 
 struct TextLimits {
-    bool longer = false;                        // a text may be longer than the one that it replaces
-    std::optional<std::size_t> most_bytes{};    // of any text: 29 where the device has the vendor's parser
+    bool longer = false;                       // a text may be longer than the one that it replaces
+    std::optional<std::size_t> max_bytes{};    // of any text: 29 where the device has the vendor's parser
 };
 
 /// Why a text of `size` bytes may not take the place of one of `had`, as a clause behind the text; empty: it may.

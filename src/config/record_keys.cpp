@@ -54,7 +54,7 @@ constexpr Key<Rec> size_from(std::string_view name, std::string_view help) {
 }
 
 constexpr std::uint64_t kB = 1000, MB = 1000 * kB;
-constexpr std::uint64_t most_age = 3650 * day, most_in_memory = 3600 * second;
+constexpr std::uint64_t max_age = 3650 * day, max_in_memory = 3600 * second;
 
 constexpr Key<Rec> record_rows[] = {
     boolean<&Rec::start>("start", "it records from the start on; no: when it is asked to"),
@@ -80,10 +80,10 @@ constexpr Key<Rec> record_rows[] = {
              get_limit,
              put_limit},
     size_from<&Rec::rotate_size, 10 * kB>("rotate.size", "a file of this size is ended and the next one begun; 0: never"),
-    duration<&Rec::rotate_time>("rotate.time", second, most_age, "and one that is so old (default: never)"),
+    duration<&Rec::rotate_time>("rotate.time", second, max_age, "and one that is so old (default: never)"),
     size_from<&Rec::keep_size, 100 * kB>("keep.size",
                                          "beyond so many bytes of all recordings the oldest are deleted; 0: no limit"),
-    duration<&Rec::keep_age>("keep.age", second, most_age, "older ones are deleted (default: never)"),
+    duration<&Rec::keep_age>("keep.age", second, max_age, "older ones are deleted (default: never)"),
     size_from<&Rec::keep_free, MB>("keep.free",
                                    "the oldest are deleted while fewer bytes of the disk are free; 0: none is for that"),
     size_from<&Rec::free, MB>(
@@ -91,7 +91,7 @@ constexpr Key<Rec> record_rows[] = {
         "so many bytes of the disk stay free: nothing is written while fewer than these and 5 MB are; 0: until it "
         "is full"),
     duration<&Rec::keep_last>(
-        "keep_last", second, most_in_memory,
+        "keep_last", second, max_in_memory,
         "the frames of so long stay in memory, 16 MiB at most, and are saved when asked for, when a device logs a "
         "fault, and when a link is lost (default: none)"),
 };

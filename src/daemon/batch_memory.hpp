@@ -13,8 +13,8 @@ namespace anogate {
 /// can't be given back at once is freed.
 class BatchMemory {
 public:
-    static constexpr std::size_t most_kept = 2 * 1024 * 1024;    // bytes
-    static constexpr std::size_t least_kept = 4096;              // of a batch: smaller ones are not worth it
+    static constexpr std::size_t max_kept = 2 * 1024 * 1024;    // bytes
+    static constexpr std::size_t min_kept = 4096;               // of a batch: smaller ones are not worth it
 
     /// `size` bytes, of any content, in at most twice as much memory. Throws std::bad_alloc.
     std::shared_ptr<std::string> take(std::size_t size) {
@@ -30,7 +30,7 @@ public:
 private:
     class Kept {
     public:
-        Kept() { batches_.reserve(most_kept / least_kept); }
+        Kept() { batches_.reserve(max_kept / min_kept); }
 
         /// nullptr: there is none, or the next one has more than `most` bytes.
         std::unique_ptr<std::string> take(std::size_t most) noexcept {
@@ -42,9 +42,9 @@ private:
             return batch;
         }
         void give(std::unique_ptr<std::string> batch) noexcept {
-            if (batch->capacity() < least_kept) return;
+            if (batch->capacity() < min_kept) return;
             const std::unique_lock lock{mutex_, std::try_to_lock};
-            if (!lock || bytes_ + batch->capacity() > most_kept) return;
+            if (!lock || bytes_ + batch->capacity() > max_kept) return;
             bytes_ += batch->capacity();
             batches_.push_back(std::move(batch));    // there is room for it
         }

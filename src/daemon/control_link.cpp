@@ -18,7 +18,7 @@ constexpr std::size_t message_size = 16 * 1024;    // of what leaves at once, bu
 constexpr std::size_t frames_per_message = 64;
 constexpr std::uint16_t going_away = 1001, policy_violation = 1008,
                         try_again_later = 1013;    // why a WebSocket is closed (RFC 6455)
-constexpr std::size_t longest_name = 64;
+constexpr std::size_t max_name = 64;
 
 // Not one that can be configured as a link.
 constinit const LinkKind control_kind{.name = "control", .carries = Carries::datagrams};
@@ -179,7 +179,7 @@ UnassignedTraffic ControlLink::unassigned_traffic() const {
 
 http::Response ControlLink::join(const http::Request& request, std::uint8_t own_id) {
     const std::string name{request.query_value("name").value_or("program")};
-    if (name.empty() || name.size() > longest_name || !ano::is_utf8(name))
+    if (name.empty() || name.size() > max_name || !ano::is_utf8(name))
         return http::error(400, "name= must be a text of 1 to 64 bytes");
     for (std::size_t i = 0; i < name.size(); ++i)
         if (ano::control_size(name, i) > 0) return http::error(400, "name= has a control character in it");

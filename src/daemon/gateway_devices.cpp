@@ -253,7 +253,7 @@ DeviceManners GatewayDevices::manners(std::uint8_t address) {
     for (const LinkState& state : gateway_.links()) {
         if (!links.contains(state.link->id())) continue;
         const LinkSettings& link = state.link->settings();
-        if (link.profile == Profile::vendor) manners.text.most_bytes = vendor_text;
+        if (link.profile == Profile::vendor) manners.text.max_bytes = vendor_text;
         manners.value_type_7 = link.meaning_of_type_7();
         manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());
     }

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view front_page = "index.html";
-constexpr std::uintmax_t most_bytes = 1024 * 1024;    // of all files together
+constexpr std::uintmax_t max_bytes = 1024 * 1024;    // of all files together
 
 struct FileType {
     std::string_view ending, type;
@@ -52,7 +52,7 @@ Page Page::read(const fs::path& folder) {
         const std::uintmax_t size = it->is_regular_file(no_size) ? it->file_size(no_size) : 0;
         if (path.extension() != ".gz" || no_size || size == 0 || page_type_of(path.stem().string()).empty()) continue;
         total += size;
-        if (total > most_bytes) return {};
+        if (total > max_bytes) return {};
         if (auto content = content_of(path)) page.files_.emplace(path.stem().string(), std::move(*content));
     }
     if (page.files_.find(front_page) == page.files_.end()) return {};

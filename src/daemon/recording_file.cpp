@@ -14,7 +14,7 @@
 namespace anogate {
 namespace {
 
-constexpr unsigned most_names = 100'000;    // that are tried
+constexpr unsigned max_names = 100'000;    // that are tried
 constexpr mode_t folder_mode = 0750, file_mode = 0640;
 
 // 0, or the errno.
@@ -36,7 +36,7 @@ std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& 
     if (const int error = make_folders(std::filesystem::path{folder}.lexically_normal()); error != 0) return fault(error);
     const UniqueFd at = open_folder(folder);
     if (!at) return fault(errno);
-    for (const unsigned last = number + most_names; number < last; ++number) {
+    for (const unsigned last = number + max_names; number < last; ++number) {
         const std::string file = recording_file_name(name, number, format);
         UniqueFd fd{::openat(at.get(), file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, file_mode)};
         if (!fd && errno == EEXIST) continue;

@@ -21,7 +21,7 @@ using http::Access;
 using http::Request;
 
 constexpr std::string_view filters[] = {"from", "to", "id", "link", "direction"};
-constexpr double most_seconds = 30.0 * 24 * 3600;
+constexpr double max_seconds = 30.0 * 24 * 3600;
 constexpr const char* only_in_mcap = "message_encoding says how MCAP has decoded messages: ask for the format mcap";
 
 struct WantedRecording {
@@ -114,7 +114,7 @@ private:
     }
     Fault read_seconds(const Json& value) {
         const double seconds = value.is_number() ? value.get<double>() : 0;
-        if (!(seconds > 0 && seconds <= most_seconds)) return "\"seconds\" must be a number above 0, of 30 days at most";
+        if (!(seconds > 0 && seconds <= max_seconds)) return "\"seconds\" must be a number above 0, of 30 days at most";
         wanted.recording.time = std::chrono::duration_cast<ano::Duration>(std::chrono::duration<double>{seconds});
         has_time_ = true;
         return {};

@@ -299,7 +299,7 @@ std::string Recordings::start_recording() {
     if (is_stopped_) return "the gateway ends";
     if (configured_one()) return "it records already";
     const auto ending = std::count_if(running_.begin(), running_.end(), [](const auto& r) { return r->is_configured; });
-    if (static_cast<std::size_t>(ending) >= most_ending)
+    if (static_cast<std::size_t>(ending) >= max_ending)
         return "the disk has not taken the end of the last recordings yet: again when it has";
     if (folder_.empty()) return "there is no folder for it: name one, \"record\": {\"folder\": \"/path\"}";
     changed(launch(configured(), true));

@@ -40,9 +40,9 @@ struct AskedRecording {
 /// Everything is called from the loop; what may wait for the disk is done beside it.
 class Recordings final : public RecordingService {
 public:
-    static constexpr std::size_t most_asked = 4;      // that run at once
-    static constexpr std::size_t most_reading = 2;    // the last frames at once: each holds those of its time until it has them
-    static constexpr std::size_t most_ending = 2;     // of the configuration, that the disk keeps from their end
+    static constexpr std::size_t max_asked = 4;      // that run at once
+    static constexpr std::size_t max_reading = 2;    // the last frames at once: each holds those of its time until it has them
+    static constexpr std::size_t max_ending = 2;     // of the configuration, that the disk keeps from their end
     static constexpr ano::Duration between_saves = std::chrono::minutes{1};    // of keep_last by itself
     static constexpr ano::Duration saved_stays = std::chrono::minutes{1};      // to be fetched, though keep has no room for it
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};

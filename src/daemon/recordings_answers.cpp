@@ -154,8 +154,8 @@ http::Response Recordings::begin(AskedRecording asked) {
     if (!is_recording_name(asked.name)) return http::error(422, recording_name_rule(asked.name));
     if (folder_.empty()) return http::error(409, no_folder);
     if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is being recorded already");
-    if (count_of_asked() >= most_asked)
-        return http::error(409, std::to_string(most_asked) + " recordings that were asked for run already: end one of them");
+    if (count_of_asked() >= max_asked)
+        return http::error(409, std::to_string(max_asked) + " recordings that were asked for run already: end one of them");
     const auto held = std::make_shared<DiskWorks::Ticket>();
     http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Say& say) {
         const auto refusal = std::make_shared<std::optional<Refusal>>();
@@ -245,8 +245,8 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
 
 http::Response Recordings::last(const WantedForm& wanted) {
     if (!memory_) return http::error(409, nothing_kept);
-    if (static_cast<std::size_t>(reading_.use_count()) > most_reading)
-        return http::try_again("the last frames are read by " + std::to_string(most_reading) +
+    if (static_cast<std::size_t>(reading_.use_count()) > max_reading)
+        return http::try_again("the last frames are read by " + std::to_string(max_reading) +
                                " clients already: again when one has them");
     const RecordingFormat made = format_for(wanted);
     http::Response response;

@@ -23,11 +23,11 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t most_name = 100;
-constexpr std::size_t most_file_name = most_name + 20;    // with its number and its end
+constexpr std::size_t max_name = 100;
+constexpr std::size_t max_file_name = max_name + 20;    // with its number and its end
 constexpr std::size_t bytes_at_a_time = 1024 * 1024;
-constexpr std::size_t most_index = 4 * 1024 * 1024;      // bytes that are read of one file for a list
-constexpr std::uint64_t most_cut = 2 * 1024 * 1024;      // bytes that a file loses at the most when it is made whole
+constexpr std::size_t max_index = 4 * 1024 * 1024;       // bytes that are read of one file for a list
+constexpr std::uint64_t max_cut = 2 * 1024 * 1024;       // bytes that a file loses at the most when it is made whole
 constexpr std::string_view our_program = "anogated ";    // the version is behind it
 constexpr std::string_view left_alone = " was not written by the gateway, and is left alone";
 
@@ -93,7 +93,7 @@ struct OpenRecording {
 std::optional<OpenRecording> open_ours(int folder, const std::string& name, bool writable = false) {
     errno = 0;
     const auto format = recording_format_of(name);
-    if (!format || !is_name(name, most_file_name)) return std::nullopt;
+    if (!format || !is_name(name, max_file_name)) return std::nullopt;
     OpenRecording file;
     file.fd = open_regular(folder, name, writable);
     if (!file.fd || ::fstat(file.fd.get(), &file.is) != 0) return std::nullopt;
@@ -145,7 +145,7 @@ FoundRecording found(const std::string& name, const OpenRecording& file) {
 void add_counts_of_mcap(int folder, FoundRecording& recording) {
     const UniqueFd fd = open_regular(folder, recording.name, false);
     if (!fd) return;
-    std::size_t left = most_index;
+    std::size_t left = max_index;
     const auto index = read_mcap_index(recording.bytes, [&](std::uint64_t at, std::size_t size) {
         if (size > left) return std::string{};
         left -= size;
@@ -199,7 +199,7 @@ std::string there_is(int folder, const std::string& name) {
 
 Refusal refusal_of_open(int folder, const std::string& name, int error) {
     struct stat is {};
-    if (error == 0 && is_name(name, most_file_name) && ::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
+    if (error == 0 && is_name(name, max_file_name) && ::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
         error = errno;
     if (error == ENOENT) return {404, "there is no recording " + name + there_is(folder, name)};
     if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
@@ -265,18 +265,18 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
     if (result.is_whole) return std::nullopt;
     RepairedFile repaired{name, result.frames, at > result.keep ? at - result.keep : 0, {}};
     if (!result.is_recording) repaired.fault = "it is damaged before its first frame";
-    else if (written > result.keep + most_cut) repaired.fault = damage_text(result.keep, written - result.keep);
+    else if (written > result.keep + max_cut) repaired.fault = damage_text(result.keep, written - result.keep);
     else repaired.fault = make_whole(*file, result);
     return repaired;
 }
 
 }    // namespace
 
-bool is_recording_name(std::string_view name) noexcept { return is_name(name, most_name); }
+bool is_recording_name(std::string_view name) noexcept { return is_name(name, max_name); }
 
 std::string recording_name_rule(std::string_view given) {
     return "a name has 1 to 100 of A-Z, a-z, 0-9, '.', '_' and '-', and no dot in front" +
-           std::string{given.size() > most_name ? ": this one has " + std::to_string(given.size()) : ""};
+           std::string{given.size() > max_name ? ": this one has " + std::to_string(given.size()) : ""};
 }
 
 std::string_view text(FoundRecording::State state) noexcept {
@@ -308,7 +308,7 @@ FolderView view_of(const std::string& folder) {
 }
 
 std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const std::string& name) {
-    if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
+    if (!is_name(name, max_file_name)) return Refusal{422, recording_name_rule(name)};
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     auto file = open_ours(at.get(), name);
@@ -317,7 +317,7 @@ std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const 
 }
 
 std::optional<Refusal> remove_recording(const std::string& folder, const std::string& name) {
-    if (!is_name(name, most_file_name)) return Refusal{422, recording_name_rule(name)};
+    if (!is_name(name, max_file_name)) return Refusal{422, recording_name_rule(name)};
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr ano::Duration least_to_confirm = std::chrono::seconds{1}, most_to_confirm = std::chrono::hours{1};
+constexpr ano::Duration min_to_confirm = std::chrono::seconds{1}, max_to_confirm = std::chrono::hours{1};
 
 http::Response json_response(unsigned status, const Json& json) {
     http::Response response;
@@ -60,7 +60,7 @@ std::variant<ReloadRequest, std::string> read_request(const http::Request& reque
             reload.dry_run = *value;
         } else if (field.name == "confirm_within") {
             reload.confirm_within = parse_duration(field.value);
-            if (!reload.confirm_within || *reload.confirm_within < least_to_confirm || *reload.confirm_within > most_to_confirm)
+            if (!reload.confirm_within || *reload.confirm_within < min_to_confirm || *reload.confirm_within > max_to_confirm)
                 return "'confirm_within' must be a duration such as 30s, from 1s to 1h, not " + ano::in_quotes(field.value);
         } else {
             return "unknown word " + ano::in_quotes(field.name) + " in the query" + ano::did_you_mean(field.name, names);

@@ -17,7 +17,7 @@ void Gather::gather(std::size_t n, TimePoint now) {
 
 void Gather::ask_more(TimePoint now) {
     if (gives_up(now)) return;
-    while (!end() && asked_ < most_asked && (!again_.empty() || next_ < total_)) {
+    while (!end() && asked_ < max_asked && (!again_.empty() || next_ < total_)) {
         std::uint32_t i = next_;
         if (again_.empty()) {
             ++next_;

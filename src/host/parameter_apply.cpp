@@ -73,19 +73,19 @@ bool ParameterApply::check(TimePoint now) {
 
 // Of one that failed what is wrong with it, of several their names: each has its own words.
 End ParameterApply::failure(const char* deed) const {
-    constexpr std::size_t most_names = 5;
+    constexpr std::size_t max_names = 5;
     std::size_t number = 0;
     std::string names, what;
     for (const Row& row : rows_) {
         if (row.state != State::failed) continue;
         if (++number == 1) what = row.what;
-        if (number <= most_names) names += (number == 1 ? "" : ", ") + row.name;
+        if (number <= max_names) names += (number == 1 ? "" : ", ") + row.name;
     }
     End end = *why_;
     end.what = std::move(what);
     if (number == 1) return end;
     end.what = std::to_string(number) + " of " + std::to_string(rows_.size()) + " parameters " + deed + ": " + names;
-    if (number > most_names) end.what += " and " + std::to_string(number - most_names) + " more";
+    if (number > max_names) end.what += " and " + std::to_string(number - max_names) + " more";
     return end;
 }
 

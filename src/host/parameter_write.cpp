@@ -15,7 +15,7 @@ constexpr std::string_view not_taken = "it probably takes no such value, or lets
 }    // namespace
 
 std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits) {
-    if (limits.most_bytes && size > *limits.most_bytes) return "is longer than " + std::to_string(*limits.most_bytes) + " bytes";
+    if (limits.max_bytes && size > *limits.max_bytes) return "is longer than " + std::to_string(*limits.max_bytes) + " bytes";
     if (size <= had || limits.longer) return {};
     return "is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
            " that the device has: a longer one must be allowed (longer)";
@@ -104,7 +104,7 @@ void ParameterWrite::write(TimePoint now) {
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
         if (const std::string too_long = text_misfit(value.size(), had, limits_); !too_long.empty()) return refuse(too_long, now);
-        value.resize(std::max({value.size(), std::min(had, limits_.most_bytes.value_or(had)), std::size_t{1}}));
+        value.resize(std::max({value.size(), std::min(had, limits_.max_bytes.value_or(had)), std::size_t{1}}));
     }
     was_sent_ = true;
     Draft<"parameter_value"> draft;

@@ -15,7 +15,7 @@ namespace {
 namespace beast = boost::beast::http;
 
 constexpr std::string_view end_of_fields = "\r\n\r\n";
-constexpr std::string_view shortest_chunks = "0\r\n\r\n";
+constexpr std::string_view min_chunks = "0\r\n\r\n";
 
 std::string text(boost::beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -100,7 +100,7 @@ std::size_t RequestReader::put(std::string_view bytes) {
         return goes_on ? used + put(bytes.substr(used)) : used;
     }
     // Another assertion of Beast 1.74: it holds four bytes of an only chunk to be impossible.
-    if (parser_->chunked() && bytes.starts_with('0') && bytes.size() < shortest_chunks.size()) return 0;
+    if (parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_chunks.size()) return 0;
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
     if (parser_->at_the_last) return bytes.find(end_of_fields, used) + end_of_fields.size();

@@ -15,7 +15,7 @@ namespace {
 
 namespace beast_http = boost::beast::http;
 
-constexpr std::size_t shortest_last_chunk = 5;    // "0\r\n\r\n"
+constexpr std::size_t min_last_chunk = 5;    // "0\r\n\r\n"
 
 }    // namespace
 
@@ -44,7 +44,7 @@ ResponseReader::~ResponseReader() = default;
 std::size_t ResponseReader::put(std::string_view bytes) {
     if (is_done() || !fault_.empty()) return 0;
     // An assertion of Beast 1.74 holds four bytes of an only chunk to be impossible.
-    if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < shortest_last_chunk) return 0;
+    if (parser_->is_header_done() && parser_->chunked() && bytes.starts_with('0') && bytes.size() < min_last_chunk) return 0;
     error_code ec;
     const std::size_t used = parser_->put(asio::buffer(bytes.data(), bytes.size()), ec);
     if (parser_->at_the_last) return used;

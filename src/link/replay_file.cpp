@@ -25,10 +25,10 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t piece_of_file = 64 * 1024;
-constexpr std::size_t most_in_a_batch = 64 * 1024;    // bytes of frames that are looked at
-constexpr std::size_t longest_name = 64;              // bytes of the name of a link, as in a configuration
+constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames that are looked at
+constexpr std::size_t max_link_name = 64;             // bytes of the name of a link, as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
-constexpr ano::Duration shortest_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
+constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // but at rate 0: one frame alone takes no time
 
 ReplayPlan::Options options_of(const ReplaySettings& settings) {
     return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),
@@ -108,7 +108,7 @@ public:
                 continue;
             }
             if (!settings_.loop) return set(State::ended, note_);
-            round_begin_ = settings_.rate == 0 ? latest_ : std::max(latest_, round_begin_ + shortest_round);
+            round_begin_ = settings_.rate == 0 ? latest_ : std::max(latest_, round_begin_ + min_round);
             if (frames_ > frames_before) continue;
             set(State::ended, note_);
             wait_until(ano::Clock::now() + between_empty_rounds);
@@ -159,14 +159,14 @@ private:
         auto batch = std::make_shared<Batch>();
         std::size_t looked_at = 0;
         std::optional<Recorded> item;
-        while (looked_at < most_in_a_batch && !plan.is_over() && (item = reader.next())) {
+        while (looked_at < max_batch_bytes && !plan.is_over() && (item = reader.next())) {
             looked_at += sizeof(Batch::Entry);
             const auto* const frame = std::get_if<RecordedFrame>(&*item);
             if (frame == nullptr) continue;
             looked_at += frame->frame.bytes().size();
             if (const auto due = plan.due(*frame)) add(*frame, *due, *batch);
         }
-        const bool has_more = looked_at >= most_in_a_batch && !plan.is_over();
+        const bool has_more = looked_at >= max_batch_bytes && !plan.is_over();
         if (reader.position() > 0) deliver(std::move(batch), plan);
         return has_more && !is_stopping();
     }
@@ -184,7 +184,7 @@ private:
         if (place == links_.end() && links_.size() == max_links) place = links_.end() - 1;
         if (place == links_.end()) {
             place = links_.emplace(place, name);
-            batch.new_links.push_back(printable(std::string{name}, longest_name));
+            batch.new_links.push_back(printable(std::string{name}, max_link_name));
         }
         return static_cast<std::uint32_t>(place - links_.begin());
     }

@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int most_in_a_turn = 64;                      // frames, then others have their turn
+constexpr int max_in_a_turn = 64;                       // frames, then others have their turn
 constexpr Duration before_links_are_looked_at = 1ms;    // at links that have not taken all
 constexpr Duration patience_with_links = 5s;            // with a link that takes nothing
 constexpr Duration too_late = 200ms;                    // what is so late is not made up for
@@ -59,7 +59,7 @@ void ReplayLink::look() {
 }
 
 void ReplayLink::step() {
-    for (int i = 0; i < most_in_a_turn; ++i) {
+    for (int i = 0; i < max_in_a_turn; ++i) {
         if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + before_links_are_looked_at);
         if (!say_next()) return;
         context_.host.flush();    // one that waits for its turn beside others may leave behind them
@@ -157,7 +157,7 @@ namespace {
 
 using namespace key_rows;
 
-constexpr std::uint64_t fastest_rate = 1'000'000, longest_part = 365 * day;
+constexpr std::uint64_t fastest_rate = 1'000'000, max_part = 365 * day;
 
 constexpr Key<LinkSettings> replay_keys[] = {
     text<own<ReplaySettings>, &ReplaySettings::file>("file", 1, max_path, "the recording; waited for while it is not there") |
@@ -165,9 +165,9 @@ constexpr Key<LinkSettings> replay_keys[] = {
     decimal<own<ReplaySettings>, &ReplaySettings::rate>("rate", 0, fastest_rate,
                                                         "so many times as fast as it was; 0: as fast as the links take it"),
     boolean<own<ReplaySettings>, &ReplaySettings::loop>("loop", "at its end, from its begin"),
-    duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, longest_part,
+    duration<own<ReplaySettings>, &ReplaySettings::from>("from", 1, max_part,
                                                          "begins so long behind its first frame (default: with that)"),
-    duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, longest_part,
+    duration<own<ReplaySettings>, &ReplaySettings::to>("to", 1, max_part,
                                                        "ends so long behind its first frame (default: with its last)"),
     words<own<ReplaySettings>, &ReplaySettings::links>("links", 1, max_name,
                                                        "of the links that were recorded, these (default: all)"),

@@ -100,7 +100,7 @@ namespace {
 
 using namespace key_rows;
 
-constexpr std::uint64_t most_late = 10 * second;
+constexpr std::uint64_t max_late = 10 * second;
 
 constexpr Key<LinkSettings> sim_keys[] = {
     choice<own<SimSettings>, &SimSettings::device>("device", ano::world::kinds, "the device to simulate") | needed,
@@ -108,9 +108,9 @@ constexpr Key<LinkSettings> sim_keys[] = {
     address<own<SimSettings>, &SimSettings::dev_id>("dev_id", 1, 253, "the address of the device (default: the usual one)"),
     integer<own<SimSettings>, &SimSettings::seed>("seed", 0, UINT32_MAX, "the same seed, the same noise, weather and faults"),
     integer<own<SimSettings>, &SimSettings::loss>("loss", 1, 100, "% of all frames are lost, both ways (default: none)"),
-    duration<own<SimSettings>, &SimSettings::delay>("delay", 1, most_late,
+    duration<own<SimSettings>, &SimSettings::delay>("delay", 1, max_late,
                                                     "each frame is under way so long, both ways (default: 0)"),
-    duration<own<SimSettings>, &SimSettings::jitter>("jitter", 1, most_late,
+    duration<own<SimSettings>, &SimSettings::jitter>("jitter", 1, max_late,
                                                      "and up to so much longer, so that one may overtake another (default: 0)"),
     integer<own<SimSettings>, &SimSettings::duplicate>("duplicate", 1, 100,
                                                        "% of all frames come twice, both ways (default: none)"),
@@ -118,7 +118,7 @@ constexpr Key<LinkSettings> sim_keys[] = {
                                                      "% of all frames have a wrong bit, both ways (default: none)"),
     duration<own<SimSettings>, &SimSettings::deaf_after>("deaf_after", 1, day,
                                                          "the device hears nothing after so long (default: never)"),
-    duration<own<SimSettings>, &SimSettings::slow>("slow", 1, most_late,
+    duration<own<SimSettings>, &SimSettings::slow>("slow", 1, max_late,
                                                    "the device takes so long over each frame; 20 may wait (default: 0)"),
 };
 

@@ -149,7 +149,7 @@ bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
 
 // Acknowledged when it is on the disk.
 bool GatewayDevice::begin_save(ano::FrameView frame) {
-    const std::string why = saves_.size() < most_saves ? deeds_.save(written_) : "others wait for the disk already";
+    const std::string why = saves_.size() < max_saves ? deeds_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
     const ano::Checks checks = frame.checks();
     saves_.push_back({frame.source(), asker_->link, {frame.id(), checks.sum, checks.add}});
@@ -234,7 +234,7 @@ bool GatewayDevice::summarise(std::uint8_t flexible) {
     const std::uint8_t address = asker_->is_ourselves ? ano::address::host : asker_address_;
     std::erase_if(listeners_, [&](const Listener& l) { return l.link == link && l.address == address; });
     if (flexible != 0) {
-        if (listeners_.size() >= most_listeners) return done("eight hosts get it already", "SUMMARY");
+        if (listeners_.size() >= max_listeners) return done("eight hosts get it already", "SUMMARY");
         listeners_.push_back({address, link, static_cast<std::uint8_t>(first_flexible + flexible - 1)});
         if (!summary_due_) summary_due_ = now_;
     }
@@ -270,7 +270,7 @@ void GatewayDevice::log(std::string_view text, LogColor color, ano::TimePoint no
         lines_until_ = now + lines_per;
         lines_ = 0;
     }
-    if (lines_ < most_lines) {
+    if (lines_ < max_lines) {
         ++lines_;
         device_->log(text, color);
     } else {

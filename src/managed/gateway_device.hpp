@@ -91,9 +91,9 @@ public:
     static constexpr ano::Duration between_refusals = std::chrono::seconds{5};
     static constexpr ano::Duration between_summaries = std::chrono::seconds{1};
     /// Lines for hosts: so many in so long, then how many were left out.
-    static constexpr unsigned most_lines = 10;
+    static constexpr unsigned max_lines = 10;
     static constexpr ano::Duration lines_per = std::chrono::seconds{5};
-    static constexpr std::size_t most_saves = 8, most_listeners = 8;
+    static constexpr std::size_t max_saves = 8, max_listeners = 8;
 
     explicit GatewayDevice(GatewayDeeds& deeds) : deeds_{deeds} {}
 

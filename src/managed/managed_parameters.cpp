@@ -16,9 +16,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using ano::Type;
 
-constexpr std::size_t longest_name = 20;
-constexpr double most_per_second = 10'000;
-constexpr std::chrono::milliseconds shortest_memory{1000}, longest_memory{24 * 3600 * 1000};
+constexpr std::size_t max_name = 20;
+constexpr double max_per_second = 10'000;
+constexpr std::chrono::milliseconds min_memory{1000}, max_memory{24 * 3600 * 1000};
 
 constexpr std::array<std::string_view, 5> levels{"trace", "debug", "info", "warn", "error"};
 
@@ -79,10 +79,10 @@ std::string words_of_limit(const Settings&, const LinkSettings& link) {
 
 /// At most 20 bytes, whole letters, and unlike all in `taken`.
 std::string short_name(const std::string& beginning, const std::string& link, std::set<std::string>& taken) {
-    std::string name = cut_text(beginning + link, longest_name);
+    std::string name = cut_text(beginning + link, max_name);
     for (int n = 2; !taken.insert(name).second; ++n) {
         const std::string number = "~" + std::to_string(n);
-        name = cut_text(beginning + link, longest_name - number.size()) + number;
+        name = cut_text(beginning + link, max_name - number.size()) + number;
     }
     return name;
 }
@@ -107,8 +107,8 @@ bool is_device(const GatewaySettings& gateway) noexcept {
     return gateway.id != ano::address::unassigned && gateway.id != ano::address::broadcast && !ano::address::is_host(gateway.id);
 }
 
-std::string cut_text(const std::string& text, std::size_t most_bytes) {
-    std::size_t size = std::min(text.size(), most_bytes);
+std::string cut_text(const std::string& text, std::size_t max_bytes) {
+    std::size_t size = std::min(text.size(), max_bytes);
     while (size > 0 && size < text.size() && (static_cast<unsigned char>(text[size]) & 0xC0) == 0x80) --size;
     return text.substr(0, size);
 }
@@ -130,8 +130,8 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          "FORGET_AFTER",
          "ms: an address not heard for so long is forgotten",
          Type::u32,
-         static_cast<double>(shortest_memory.count()),
-         static_cast<double>(longest_memory.count()),
+         static_cast<double>(min_memory.count()),
+         static_cast<double>(max_memory.count()),
          {},
          memory_of,
          put_memory,
@@ -157,7 +157,7 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
         rows.push_back(
             {key + "limit", short_name("LIM_", link.name, taken),
              "the link " + link.name + ": frames a second that leave, at most, of each message of telemetry; 0: as the file says",
-             Type::f32, 0, most_per_second, link.name, no_limit_of_its_own, put_limit, words_of_limit});
+             Type::f32, 0, max_per_second, link.name, no_limit_of_its_own, put_limit, words_of_limit});
     }
     return rows;
 }

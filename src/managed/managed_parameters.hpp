@@ -36,7 +36,7 @@ struct ManagedParameter {
 bool is_device(const GatewaySettings& gateway) noexcept;
 
 /// The beginning of `text` in at most so many bytes, without half a letter.
-std::string cut_text(const std::string& text, std::size_t most_bytes);
+std::string cut_text(const std::string& text, std::size_t max_bytes);
 
 /// Those of the gateway, then those of each link in its order. An id of a parameter is its place here.
 std::vector<ManagedParameter> managed_parameters(const Settings& of_file);

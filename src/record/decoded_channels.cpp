@@ -32,7 +32,7 @@ struct DecodedDevice {
     std::array<ChannelNumber, standard_topics> standard_channels{};
 };
 
-constexpr std::size_t most_standard = 2;    // that one frame makes
+constexpr std::size_t max_standard = 2;    // that one frame makes
 
 struct DecodedLink {
     std::string name;    // in topics
@@ -55,9 +55,9 @@ struct DecodedChannels::State {
     std::map<const RosMessage*, std::size_t> standard_schemas;
     ValueList values;
     CdrEncoder encoder;
-    std::array<CdrEncoder, most_standard> standard_encoders;
+    std::array<CdrEncoder, max_standard> standard_encoders;
     std::string json;
-    std::array<std::string, most_standard> standard_json;
+    std::array<std::string, max_standard> standard_json;
 
     void decode(const RecordedFrame& frame);
     void decode(const ano::Reading& reading, const RecordedFrame& frame, DecodedDevice& device);

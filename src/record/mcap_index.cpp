@@ -11,8 +11,8 @@ namespace {
 using mcap::Fields, mcap::Opcode;
 
 constexpr std::size_t summary_piece = 1024 * 1024;
-constexpr std::size_t longest_metadata = 16 * 1024 * 1024;
-constexpr std::size_t most_metadata = 64;
+constexpr std::size_t max_metadata_size = 16 * 1024 * 1024;
+constexpr std::size_t max_metadata = 64;
 
 struct Span {
     std::uint64_t at = 0, size = 0;
@@ -77,7 +77,7 @@ private:
         if (record.opcode == Opcode::channel) {
             const auto channel = mcap::channel_of(record.body);
             if (channel && channel->topic == mcap::frames_topic) frames_channel_ = channel->id;
-        } else if (record.opcode == Opcode::metadata_index && metadata_.size() < most_metadata) {
+        } else if (record.opcode == Opcode::metadata_index && metadata_.size() < max_metadata) {
             metadata_.push_back({fields.number<std::uint64_t>(), fields.number<std::uint64_t>()});
         } else if (record.opcode == Opcode::statistics) {
             constexpr std::size_t before_counts = 8 + 2 + 4 + 4 + 4 + 4 + 8 + 8;
@@ -92,7 +92,7 @@ private:
     }
 
     void read_metadata(const Span& place) {
-        if (place.size > longest_metadata || place.at > file_size_) return;
+        if (place.size > max_metadata_size || place.at > file_size_) return;
         const std::string bytes = whole(place.at, static_cast<std::size_t>(place.size));
         std::string_view rest = bytes;
         const auto record = mcap::take_record(rest);

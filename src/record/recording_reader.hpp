@@ -28,16 +28,16 @@ struct SkippedPart {
 };
 
 struct SkippedParts {
-    static constexpr std::size_t most_told = 16;
+    static constexpr std::size_t max_told = 16;
 
     std::uint64_t count = 0, bytes = 0;
     std::uint64_t frames = 0;            // of which it is known that they were in there
-    std::vector<SkippedPart> first{};    // of them, most_told at most
+    std::vector<SkippedPart> first{};    // of them, max_told at most
 
     void add(const SkippedPart& part) {
         ++count;
         bytes += part.size;
-        if (first.size() < most_told) first.push_back(part);
+        if (first.size() < max_told) first.push_back(part);
     }
     friend bool operator==(const SkippedParts&, const SkippedParts&) = default;
 };

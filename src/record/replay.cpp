@@ -10,9 +10,9 @@
 namespace anogate {
 namespace {
 
-constexpr std::uint64_t longest_ns = 1'000'000'000ull * 3600 * 24 * 365;    // of any file: what is beyond can't be told apart
+constexpr std::uint64_t max_ns = 1'000'000'000ull * 3600 * 24 * 365;    // of any file: what is beyond can't be told apart
 
-constexpr std::size_t most_seen = 16;    // names of links
+constexpr std::size_t max_seen = 16;    // names of links
 
 /// "fc, imu and radio"
 std::string list_of(const std::vector<std::string>& words, const std::string& last) {
@@ -53,7 +53,7 @@ ano::Duration ReplayClock::elapsed(const RecordedFrame& frame) noexcept {
     const bool has_boottime = frame.boottime_ns > 0 && last_boottime_ > 0;
     const std::uint64_t before = has_boottime ? last_boottime_ : last_time_,
                         now = has_boottime ? frame.boottime_ns : frame.time_ns;
-    if (begun_ && now > before) elapsed_ns_ = std::min(elapsed_ns_ + std::min(now - before, longest_ns), longest_ns);
+    if (begun_ && now > before) elapsed_ns_ = std::min(elapsed_ns_ + std::min(now - before, max_ns), max_ns);
     begun_ = true;
     last_time_ = frame.time_ns;
     last_boottime_ = frame.boottime_ns;
@@ -64,7 +64,7 @@ ano::Duration ReplayClock::at_rate(ano::Duration elapsed) const noexcept {
     if (rate_ <= 0) return {};
     const std::chrono::duration<double, std::nano> whole = elapsed;
     return std::chrono::duration_cast<ano::Duration>(
-        std::chrono::duration<double, std::nano>{std::min(whole.count() / rate_, static_cast<double>(longest_ns))});
+        std::chrono::duration<double, std::nano>{std::min(whole.count() / rate_, static_cast<double>(max_ns))});
 }
 
 std::optional<ano::Duration> ReplayPlan::due(const RecordedFrame& frame) {
@@ -84,7 +84,7 @@ std::optional<ano::Duration> ReplayPlan::due(const RecordedFrame& frame) {
 void ReplayPlan::note(const RecordedFrame& frame, ano::Duration elapsed) {
     has_frames_ = true;
     length_ = elapsed;
-    if (!options_.links.empty() && seen_.size() < most_seen && std::find(seen_.begin(), seen_.end(), frame.link) == seen_.end())
+    if (!options_.links.empty() && seen_.size() < max_seen && std::find(seen_.begin(), seen_.end(), frame.link) == seen_.end())
         seen_.emplace_back(frame.link);
 }
 

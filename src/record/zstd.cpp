@@ -8,8 +8,8 @@
 namespace anogate {
 namespace {
 
-constexpr int pack_level = 1;         // 400 MB/s and more: a recording must keep up
-constexpr int longest_window = 26;    // 2^26 bytes: more than a chunk may have
+constexpr int pack_level = 1;     // 400 MB/s and more: a recording must keep up
+constexpr int max_window = 26;    // 2^26 bytes: more than a chunk may have
 constexpr std::size_t unpack_step = 1024 * 1024;
 
 }    // namespace
@@ -44,7 +44,7 @@ struct ZstdUnpacker::Context {
 
 ZstdUnpacker::ZstdUnpacker() : context_{std::make_unique<Context>()} {
     if (!context_->zstd) throw std::bad_alloc{};
-    ZSTD_DCtx_setParameter(context_->zstd.get(), ZSTD_d_windowLogMax, longest_window);
+    ZSTD_DCtx_setParameter(context_->zstd.get(), ZSTD_d_windowLogMax, max_window);
 }
 ZstdUnpacker::~ZstdUnpacker() = default;
 

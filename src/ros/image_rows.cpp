@@ -26,8 +26,8 @@ const WholeImage* ImageRows::hear(std::uint64_t sender, const ano::Reading& read
                     whole_number(reading, "height")};
     const ano::Bytes bytes = reading.bytes_of(*field);
     const std::size_t row = head.row_size();
-    if (head.color > last_color || head.pixels() == 0 || head.pixels() > most_pixels || bytes.empty() ||
-        bytes.size() % row != 0 || bytes.size() > row * head.height)
+    if (head.color > last_color || head.pixels() == 0 || head.pixels() > max_pixels || bytes.empty() || bytes.size() % row != 0 ||
+        bytes.size() > row * head.height)
         return nullptr;
 
     Begun& begun = place_for(sender);

@@ -21,8 +21,8 @@ struct WholeImage {
 
 class ImageRows {
 public:
-    static constexpr std::size_t most_pixels = 1024 * 1024;    // of an image; larger ones are left alone
-    static constexpr std::size_t most_begun = 8;               // at a time; the one that was quiet the longest gives way
+    static constexpr std::size_t max_pixels = 1024 * 1024;    // of an image; larger ones are left alone
+    static constexpr std::size_t max_begun = 8;               // at a time; the one that was quiet the longest gives way
     static constexpr std::uint64_t pause_ns = 1'000'000'000;
 
     /// Of a frame that `sender`, whatever number that is, sent. Nullptr: no image is whole by it.
@@ -43,7 +43,7 @@ private:
     Begun& place_for(std::uint64_t sender);
     static void append_rows(const Head& head, ano::Bytes rows, std::vector<std::uint8_t>& pixels);
 
-    std::array<Begun, most_begun> begun_{};
+    std::array<Begun, max_begun> begun_{};
     std::vector<std::uint8_t> whole_pixels_;
     WholeImage whole_;
 };

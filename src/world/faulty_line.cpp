@@ -43,7 +43,7 @@ void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
     const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
     const std::uint64_t bit = chance.bits();
     const std::array late{chance.share(), chance.share()};
-    if (is_lost || passing_.size() >= most_passing) {
+    if (is_lost || passing_.size() >= max_passing) {
         ++counters_.lost;
         return;
     }
@@ -68,7 +68,7 @@ void FaultyLine::arrive(const Passing& passing, TimePoint at, const Send& send) 
 }
 
 void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
-    if (waiting_ == most_waiting) {
+    if (waiting_ == max_waiting) {
         ++counters_.unheard;
         return;
     }

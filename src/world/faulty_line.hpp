@@ -42,8 +42,8 @@ class FaultyLine {
 public:
     /// Bytes that arrive, a frame as a rule: damaged ones are none. And when.
     using Send = std::function<void(Bytes, TimePoint)>;
-    static constexpr std::size_t most_waiting = 20;        // as devices in the field queue
-    static constexpr std::size_t most_passing = 20'000;    // frames under way; further ones are lost
+    static constexpr std::size_t max_waiting = 20;        // as devices in the field queue
+    static constexpr std::size_t max_passing = 20'000;    // frames under way; further ones are lost
 
     FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start);
 

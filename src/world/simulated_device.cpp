@@ -64,7 +64,7 @@ void SimulatedDevice::run(TimePoint now, const Send& send) {
 
 void SimulatedDevice::notice_pause(TimePoint now) noexcept {
     const TimePoint last = time_of_step(steps_);
-    if (now - last > longest_pause) start_ += (now - last) / step * Duration{step} - Duration{step};
+    if (now - last > max_pause) start_ += (now - last) / step * Duration{step} - Duration{step};
 }
 
 void SimulatedDevice::take_step() {

@@ -30,7 +30,7 @@ public:
     using Send = std::function<void(FrameView, TimePoint)>;
     static constexpr std::chrono::milliseconds step{5};
     /// After a longer pause the world goes on from where it was: nothing is made up for.
-    static constexpr std::chrono::seconds longest_pause{5};
+    static constexpr std::chrono::seconds max_pause{5};
 
     virtual ~SimulatedDevice() = default;
     SimulatedDevice(const SimulatedDevice&) = delete;

@@ -111,7 +111,7 @@ void write_and_compare(Line& line, const ano::host::ParameterInfo& info) {
     const auto& row = line.device.parameters()[info.id];
     const ano::device::Value before = row.get();
     const ano::host::AnyValue wanted = any_value(line.random, before);
-    ano::host::ParameterWrite write{line.host, info, wanted, {.longer = true, .most_bytes = {}}};
+    ano::host::ParameterWrite write{line.host, info, wanted, {.longer = true, .max_bytes = {}}};
     write.start(line.now);
     const Ending ending = line.run(write);
     const ano::device::Value after = row.get();

@@ -566,7 +566,7 @@ TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_t
         recordings.start_recording();
         recordings.stop_recording();
     }
-    EXPECT_EQ(recordings.figures().running, Recordings::most_ending);
+    EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
     EXPECT_NE(recordings.start_recording().find("disk"), std::string::npos);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
@@ -586,7 +586,7 @@ TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_be
         ASSERT_TRUE(gateway.until([&] { return is_changed; }));
         recordings.configure();
     }
-    EXPECT_EQ(recordings.figures().running, Recordings::most_ending);
+    EXPECT_EQ(recordings.figures().running, Recordings::max_ending);
     failing_disk.hangs = false;
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 1 && recordings.figures().failing == 0; }));
     EXPECT_EQ(recordings.start_recording(), "it records already");

@@ -56,10 +56,10 @@ private:
 /// A stream of numbered frames: how many did not come, came twice, or behind a later one.
 class LossyStream {
 public:
-    static constexpr int most_under_way = 100;
+    static constexpr int max_under_way = 100;
 
     LossyStream(std::uint8_t from, std::uint8_t to) : from_{from}, to_{to} {}
-    bool may_go_on() const { return sent() - next_ < most_under_way; }
+    bool may_go_on() const { return sent() - next_ < max_under_way; }
     Bytes next() {
         came_.push_back(false);
         return numbered(from_, to_, sent() - 1);
@@ -128,7 +128,7 @@ TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
     std::cout << "lost from the device: " << up.missing() << ", to it: " << down.missing() << " of " << up.sent() << " each\n";
     for (const auto* stream : {&up, &down}) {
         const char* which = stream == &up ? "from the device" : "to the device";
-        EXPECT_LE(stream->missing(), restarts * LossyStream::most_under_way) << which;
+        EXPECT_LE(stream->missing(), restarts * LossyStream::max_under_way) << which;
         EXPECT_EQ(stream->twice(), std::vector<int>{}) << which;
         EXPECT_EQ(stream->late(), std::vector<int>{}) << which;
     }

@@ -34,7 +34,7 @@ namespace {
 namespace http = anogate::http;
 using ano::Json;
 
-constexpr std::size_t most_named = 3;                       // files of a recording, in an error
+constexpr std::size_t max_named = 3;                        // files of a recording, in an error
 constexpr std::uint64_t bytes_at_once = 8 * 1024 * 1024;    // of a file, that is asked for at once
 
 std::string size_of(double bytes) {
@@ -178,9 +178,9 @@ private:
         if (files.size() == 1) return files.front();
         if (files.empty()) return name;
         std::string some;
-        for (std::size_t i = 0; i < std::min(files.size(), most_named); ++i) some += (i > 0 ? ", " : "") + files[i];
+        for (std::size_t i = 0; i < std::min(files.size(), max_named); ++i) some += (i > 0 ? ", " : "") + files[i];
         throw UsageError{name + " has " + std::to_string(files.size()) + " files: say which: " + some +
-                         (files.size() > most_named ? ", …" : "")};
+                         (files.size() > max_named ? ", …" : "")};
     }
 
     int say_one(const Json& answer, const char* became, Streams& streams) const {

@@ -37,7 +37,7 @@ constexpr auto look_again = std::chrono::milliseconds{
 constexpr auto look_soon = std::chrono::milliseconds{1};        // at a queue, where the link is to be kept busy
 constexpr auto patience_with_link = std::chrono::seconds{5};    // with a link that takes nothing
 constexpr auto time_to_leave = std::chrono::seconds{2};         // for the last frames
-constexpr int most_at_once = 64;                                // frames: then the link is looked after
+constexpr int max_at_once = 64;                                 // frames: then the link is looked after
 
 class Replayer final : public FrameTaker {
 public:
@@ -95,7 +95,7 @@ private:
 
     void step() {
         look_for_trouble();
-        for (int i = 0; i < most_at_once; ++i) {
+        for (int i = 0; i < max_at_once; ++i) {
             if (!next_ && !(next_ = next_wanted()))
                 return at(Clock::now() + look_again, [this] { end_when_empty(Clock::now() + time_to_leave); });
             if (!due_) due_ = began_ + clock_.due(*next_);

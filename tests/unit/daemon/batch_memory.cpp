@@ -41,10 +41,10 @@ TEST(BatchMemory, a_small_batch_does_not_hold_that_of_a_large_one) {
 TEST(BatchMemory, is_kept_up_to_a_bound) {
     BatchMemory memory;
     std::vector<std::shared_ptr<std::string>> batches;
-    for (std::size_t size = 0; size < 2 * BatchMemory::most_kept; size += usual) batches.push_back(memory.take(usual));
+    for (std::size_t size = 0; size < 2 * BatchMemory::max_kept; size += usual) batches.push_back(memory.take(usual));
     batches.clear();
-    EXPECT_LE(memory.bytes_kept(), BatchMemory::most_kept);
-    EXPECT_GT(memory.bytes_kept(), BatchMemory::most_kept - 2 * usual);
+    EXPECT_LE(memory.bytes_kept(), BatchMemory::max_kept);
+    EXPECT_GT(memory.bytes_kept(), BatchMemory::max_kept - 2 * usual);
     auto one = memory.take(usual);
     memory.clear();
     EXPECT_EQ(memory.bytes_kept(), 0u);

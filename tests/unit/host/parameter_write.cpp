@@ -198,7 +198,7 @@ TEST_F(Writes, a_text_is_never_longer_than_before_unless_asked) {
     EXPECT_EQ(writes(), 0u);
     EXPECT_EQ(write(info(2), std::string{"123456"})->end()->ending, Ending::done);
     EXPECT_EQ(write(info(2), std::string{"1234567"}, {.longer = true})->end()->ending, Ending::done);
-    EXPECT_EQ(write(info(2), std::string(30, 'x'), {.longer = true, .most_bytes = 29})->end()->ending, Ending::invalid);
+    EXPECT_EQ(write(info(2), std::string(30, 'x'), {.longer = true, .max_bytes = 29})->end()->ending, Ending::invalid);
 }
 
 TEST_F(Writes, a_shorter_text_leaves_nothing_of_the_old_one) {

@@ -359,7 +359,7 @@ TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged)
 
 TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {
     std::string records;
-    constexpr std::uint64_t count = SkippedParts::most_told + 3;
+    constexpr std::uint64_t count = SkippedParts::max_told + 3;
     std::string index;    // of one message
     const std::size_t begun = mcap::begin_record(index, mcap::Opcode::message_index);
     mcap::put(index, std::uint16_t{1});
@@ -369,8 +369,8 @@ TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {
     const auto read = read_recording(file_of(records));
     EXPECT_EQ(read.skipped.count, count);
     EXPECT_EQ(read.skipped.bytes, records.size() - count * index.size());
-    ASSERT_EQ(read.skipped.first.size(), SkippedParts::most_told);
-    EXPECT_EQ(read.skipped.first.back().at, mcap::magic.size() + (SkippedParts::most_told - 1) * (records.size() / count));
+    ASSERT_EQ(read.skipped.first.size(), SkippedParts::max_told);
+    EXPECT_EQ(read.skipped.first.back().at, mcap::magic.size() + (SkippedParts::max_told - 1) * (records.size() / count));
     EXPECT_EQ(read.skipped.first.back().messages, std::optional<std::uint64_t>{1});
     const std::string alone = chunk_record("", "abc", 4);
     EXPECT_EQ(read_recording(file_of(alone)).skipped.first.at(0).messages, std::nullopt);

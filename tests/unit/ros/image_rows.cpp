@@ -71,7 +71,7 @@ TEST(ImageRows, senders_do_not_mix) {
 
 TEST(ImageRows, of_more_senders_than_there_is_place_for_the_quietest_gives_way) {
     ImageRows images;
-    for (std::uint64_t sender = 1; sender <= ImageRows::most_begun + 1; ++sender)
+    for (std::uint64_t sender = 1; sender <= ImageRows::max_begun + 1; ++sender)
         EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {1}), second + sender, sender), Bytes{});
     EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {2}), second + 20, 2), (Bytes{1, 2}));
     EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {2}), second + 21, 1), Bytes{});
@@ -86,7 +86,7 @@ TEST(ImageRows, what_can_be_no_image_is_left_alone) {
     EXPECT_EQ(ended(images, rows(1, 0, 1, 1, {1, 2})), Bytes{});                                      // too many
     EXPECT_EQ(ended(images, rows(1, 0, 1, 1, {})), Bytes{});                                          // none
     for (int row = 0; row < 1024; ++row) EXPECT_EQ(ended(images, rows(1, 0, 1025, 1024, Bytes(1025))), Bytes{});
-    const std::size_t pixels = ImageRows::most_pixels;
+    const std::size_t pixels = ImageRows::max_pixels;
     Bytes all;
     for (std::size_t row = 0; row < 1024; ++row) all = ended(images, rows(1, 0, 1024, 1024, Bytes(1024, std::uint8_t{5})));
     EXPECT_EQ(all.size(), pixels);

@@ -144,7 +144,7 @@ TEST(FaultyLine, carries_no_more_than_it_has_room_for) {
     Faults faults;
     faults.delay = 10s;
     BadDay day{faults};
-    for (std::size_t i = 0; i < FaultyLine::most_passing + 5; ++i) day.ask_who_it_is();
+    for (std::size_t i = 0; i < FaultyLine::max_passing + 5; ++i) day.ask_who_it_is();
     EXPECT_EQ(day.line.counters().lost, 5u);
 }
 

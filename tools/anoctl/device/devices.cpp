@@ -75,13 +75,13 @@ private:
     }
 
     int list_jobs(DeviceClient& client, Streams& streams) const {
-        constexpr std::size_t most_ended = 10;    // are shown to people
+        constexpr std::size_t max_ended = 10;    // are shown to people
         const Json answer = client.ask("GET", "/jobs");
         const Json& all = at(answer, "jobs");
         auto ended = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), has_ended));
         Table table{{" JOB", "DEVICE", "WHAT", "STATE", " DONE", "BY", "MESSAGE"}};
         for (const Json& one : all) {
-            const bool is_old = has_ended(one) && ended-- > most_ended;
+            const bool is_old = has_ended(one) && ended-- > max_ended;
             if (options.json) streams.out << one.dump() << '\n';
             else if (!is_old)
                 table.row({text_at(one, "id"), text_at(one, "device"), command_of_job(text_at(one, "kind")),
