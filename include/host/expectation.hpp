@@ -16,6 +16,8 @@ public:
 
     /// Whether `frame` ends the request. Answers shorter than their layout do not.
     bool is_met_by(FrameView frame) const noexcept;
+    /// Whether a frame with this id can end any request at all: most of what devices say, as they say it without being asked, can't.
+    static bool may_be_met_by(std::uint8_t id) noexcept;
     /// A write, a command or a step of an upgrade: a device gets one of these at a time.
     bool is_alone() const noexcept { return kind_ == Kind::acknowledgement || kind_ >= Kind::firmware_info; }
 

@@ -119,7 +119,7 @@ void GatewayDevices::next_chore() {
 ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
 
 void GatewayDevices::listen(bool wants) {
-    if (wants) gateway_.add_observer(*this);
+    if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = false});
     else gateway_.remove_observer(*this);
     gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
                                           : std::function<void(ano::FrameView)>{});

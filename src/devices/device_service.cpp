@@ -7,6 +7,7 @@
 #include <http/response.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <new>
 #include <utility>
 
@@ -100,9 +101,11 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         };
         // One answer is to one question: what was asked at its own address goes first.
         const bool is_over = is_taken_by(known);
-        for (std::uint8_t port = 1; port <= ano::address::last_port_id && !is_over; ++port)
-            if (known_[port] && known_[port]->device && answers_at_port(frame.source(), port)) is_taken_by(known_[port]);
-        for (const auto& job : jobs_) {
+        for (std::uint32_t ports = asked_ports_; ports != 0 && !is_over; ports &= ports - 1)
+            if (const auto port = static_cast<std::uint8_t>(std::countr_zero(ports)); answers_at_port(frame.source(), port))
+                is_taken_by(known_[port]);
+        for (std::size_t i = 0; at_work_ > 0 && i < jobs_.size(); ++i) {
+            const auto& job = jobs_[i];
             if (!job->work) continue;
             const std::uint8_t at = job->order.address.value_or(frame.source());
             if (at == frame.source() || answers_at_port(frame.source(), at)) job->work->hear(frame, now);
@@ -132,6 +135,7 @@ ano::host::Device& DeviceService::device(std::uint8_t address) {
     auto& known = known_[address];
     if (!known) known = std::make_unique<Known>();
     if (!known->device) known->device = std::make_unique<ano::host::Device>(address, own_);
+    if (ano::address::is_port_id(address)) asked_ports_ |= std::uint32_t{1} << address;
     return *known->device;
 }
 
@@ -294,6 +298,7 @@ void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
         if (const auto refused = refusal(job->order, now); refused && job->order.deed == Deed::ground)
             return finish(*job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
         job->work = job->order.work(place(*job));
+        ++at_work_;
         job->message.clear();
         job->work->start(now);
     }
@@ -383,7 +388,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
         notes_.forget(loader_note(*job.order.address));
     job.end = std::move(end);
     job.ended_at = now;
-    job.work.reset();
+    if (std::exchange(job.work, nullptr)) --at_work_;
     job.order.work = nullptr;
     job.order.result = nullptr;
     used_at_ = now;

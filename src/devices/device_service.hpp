@@ -145,10 +145,12 @@ private:
     Notes notes_{net_};
     std::uint8_t own_;
     std::array<std::unique_ptr<Known>, 256> known_;
+    std::uint32_t asked_ports_ = 0;    // a bit for each port id that has a device in known_
     ano::host::DescriptionCache cache_;
     ano::host::AirGuard guard_;
     std::unique_ptr<ano::host::Device> everybody_;    // of a scan
     std::vector<std::shared_ptr<Job>> jobs_;
+    std::size_t at_work_ = 0;    // jobs that have begun and not ended
     unsigned next_id_ = 1;
     std::optional<ano::TimePoint> listens_since_;
     ano::TimePoint used_at_{};

@@ -15,14 +15,6 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
     return std::nullopt;
 }
 
-// A frame that devices send as an answer only.
-bool is_answer(FrameView frame) noexcept {
-    return frame.id() == id_of<"check"> || frame.id() == id_of<"parameter_value"> || frame.id() == id_of<"parameter_info"> ||
-           frame.id() == id_of<"device_info"> || frame.id() == id_of<"parameter_command"> ||
-           frame.id() == id_of<"command_query"> || frame.id() == id_of<"command_info"> || frame.id() == id_of<"waypoint_read"> ||
-           frame.id() == id_of<"waypoint"> || frame.id() == id_of<"firmware">;
-}
-
 }    // namespace
 
 bool Device::ask(const Request& request, Asker& asker) {
@@ -48,6 +40,7 @@ void Device::forget(const Asker& asker) noexcept {
 Taken Device::take(FrameView frame, TimePoint now) {
     if (!may_be_of(frame.source(), address_)) return Taken::nothing;
     hear(frame, now);
+    if (!Expectation::may_be_met_by(frame.id())) return Taken::nothing;
     const auto met = std::find_if(sent_.begin(), sent_.end(), [&](const Exchange& e) { return e.expects().is_met_by(frame); });
     if (met == sent_.end()) return past(frame);
     if (met->is_measured()) round_trip_.answered(now - met->first_sent(), met->sent() > 1);
@@ -82,7 +75,6 @@ Taken Device::past(FrameView frame) noexcept {
         if (!one || !one->expects.is_met_by(frame)) continue;
         return std::exchange(one->answered, true) ? Taken::doubled : Taken::late;
     }
-    if (!is_answer(frame)) return Taken::nothing;
     return frame.destination() == own_ ? Taken::unasked : Taken::foreign;
 }
 

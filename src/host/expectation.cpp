@@ -73,6 +73,12 @@ bool Expectation::is_met_by(FrameView frame) const noexcept {
     return for_us && may_be_of(frame.source(), asked_) && fits(frame);
 }
 
+bool Expectation::may_be_met_by(std::uint8_t id) noexcept {
+    return id == id_of<"check"> || id == id_of<"parameter_value"> || id == id_of<"parameter_info"> ||
+           id == id_of<"device_info"> || id == id_of<"parameter_command"> || id == id_of<"command_query"> ||
+           id == id_of<"command_info"> || id == id_of<"waypoint_read"> || id == id_of<"waypoint"> || id == id_of<"firmware">;
+}
+
 bool Expectation::fits(FrameView frame) const noexcept {
     switch (kind_) {
     case Kind::acknowledgement: {
