@@ -497,6 +497,15 @@ TEST_F(BehindAPort, who_answers_by_its_own_address_is_heard) {
     EXPECT_EQ((*at_address)->status, 200u) << (*at_address)->json;
 }
 
+TEST_F(BehindAPort, who_answers_is_heard_though_another_port_is_asked_and_silent) {
+    net.ways.emplace(3, 0xDC);
+    net.where[2] = {.is_known = true};
+    const auto silent = net.asked("GET", "/devices/2/parameters");
+    EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 200u);
+    ASSERT_TRUE(net.until([&] { return silent->has_value(); }));
+    EXPECT_EQ((*silent)->status, 504u);
+}
+
 TEST_F(BehindAPort, who_comes_another_way_is_not) { EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 504u); }
 
 }    // namespace
