@@ -1,7 +1,7 @@
 #include <daemon/conflict_log.hpp>
 #include <daemon/gateway.hpp>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/core.h>
 
 namespace anogate {
 

@@ -1,6 +1,7 @@
 #include <daemon/body_file.hpp>
 #include <daemon/control_door.hpp>
 #include <daemon/foxglove_messages.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/login_route.hpp>
 #include <daemon/rooms.hpp>
 #include <daemon/state_folder.hpp>
@@ -8,8 +9,6 @@
 #include <http/tcp_door.hpp>
 #include <http/token_file.hpp>
 #include <link/device_permission.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <climits>
 #include <filesystem>
@@ -74,13 +73,13 @@ bool ControlDoor::open_local() {
     if (!socket) return true;
     socket_ = *socket;
     const http::Server::Outcome outcome = server_.start(socket_);
-    if (!outcome.notice.empty()) spdlog::info(outcome.notice);
+    if (!outcome.notice.empty()) log_info("{}", outcome.notice);
     if (outcome.error.empty()) return true;
     if (!outcome.in_use && !settings_.socket.empty()) {
-        spdlog::error("--control: {}", outcome.error);
+        log_error("--control: {}", outcome.error);
         return false;
     }
-    spdlog::warn("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
+    log_warning("no control interface: {}{}", outcome.error, outcome.in_use ? "; waiting for it" : "");
     awaits_local_ = outcome.in_use;
     return true;
 }
@@ -93,7 +92,7 @@ void ControlDoor::open_network() {
 
 // Without tokens or certificate it stays shut: an open door is worse than none.
 bool ControlDoor::shut(std::string why) {
-    spdlog::error("control.http stays shut: {}", why);
+    log_error("control.http stays shut: {}", why);
     network_door_.state = NetworkDoor::State::shut;
     network_door_.error = std::move(why);
     return false;
@@ -132,7 +131,7 @@ bool ControlDoor::prepare_tokens(http::AdmissionRules& rules) {
     if (!tokens) return shut("control.token_file: " + tokens.error());
     rules.tokens = std::move(*tokens);
     network_door_.token_file = whole_path(file);
-    spdlog::info("control.http: the tokens are in {}", file);
+    log_info("control.http: the tokens are in {}", file);
     return true;
 }
 
@@ -147,14 +146,14 @@ void ControlDoor::try_local() {
     const http::Server::Outcome outcome = server_.start(socket_);
     if (!outcome.error.empty()) return;
     awaits_local_ = false;
-    if (!outcome.notice.empty()) spdlog::info(outcome.notice);
-    spdlog::info("{}: up", socket_);
+    if (!outcome.notice.empty()) log_info("{}", outcome.notice);
+    log_info("{}: up", socket_);
 }
 
 void ControlDoor::try_network() {
     const auto port = server_.start(network_);
     if (!port) {
-        if (port.error() != network_door_.error) spdlog::warn("control.http: {}; waiting for it", port.error());
+        if (port.error() != network_door_.error) log_warning("control.http: {}; waiting for it", port.error());
         network_door_.state = NetworkDoor::State::waiting;
         network_door_.error = port.error();
         return;
@@ -165,7 +164,7 @@ void ControlDoor::try_network() {
     network_door_.port = *port;
     Endpoint where = *settings_.http;
     where.port = *port;
-    spdlog::info("{}{}: up", network_.tls ? "https://" : "http://", where.text());
+    log_info("{}{}: up", network_.tls ? "https://" : "http://", where.text());
 }
 
 }    // namespace anogate

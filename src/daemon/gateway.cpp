@@ -4,9 +4,8 @@
 #include <daemon/control_link.hpp>
 #include <daemon/forwarder_link.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/log_line.hpp>
 #include <link/clocks.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <random>
@@ -164,7 +163,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
 void Gateway::start(LinkState& state) {
     if (state.link->settings().enabled) return state.link->start();
     state.error = LinkError{"disabled", "it is disabled (enabled=false)", {}};
-    spdlog::info("{}: disabled", state.link->name());
+    log_info("{}: disabled", state.link->name());
 }
 
 void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
@@ -298,7 +297,7 @@ void Gateway::flush() {
     }
     while (const auto conflict = forwarder_.take_conflict()) {
         const std::string what = conflict_text(*this, *conflict);
-        spdlog::warn(what);
+        log_warning("{}", what);
         if (voice_) voice_->conflict_began(what);
     }
     await_forwarder();
@@ -320,7 +319,7 @@ void Gateway::link_up(Link& link) {
     s.error = {};
     gpio_->link_state(link.id(), true);
     await_forwarder();
-    spdlog::info("{}: up", link.name());
+    log_info("{}: up", link.name());
     if (voice_) voice_->link_changed(s);
 }
 
@@ -328,7 +327,7 @@ void Gateway::link_down(Link& link, LinkError why) {
     LinkState& s = state(link);
     forwarder_.link_down(link.id());
     const bool is_news = s.up || s.error.text != why.text;
-    if (is_news) spdlog::warn("{}: {}; waiting for it", link.name(), why.text);
+    if (is_news) log_warning("{}: {}; waiting for it", link.name(), why.text);
     const bool was_up = s.up;
     if (was_up) s.since = now_;
     s.up = false;

@@ -6,12 +6,11 @@
 #include <daemon/gateway.hpp>
 #include <daemon/gateway_devices.hpp>
 #include <daemon/kept_file.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/route_rows.hpp>
 #include <daemon/state_folder.hpp>
 #include <devices/scan_work.hpp>
 #include <managed/managed_parameters.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -66,16 +65,15 @@ void GatewayDevices::remember_notes() {
         const std::string name = entry.path().filename().string();
         if (!is_note(name) || !entry.is_regular_file(ec)) continue;    // others may never end
         std::string text = read_file(entry.path().string(), max_note, ec);
-        if (ec) spdlog::warn("{}: {}", entry.path().string(), ec.message());
+        if (ec) log_warning("{}: {}", entry.path().string(), ec.message());
         else if (!service_.remember(name, std::move(text)))
-            spdlog::warn("{}/{} is damaged: the old values of a calibration are not written back; calibrate again, or remove it",
-                         folder, name);
+            log_warning("{}/{} is damaged: the old values of a calibration are not written back; calibrate again, or remove it",
+                        folder, name);
         else
-            spdlog::info("{}/{}: {}", folder, name,
-                         name.starts_with("firmware")
-                             ? "the device was left in its loader, it needs its firmware"
-                             : "a calibration never ended; the old values are written back as soon as the "
-                               "device is heard on the ground");
+            log_info("{}/{}: {}", folder, name,
+                     name.starts_with("firmware") ? "the device was left in its loader, it needs its firmware"
+                                                  : "a calibration never ended; the old values are written back as soon as the "
+                                                    "device is heard on the ground");
     }
 }
 

@@ -1,7 +1,6 @@
 #include <config/link_kind.hpp>
 #include <daemon/gpio.hpp>
-
-#include <spdlog/spdlog.h>
+#include <daemon/log_line.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -144,8 +143,7 @@ void Gpio::ring(Line& line) {
         line.pin.set(line.settings().use == GpioUse::power);
         arm(line);
     } else if (const auto due = line.reset.due(); due && now >= *due && line.pin.is_held() && !line.link_is_disabled) {
-        if (begin_pulse(line, now))
-            spdlog::warn("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
+        if (begin_pulse(line, now)) log_warning("{}: silent for {} s, pulsed", line.what(), seconds(*line.settings().silent_for));
     } else {
         arm(line);
     }
@@ -176,17 +174,17 @@ std::optional<Gpio::Refusal> Gpio::act(Line& line, TimePoint now) {
     if (use == GpioUse::reset && !line.reset.may_pulse(now))
         return Refusal{"it was reset less than a minute ago", line.reset.may_pulse_at() - now};
     if (!begin_pulse(line, now)) return not_there();
-    spdlog::info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
+    log_info("{}: {} as asked", line.what(), use == GpioUse::reset ? "pulsed" : "off and on again");
     return std::nullopt;
 }
 
 void Gpio::changed(Line& line) {
     const bool held = line.pin.is_held();
     if (held && !line.was_held) {
-        spdlog::info("{}: holds {} line {}", line.what(), line.pin.line()->chip(), line.pin.line()->offset());
+        log_info("{}: holds {} line {}", line.what(), line.pin.line()->chip(), line.pin.line()->offset());
         arm(line);
     } else if (!held) {
-        spdlog::warn("{}: {}; waiting for it", line.what(), line.pin.error());
+        log_warning("{}: {}; waiting for it", line.what(), line.pin.error());
     }
     line.was_held = held;
     if (line.settings().use == GpioUse::inhibit) inhibit_changed(line);
@@ -202,9 +200,9 @@ void Gpio::inhibit_changed(Line& line) {
 
 void Gpio::tell_inhibit(Line& line, TimePoint now) {
     const std::uint64_t changes = std::exchange(line.untold, 0);
-    spdlog::warn("{}: {}{}", line.what(),
-                 inhibit_.is_on(*line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
-                 changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
+    log_warning("{}: {}{}", line.what(),
+                inhibit_.is_on(*line.inhibit_place) ? "on, control frames go nowhere" : "off, control frames pass",
+                changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
     line.alarm.set(now + telling_apart);
 }
 

@@ -1,8 +1,7 @@
 #include <daemon/descriptor_store.hpp>
 #include <daemon/handover.hpp>
+#include <daemon/log_line.hpp>
 #include <link/clocks.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -64,7 +63,7 @@ void hand_over(const Gateway& gateway) {
     const int texts[] = {text.get()};
     const bool is_stored = text && (wires.empty() || store_descriptors(wire_name, wires)) &&
                            store_descriptors(state_name, texts) && await_systemd();
-    if (!is_stored) spdlog::warn("systemd does not answer: a restart opens all wires again");
+    if (!is_stored) log_warning("systemd does not answer: a restart opens all wires again");
 }
 
 }    // namespace anogate

@@ -1,9 +1,8 @@
 #include <daemon/kept_config.hpp>
 #include <daemon/kept_file.hpp>
 #include <daemon/kept_parameters.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/state_folder.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <cstdlib>
 
@@ -27,7 +26,7 @@ WrittenValues kept_parameters(const std::string& path) {
     if (!text && fault.empty()) return {};
     auto written = text ? WrittenValues::parse(*text) : std::nullopt;
     if (written) return *std::move(written);
-    spdlog::warn("{}; the configuration holds", fault.empty() ? path + ": it is no list of parameters" : fault);
+    log_warning("{}; the configuration holds", fault.empty() ? path + ": it is no list of parameters" : fault);
     return {};
 }
 

@@ -1,12 +1,12 @@
 #include <daemon/gpio.hpp>
 #include <daemon/kept_file.hpp>
 #include <daemon/link_report.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/own_device.hpp>
 #include <daemon/reload.hpp>
 #include <gateway/counters.hpp>
 #include <link/asio.hpp>
 
-#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -170,7 +170,7 @@ void OwnDevice::next_save() {
         saves_.pop_front();
         if (why.empty()) kept_ = save.values;
         if (save.is_asked_for) device_.saved(why, gateway_.now());
-        else if (!why.empty()) spdlog::warn("parameters that the configuration has overruled are still kept: {}", why);
+        else if (!why.empty()) log_warning("parameters that the configuration has overruled are still kept: {}", why);
         gateway_.flush();
         if (!saves_.empty()) next_save();
     };
@@ -251,7 +251,7 @@ std::vector<LinkSummary> OwnDevice::summaries() {
     return all;
 }
 
-void OwnDevice::warn(const std::string& line) { spdlog::warn(line); }
+void OwnDevice::warn(const std::string& line) { log_warning("{}", line); }
 
 void OwnDevice::describe(nlohmann::ordered_json& gateway) const {
     if (!device_.is_there()) return;

@@ -1,6 +1,5 @@
+#include <daemon/log_line.hpp>
 #include <daemon/peer_log.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <utility>
 
@@ -13,11 +12,11 @@ constexpr ano::Duration period = std::chrono::seconds{5};
 }    // namespace
 
 void PeerLog::came(const std::string& link, const std::string& peer, ano::TimePoint now) {
-    if (may_say(now)) spdlog::info("{}: peer {}", link, peer);
+    if (may_say(now)) log_info("{}: peer {}", link, peer);
 }
 
 void PeerLog::went(const std::string& link, const std::string& peer, ano::TimePoint now) {
-    if (may_say(now)) spdlog::info("{}: peer {} is gone", link, peer);
+    if (may_say(now)) log_info("{}: peer {} is gone", link, peer);
 }
 
 void PeerLog::finish() {
@@ -37,7 +36,7 @@ bool PeerLog::may_say(ano::TimePoint now) {
 }
 
 void PeerLog::tell_rest() {
-    if (unsaid_ > 0) spdlog::info("peers came or went {} times more", std::exchange(unsaid_, 0));
+    if (unsaid_ > 0) log_info("peers came or went {} times more", std::exchange(unsaid_, 0));
 }
 
 }    // namespace anogate

@@ -6,6 +6,7 @@
 #include <daemon/handover.hpp>
 #include <daemon/kept_parameters.hpp>
 #include <daemon/log.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/own_device.hpp>
 #include <daemon/program.hpp>
@@ -19,8 +20,6 @@
 #include <daemon/status.hpp>
 #include <daemon/ticker.hpp>
 #include <link/ip_socket.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <csignal>
 #include <initializer_list>
@@ -90,12 +89,12 @@ public:
     }
 
     int run() {
-        spdlog::info(first_line(gateway_.settings(), source_, own_networks()));
+        log_info("{}", first_line(gateway_.settings(), source_, own_networks()));
         if (!control_.open()) return exit_config;
         wait_for_signal();
-        if (gateway_.settings().links.empty()) spdlog::warn("the configuration has no links: there is nothing to join");
+        if (gateway_.settings().links.empty()) log_warning("the configuration has no links: there is nothing to join");
         gateway_.start([this](const std::string& link) {
-            spdlog::error("{} is required and was not up within 10 s", link);
+            log_error("{} is required and was not up within 10 s", link);
             status_ = 1;
             stop("a required link is missing");
         });
@@ -105,7 +104,7 @@ public:
         hints_.start(between_hints);
         io_.run();
         const FrameCount passed = frame_count(gateway_);
-        spdlog::info(last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
+        log_info("{}", last_line(why_, gateway_.now() - gateway_.started_at(), passed.in, passed.out));
         hold_signals(SIG_BLOCK, {SIGTERM, SIGINT});    // one more, while the log is waited for, must not end it otherwise
         return status_;
     }
@@ -115,14 +114,14 @@ private:
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
             wait_for_signal();    // first: a second stop() ends all waits at once, this one too
-            if (signal == SIGUSR1) spdlog::info("status\n{}", status_text(gateway_));
+            if (signal == SIGUSR1) log_info("status\n{}", status_text(gateway_));
             else if (signal == SIGHUP) reload_soon();
             else stop(signal == SIGTERM ? "SIGTERM" : "SIGINT");
         });
     }
 
     void reload_soon() {
-        spdlog::info("SIGHUP: the configuration is read again");
+        log_info("SIGHUP: the configuration is read again");
         reload_.reload_soon();
     }
 
@@ -134,7 +133,7 @@ private:
     }
 
     void tell_hints() {
-        for (const std::string& line : hint_log_.news(gateway_)) spdlog::info(line);
+        for (const std::string& line : hint_log_.news(gateway_)) log_info("{}", line);
     }
 
     // A second signal while it flushes makes an end at once.
@@ -226,11 +225,11 @@ int run(int argc, char** argv) {
     if (is_device(line.settings.gateway)) kept = kept_parameters(kept_parameters_path(line.config_file));
     WrittenValues written = kept;
     for (const std::string& key : written.forget_stale(line.settings))
-        spdlog::info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
+        log_info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
     if (runs == ConfigState::Runs::not_the_file)
-        spdlog::warn("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
-                     line.config_file);
-    if (!written.empty()) spdlog::default_logger()->set_level(spdlog::level::from_str(written.applied(line.settings).log.level));
+        log_warning("{} was not confirmed and is not used: what ran before it runs, until the file is changed or reloaded",
+                    line.config_file);
+    if (!written.empty()) set_log_level(written.applied(line.settings).log.level);
     return Program{line, written, kept, source_of(line), read_again(argc, argv), runs}.run();
 }
 

@@ -1,9 +1,9 @@
+#include <daemon/log_line.hpp>
 #include <daemon/recordings.hpp>
 #include <daemon/running_recording.hpp>
 #include <link/asio.hpp>
 #include <link/clocks.hpp>
 
-#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -116,7 +116,7 @@ void Recordings::configure() {
         }
         if (is_configured_ && settings_.start) {
             const std::string why = start_recording();
-            if (!why.empty()) spdlog::error("recording: {}", why);
+            if (!why.empty()) log_error("recording: {}", why);
             begins_late_ = !why.empty() && !folder_.empty();
         }
     }
@@ -151,8 +151,8 @@ void Recordings::check_end() {
     end_by_.reset();
     clock_.stop();
     for (const auto& running : running_)
-        spdlog::warn("recording {}: the disk is not waited for any longer, {} kB of frames may not be on it", running->asked.name,
-                     (running->recorder->report().waiting + 999) / 1000);
+        log_warning("recording {}: the disk is not waited for any longer, {} kB of frames may not be on it", running->asked.name,
+                    (running->recorder->report().waiting + 999) / 1000);
     running_.clear();
     disk_.stop();
 }
@@ -244,18 +244,17 @@ void Recordings::tell_news(Running& running, const RecorderReport& report) {
     if (report.files != running.told_files) {
         if (running.told_files > 0) running.file_began_at = Clock::now();
         running.told_files = report.files;
-        spdlog::info("recording into {}", report.file);
+        log_info("recording into {}", report.file);
         look_soon();
     }
     const std::string error = without_numbers(report.error);
     if (error == running.told_error) return;
-    if (report.error.empty())
-        spdlog::info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
+    if (report.error.empty()) log_info("recording {}: it goes on; {} frames are missing", running.asked.name, report.not_written);
     else
-        spdlog::warn("recording {}: {}; frames go on, {}", running.asked.name, report.error,
-                     !report.is_slow ? "but are not recorded"
-                     : report.loses  ? "but not all are recorded"
-                                     : "and none is lost yet");
+        log_warning("recording {}: {}; frames go on, {}", running.asked.name, report.error,
+                    !report.is_slow ? "but are not recorded"
+                    : report.loses  ? "but not all are recorded"
+                                    : "and none is lost yet");
     running.told_error = error;
     look_soon();
 }
@@ -276,8 +275,8 @@ void Recordings::reap() {
         past_.frames += report.frames;
         past_.bytes += report.bytes;
         past_.not_written += report.not_written;
-        spdlog::info("recording {} ended: {} frames, {} bytes in {}, {} frames not written", running->asked.name, report.frames,
-                     report.bytes, report.files == 1 ? "one file" : std::to_string(report.files) + " files", report.not_written);
+        log_info("recording {} ended: {} frames, {} bytes in {}, {} frames not written", running->asked.name, report.frames,
+                 report.bytes, report.files == 1 ? "one file" : std::to_string(report.files) + " files", report.not_written);
         for (const Say& say : std::exchange(running->ended, {})) say(json_answer(json_of(*running)));
     }
     std::erase_if(running_, has_ended);

@@ -1,12 +1,12 @@
 // What Recordings tells of itself and answers to clients, and what it does on the disk for that.
 #include <ano_json/nearest.hpp>
 #include <daemon/answer_json.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/recorder_thread.hpp>
 #include <daemon/running_recording.hpp>
 #include <daemon/served_file.hpp>
 #include <link/clocks.hpp>
 
-#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
@@ -294,7 +294,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     is_saving_ = false;
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
-        spdlog::warn("recording: the last frames are not saved: {}", refusal->words);
+        log_warning("recording: the last frames are not saved: {}", refusal->words);
         return say(refused(*refusal));
     }
     const SavedFrames& file = std::get<SavedFrames>(result);
@@ -302,7 +302,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     save_fault_.clear();
     last_saved_ = file.name;
     just_saved_[file.name] = Clock::now() + saved_stays;
-    spdlog::info("recording: the last {} frames are saved as {}", frames, file.name);
+    log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
     say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
 }
@@ -349,9 +349,9 @@ void Recordings::look() {
 void Recordings::looked(std::optional<std::uint64_t> free, const DeletedRecordings& old, const std::string& fault) {
     is_looking_ = false;
     if (fault.empty()) free_ = free;
-    for (const std::string& name : old.gone) spdlog::info("recording: {} is deleted, as \"keep\" says", name);
+    for (const std::string& name : old.gone) log_info("recording: {} is deleted, as \"keep\" says", name);
     if (!old.stays.empty() && old.stays != told_to_stay_)
-        spdlog::warn("recording: {} stays, though \"keep\" has no room for it: keep.size is too small", old.stays);
+        log_warning("recording: {} stays, though \"keep\" has no room for it: keep.size is too small", old.stays);
     told_to_stay_ = old.stays;
     if (std::exchange(look_again_, false)) look_soon();
 }
@@ -365,11 +365,11 @@ void Recordings::repair() {
             *repaired = repair_recordings(folder);
         },
         [repaired](const std::string& fault) {
-            if (!fault.empty()) spdlog::warn("recording: what an earlier run left is not made whole: {}", fault);
+            if (!fault.empty()) log_warning("recording: what an earlier run left is not made whole: {}", fault);
             for (const RepairedFile& file : *repaired) {
-                if (!file.fault.empty()) spdlog::warn("recording: {} was cut and stays so: {}", file.name, file.fault);
+                if (!file.fault.empty()) log_warning("recording: {} was cut and stays so: {}", file.name, file.fault);
                 else
-                    spdlog::info(
+                    log_info(
                         "recording: {} was cut and is whole again: {} frames, {} bytes of half a part are "
                         "taken off",
                         file.name, file.frames, file.cut);

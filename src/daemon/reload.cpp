@@ -1,9 +1,8 @@
 #include <config/values.hpp>
 #include <daemon/gateway.hpp>
+#include <daemon/log_line.hpp>
 #include <daemon/notify.hpp>
 #include <daemon/reload.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
@@ -17,22 +16,22 @@ void log_difference(const Difference& difference, std::string_view why = "reload
         if (link.change == Change::same) continue;
         std::string what;
         for (const std::string& line : link.differences) what += (what.empty() ? ": " : ", ") + line;
-        spdlog::info("{}: {} {}{}", why, link.name, text(link.change), what);
+        log_info("{}: {} {}{}", why, link.name, text(link.change), what);
     }
-    for (const std::string& line : difference.gateway) spdlog::info("{}: {}", why, line);
-    for (const std::string& line : difference.needs_restart) spdlog::warn("{}: takes effect at the next start: {}", why, line);
+    for (const std::string& line : difference.gateway) log_info("{}: {}", why, line);
+    for (const std::string& line : difference.needs_restart) log_warning("{}: takes effect at the next start: {}", why, line);
 }
 
 void log_outcome(const ReloadOutcome& outcome) {
-    if (!outcome.refusal.empty()) return spdlog::error("reload: nothing was changed: {}", outcome.refusal);
-    if (!outcome.faults.empty()) spdlog::error("reload: nothing was changed, the configuration has faults:");
-    for (const ConfigError& fault : outcome.faults) spdlog::error("reload: {}", line_of(fault));
+    if (!outcome.refusal.empty()) return log_error("reload: nothing was changed: {}", outcome.refusal);
+    if (!outcome.faults.empty()) log_error("reload: nothing was changed, the configuration has faults:");
+    for (const ConfigError& fault : outcome.faults) log_error("reload: {}", line_of(fault));
     if (!outcome.faults.empty() || outcome.dry_run) return;
-    if (outcome.difference.is_none()) spdlog::info("reload: nothing changes");
+    if (outcome.difference.is_none()) log_info("reload: nothing changes");
     log_difference(outcome.difference);
     if (outcome.confirm_within)
-        spdlog::warn("reload: the configuration before comes back in {} unless this one is confirmed",
-                     duration_text(*outcome.confirm_within));
+        log_warning("reload: the configuration before comes back in {} unless this one is confirmed",
+                    duration_text(*outcome.confirm_within));
 }
 
 std::vector<std::string> names_of_changed(const Difference& difference) {
@@ -171,7 +170,7 @@ void Reload::carry_out(const std::shared_ptr<Job>& job, const Done& done) {
 void Reload::change_gateway(const Settings& settings, const Difference& difference, std::function<void()> done) {
     if (difference.is_none()) return done();
     gateway_.change(settings, difference, patience, [this, names = names_of_changed(difference), done = std::move(done)] {
-        spdlog::default_logger()->set_level(spdlog::level::from_str(gateway_.settings().log.level));
+        set_log_level(gateway_.settings().log.level);
         if (on_links_changed_) on_links_changed_(names);
         done();
     });
@@ -223,7 +222,7 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
             state.runs = ConfigState::Runs::file;
             state.confirm_by.reset();
             gateway_.set_config_state(std::move(state));
-            spdlog::info("reload: confirmed");
+            log_info("reload: confirmed");
             forget_stale();
             settle();
         }
@@ -242,7 +241,7 @@ bool Reload::may_still_be_confirmed() const {
 void Reload::roll_back() {
     if (!unconfirmed_ || may_still_be_confirmed()) return next();
     unconfirmed_.reset();
-    spdlog::warn("reload: not confirmed in time, the configuration before is back; the file stays as it is");
+    log_warning("reload: not confirmed in time, the configuration before is back; the file stays as it is");
     const Settings before = without_restart(gateway_.settings(), written_.applied(confirmed_.settings));
     const Difference back = difference(gateway_.settings(), before);
     change_gateway(before, back, [this, back] { rolled_back(back); });
@@ -307,7 +306,7 @@ void Reload::restart(const std::string& link) {
 // A file that says something else than it did when a value was written has the last word.
 void Reload::forget_stale() {
     for (const std::string& key : written_.forget_stale(confirmed_.settings))
-        spdlog::info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
+        log_info("the parameter {} of the gateway is forgotten: the configuration was changed since it was written", key);
 }
 
 void Reload::settle() {

@@ -1,6 +1,5 @@
+#include <daemon/log_line.hpp>
 #include <daemon/standstill_log.hpp>
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,11 +21,11 @@ void StandstillLog::stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
     const double seconds = std::chrono::duration<double>(turn.stood).count();
     const char* why = turn.suspended > ano::Duration::zero() ? "the machine slept" : "stopped, or the machine was too busy";
     const std::string more = unsaid_ == 0 ? "" : "; " + std::to_string(std::exchange(unsaid_, 0)) + " times more before";
-    spdlog::warn("stood still for at least {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
+    log_warning("stood still for at least {:.1f} s ({}): what came meanwhile counts as that old{}", seconds, why, more);
 }
 
 void StandstillLog::finish() const {
-    if (unsaid_ > 0) spdlog::warn("stood still {} times more", unsaid_);
+    if (unsaid_ > 0) log_warning("stood still {} times more", unsaid_);
 }
 
 }    // namespace anogate

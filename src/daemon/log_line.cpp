@@ -1,0 +1,44 @@
+#include <daemon/log_line.hpp>
+
+#include <spdlog/spdlog.h>
+
+namespace {
+
+struct Line {
+    fmt::string_view format;
+    fmt::format_args arguments;
+};
+
+}    // namespace
+
+// So the line is formatted within spdlog, which counts what it can't format as lost (start_log) and lets no exception out.
+template <>
+struct fmt::formatter<Line> {
+    constexpr auto parse(format_parse_context& context) { return context.begin(); }
+    template <class Context>
+    auto format(const Line& line, Context& context) const {
+        return fmt::vformat_to(context.out(), line.format, line.arguments);
+    }
+};
+
+namespace anogate {
+namespace {
+
+spdlog::level::level_enum level_of(LogLevel level) noexcept {
+    switch (level) {
+    case LogLevel::error: return spdlog::level::err;
+    case LogLevel::warning: return spdlog::level::warn;
+    case LogLevel::info: break;
+    }
+    return spdlog::level::info;
+}
+
+}    // namespace
+
+void log_line(LogLevel level, fmt::string_view format, fmt::format_args arguments) {
+    spdlog::default_logger_raw()->log(level_of(level), "{}", Line{format, arguments});
+}
+
+void set_log_level(const std::string& level) { spdlog::default_logger()->set_level(spdlog::level::from_str(level)); }
+
+}    // namespace anogate
