@@ -2,7 +2,7 @@
 # Each layer includes only what stands before it: ano < gateway < config < link < http < daemon; ano < host < devices < daemon; and ano < device < world < link;
 # gateway and device < managed < daemon; ano_json < ros < record; gateway < record < link.
 # Two headers of ours include Asio, one source libgpiod, one libpng, one zstd, sources of src/http alone Beast, two of them OpenSSL, one source of each
-# program CLI11, no header all of nlohmann's JSON or of spdlog. What a kind of link is called is known to its own file alone.
+# program CLI11, no header all of nlohmann's JSON, spdlog the sources of the log alone. What a kind of link is called is known to its own file alone.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bad=0
@@ -49,7 +49,7 @@ only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/daemon/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z_/]+\.cpp|tests/.*' 'nlohmann/json\.hpp'
-only_in 'src/[a-z_/]+\.cpp|tests/.*' 'spdlog/spdlog\.h'
+only_in 'src/daemon/log(_line|_queue|_writer)?\.[ch]pp|tests/.*' 'spdlog/'
 ((bad == 0)) || echo "These includes reach over a layer."
 if grep -rnE '\bkind(->name|\.name|\(\))? *(==|!=) *"|"[a-z-]+" *(==|!=) *[a-z_.>()-]*\bkind\b' src include tools --include='*.?pp'; then
     echo "A kind of link is not asked for its name: what is different of it stands in its row (src/config/link_kind.hpp)."

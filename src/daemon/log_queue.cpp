@@ -1,5 +1,7 @@
 #include <daemon/log_queue.hpp>
 
+#include <spdlog/common.h>
+
 #include <algorithm>
 #include <new>
 #include <utility>

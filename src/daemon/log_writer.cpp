@@ -1,6 +1,8 @@
 #include <daemon/log_writer.hpp>
 #include <link/thread_signals.hpp>
 
+#include <spdlog/logger.h>
+
 #include <iostream>
 
 namespace anogate {
