@@ -12,6 +12,7 @@
 #include <memory>
 #include <sstream>
 
+namespace claims_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -192,3 +193,4 @@ TEST(PinnedAddress, never_moves) {
 }
 
 }    // namespace
+}    // namespace claims_tests

@@ -27,6 +27,7 @@
 #include <filesystem>
 #include <fstream>
 
+namespace local_users_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -652,3 +653,4 @@ TEST_F(Instances, of_three_that_start_at_once_over_a_stale_socket_one_has_it) {
 }
 
 }    // namespace
+}    // namespace local_users_tests

@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+namespace network_door_tests {
 namespace {
 
 using namespace support;
@@ -247,3 +248,4 @@ TEST_F(EncryptedDoor, stands_junk_and_silence) {
 }
 
 }    // namespace
+}    // namespace network_door_tests

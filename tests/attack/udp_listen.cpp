@@ -30,6 +30,7 @@ void operator delete[](void* memory) noexcept { operator delete(memory); }
 void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { operator delete(memory); }
 
+namespace udp_listen_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -436,3 +437,4 @@ TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
 }
 
 }    // namespace
+}    // namespace udp_listen_tests

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+namespace anoctl_answers_tests {
 namespace {
 
 using namespace support;
@@ -429,3 +430,4 @@ TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_wo
 }
 
 }    // namespace
+}    // namespace anoctl_answers_tests

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_attached_tests {
 namespace {
 
 using namespace support;
@@ -113,3 +114,4 @@ TEST_F(AnoctlOfAGateway, send_says_why_not) {
 }
 
 }    // namespace
+}    // namespace anoctl_attached_tests

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+namespace anoctl_devices_tests {
 namespace {
 
 using namespace support;
@@ -320,3 +321,4 @@ TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
 }
 
 }    // namespace
+}    // namespace anoctl_devices_tests

@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_gateway_tests {
 namespace {
 
 using namespace support;
@@ -353,3 +354,4 @@ TEST_F(AnoctlReload, confirms) {
 }
 
 }    // namespace
+}    // namespace anoctl_gateway_tests

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_listening_tests {
 namespace {
 
 using namespace support;
@@ -224,3 +225,4 @@ TEST(AnoctlOwnLink, image_does_not_count_the_picture_that_it_joins_in_the_middle
 }
 
 }    // namespace
+}    // namespace anoctl_listening_tests

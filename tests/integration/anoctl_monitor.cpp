@@ -19,6 +19,7 @@
 #include <support/udp_peer.hpp>
 #include <support/wait.hpp>
 
+namespace anoctl_monitor_tests {
 namespace {
 
 const auto euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
@@ -235,3 +236,4 @@ TEST(AnoctlMonitor, says_why_nothing_is_shown) {
 }
 
 }    // namespace
+}    // namespace anoctl_monitor_tests

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_own_device_tests {
+
 namespace {
 
 using namespace support;
 using nlohmann::json;
-
-}    // namespace
 
 TEST(AnoctlOwnDevice, is_set_up_through_the_gateway_and_by_a_link_of_its_own) {
     TempDir dir;
@@ -46,3 +46,6 @@ TEST(AnoctlOwnDevice, is_set_up_through_the_gateway_and_by_a_link_of_its_own) {
     EXPECT_TRUE(wait_until([&] { return parameter().at("value") == 5000 && parameter().at("from") == "parameter"; }));
     EXPECT_EQ(by_link("ground", {"command", "call", "RELOAD", "--yes"}).exit, 0);
 }
+
+}    // namespace
+}    // namespace anoctl_own_device_tests

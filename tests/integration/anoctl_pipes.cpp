@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <string>
 
+namespace anoctl_pipes_tests {
 namespace {
 
 using namespace support;
@@ -115,3 +116,4 @@ TEST(AnoctlTerminal, has_colours_unless_no_color_ends_them) {
 }
 
 }    // namespace
+}    // namespace anoctl_pipes_tests

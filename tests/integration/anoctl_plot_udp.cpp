@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_plot_udp_tests {
 namespace {
 
 using namespace support;
@@ -127,3 +128,4 @@ TEST_F(AnoctlPlotUdp, refuses_what_is_no_address) {
 }
 
 }    // namespace
+}    // namespace anoctl_plot_udp_tests

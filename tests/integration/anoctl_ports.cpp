@@ -7,6 +7,7 @@
 #include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>
 
+namespace anoctl_ports_tests {
 namespace {
 
 TEST(AnoctlPorts, names_the_gateway_that_has_a_port_and_what_to_do) {
@@ -41,3 +42,4 @@ TEST(AnoctlPorts, are_listed_on_this_machine) {
 }
 
 }    // namespace
+}    // namespace anoctl_ports_tests

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_record_tests {
 namespace {
 
 using namespace support;
@@ -340,3 +341,4 @@ TEST_F(AnoctlReplay, ends_at_once_when_it_is_interrupted) {
 }
 
 }    // namespace
+}    // namespace anoctl_record_tests

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_recordings_tests {
 namespace {
 
 using namespace support;
@@ -88,3 +89,4 @@ TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
 }
 
 }    // namespace
+}    // namespace anoctl_recordings_tests

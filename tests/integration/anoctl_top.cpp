@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_top_tests {
 namespace {
 
 using namespace support;
@@ -84,3 +85,4 @@ TEST(AnoctlTop, needs_a_terminal) {
 }
 
 }    // namespace
+}    // namespace anoctl_top_tests

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+namespace anoctl_web_tests {
 namespace {
 
 using namespace support;
@@ -174,3 +175,4 @@ TEST_F(AnoctlWeb, never_writes_over_a_certificate_and_says_where_it_may_not_writ
 }
 
 }    // namespace
+}    // namespace anoctl_web_tests

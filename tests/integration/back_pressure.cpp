@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <map>
 
+namespace back_pressure_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -237,3 +238,4 @@ TEST(BackPressure, a_flood_is_forwarded_or_counted_frame_by_frame) {
 }
 
 }    // namespace
+}    // namespace back_pressure_tests

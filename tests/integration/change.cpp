@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+namespace change_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -523,3 +524,4 @@ TEST_F(Change, calls_that_were_under_way_find_no_ghost) {
 }
 
 }    // namespace
+}    // namespace change_tests

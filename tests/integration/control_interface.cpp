@@ -16,6 +16,7 @@
 #include <string>
 #include <utility>
 
+namespace control_interface_tests {
 namespace {
 
 using namespace support;
@@ -215,3 +216,4 @@ TEST_F(ControlInterface, refuses_in_one_form) {
 }
 
 }    // namespace
+}    // namespace control_interface_tests

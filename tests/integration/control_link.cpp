@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+namespace control_link_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -276,3 +277,4 @@ TEST(ControlLink, a_request_that_waited_through_a_standstill_is_not_carried_out)
 }
 
 }    // namespace
+}    // namespace control_link_tests

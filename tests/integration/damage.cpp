@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+namespace damage_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,3 +131,4 @@ TEST(Damage, the_start_of_a_frame_before_an_unplug_is_not_joined_to_what_comes_a
 }
 
 }    // namespace
+}    // namespace damage_tests

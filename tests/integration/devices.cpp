@@ -27,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+namespace devices_tests {
 namespace {
 
 using namespace support;
@@ -411,3 +412,4 @@ TEST(DevicesAndRules, what_does_not_pass_ends_at_once) {
 }
 
 }    // namespace
+}    // namespace devices_tests

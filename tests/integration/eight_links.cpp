@@ -20,6 +20,7 @@
 #include <tuple>
 #include <vector>
 
+namespace eight_links_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -190,3 +191,4 @@ TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
 }
 
 }    // namespace
+}    // namespace eight_links_tests

@@ -23,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+namespace ends_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,3 +132,4 @@ TEST(Ends, when_the_hints_are_due) {
 }
 
 }    // namespace
+}    // namespace ends_tests

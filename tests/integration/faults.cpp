@@ -12,6 +12,7 @@
 
 #include <memory>
 
+namespace faults_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -271,3 +272,4 @@ TEST_F(UdpFaults, a_reader_that_is_gone_costs_what_was_sent_to_nobody) {
 }
 
 }    // namespace
+}    // namespace faults_tests

@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+namespace foxglove_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -457,3 +458,4 @@ TEST_F(FoxgloveDoor, of_a_gateway_that_was_started_again_is_told_to_be_another_s
 }
 
 }    // namespace
+}    // namespace foxglove_tests

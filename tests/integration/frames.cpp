@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+namespace frames_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -313,3 +314,4 @@ TEST_F(Frames, nobody_looks_at_frames_unless_somebody_watches) {
 }
 
 }    // namespace
+}    // namespace frames_tests

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+namespace hello_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -241,3 +242,4 @@ TEST_F(VendorDevice, the_bounds_of_what_comes_in_and_what_leaves_are_apart) {
 }
 
 }    // namespace
+}    // namespace hello_tests

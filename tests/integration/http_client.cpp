@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+namespace http_client_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -376,3 +377,4 @@ TEST_F(HttpClient, does_not_wait_for_ever) {
 }
 
 }    // namespace
+}    // namespace http_client_tests

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+namespace http_later_tests {
 namespace {
 
 using namespace anogate::http;
@@ -176,3 +177,4 @@ TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
 }
 
 }    // namespace
+}    // namespace http_later_tests

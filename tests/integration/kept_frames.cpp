@@ -7,6 +7,7 @@
 
 #include <string>
 
+namespace kept_frames_tests {
 namespace {
 
 using namespace anogate;
@@ -31,3 +32,4 @@ TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
 }
 
 }    // namespace
+}    // namespace kept_frames_tests

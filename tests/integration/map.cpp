@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <string>
 
+namespace map_tests {
 namespace {
 
 using namespace support;
@@ -91,3 +92,4 @@ TEST_F(Map, that_is_not_there_is_warned_of_before_the_start) {
 }
 
 }    // namespace
+}    // namespace map_tests

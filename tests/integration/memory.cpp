@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+namespace memory_tests {
 namespace {
 
 using namespace support;
@@ -148,3 +149,4 @@ TEST(Memory, has_no_huge_pages) {
 }
 
 }    // namespace
+}    // namespace memory_tests

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+namespace namespaces_tests {
 namespace {
 
 using namespace support;
@@ -56,3 +57,4 @@ TEST(Namespaces, none_has_a_name_that_could_be_left_by_a_test_that_is_killed) {
 }
 
 }    // namespace
+}    // namespace namespaces_tests

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+namespace new_kind_tests {
 namespace {
 
 using namespace anogate;
@@ -89,3 +90,4 @@ TEST(NewKind, runs) {
 }
 
 }    // namespace
+}    // namespace new_kind_tests

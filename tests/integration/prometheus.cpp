@@ -19,6 +19,7 @@
 #include <sstream>
 #include <string>
 
+namespace prometheus_tests {
 namespace {
 
 using namespace support;
@@ -190,3 +191,4 @@ TEST_F(Prometheus, finds_nothing_wrong_with_the_alert_rules) {
 }
 
 }    // namespace
+}    // namespace prometheus_tests

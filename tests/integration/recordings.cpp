@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+namespace recordings_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -488,3 +489,4 @@ TEST_F(Recordings, are_seen_but_not_made_or_deleted_with_a_token_to_look) {
 }
 
 }    // namespace
+}    // namespace recordings_tests

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <thread>
 
+namespace recordings_mcap_tests {
 namespace {
 
 using namespace support;
@@ -178,3 +179,4 @@ TEST_F(RecordingsAsMcap, lose_a_second_at_most_when_the_gateway_is_killed_and_ar
 }
 
 }    // namespace
+}    // namespace recordings_mcap_tests

@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+namespace replay_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -469,3 +470,4 @@ TEST_F(Replay, what_was_recorded_replayed_and_recorded_again_is_the_same) {
 }
 
 }    // namespace
+}    // namespace replay_tests

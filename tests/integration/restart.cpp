@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <thread>
 
+namespace restart_tests {
 namespace {
 
 using namespace support;
@@ -378,3 +379,4 @@ TEST_F(Restart, what_makes_no_sense_is_passed_over) {
 }
 
 }    // namespace
+}    // namespace restart_tests

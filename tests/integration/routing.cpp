@@ -10,6 +10,7 @@
 
 #include <algorithm>
 
+namespace routing_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -418,3 +419,4 @@ TEST(Gateway, sixty_four_channels_and_no_more) {
 }
 
 }    // namespace
+}    // namespace routing_tests

@@ -15,6 +15,7 @@
 
 #include <fstream>
 
+namespace serial_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -371,3 +372,4 @@ TEST(SerialLink, noise_before_the_device_is_opened_is_not_taken_for_news) {
 }
 
 }    // namespace
+}    // namespace serial_tests

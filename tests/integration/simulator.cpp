@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+namespace simulator_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -143,3 +144,4 @@ TEST(Simulator, a_bad_day_on_demand_is_counted) {
 }
 
 }    // namespace
+}    // namespace simulator_tests

@@ -21,6 +21,7 @@
 #define SLOW_DISK ""    // built without FUSE
 #endif
 
+namespace slow_disk_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -167,3 +168,4 @@ TEST_F(SlowDisks, that_take_16_KB_a_second_are_told_of_within_a_second_and_lose_
 }
 
 }    // namespace
+}    // namespace slow_disk_tests

@@ -9,6 +9,7 @@
 
 #include <thread>
 
+namespace standstill_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -163,3 +164,4 @@ TEST_F(Standstill, makes_nobody_who_spoke_meanwhile_a_peer_that_is_gone) {
 }
 
 }    // namespace
+}    // namespace standstill_tests

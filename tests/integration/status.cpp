@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <set>
 
+namespace status_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -224,3 +225,4 @@ TEST_F(Hints, a_slow_link_is_named) {
 }
 
 }    // namespace
+}    // namespace status_tests

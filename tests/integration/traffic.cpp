@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+namespace traffic_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -303,3 +304,4 @@ TEST_F(Traffic, a_third_host_does_not_wait_for_two_that_flood_a_line) {
 }
 
 }    // namespace
+}    // namespace traffic_tests

@@ -15,6 +15,7 @@
 #include <support/temp_dir.hpp>
 #include <support/vectors.hpp>
 
+namespace tshark_tests {
 namespace {
 
 using ano::Json;
@@ -234,3 +235,4 @@ TEST(Tshark, knows_flexible_layouts_from_a_configuration) {
 }
 
 }    // namespace
+}    // namespace tshark_tests

@@ -9,6 +9,7 @@
 
 #include <memory>
 
+namespace tunnel_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -613,3 +614,4 @@ TEST_F(TwoGateways, a_tunnel_port_in_use_is_waited_for) {
 }
 
 }    // namespace
+}    // namespace tunnel_tests

@@ -15,6 +15,7 @@
 #include <string>
 #include <utility>
 
+namespace two_gateways_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -317,3 +318,4 @@ INSTANTIATE_TEST_SUITE_P(Delays, JoinedGateways,
                          name_of);
 
 }    // namespace
+}    // namespace two_gateways_tests

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+namespace two_hosts_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -164,3 +165,4 @@ INSTANTIATE_TEST_SUITE_P(Links, TwoHosts, testing::Bool(),
                          [](const auto& two) { return std::string{two.param ? "on_two_links" : "on_one_link"}; });
 
 }    // namespace
+}    // namespace two_hosts_tests

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+namespace udp_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -410,3 +411,4 @@ TEST(UdpListenLink, a_network_that_an_interface_gets_later_is_allowed_then) {
 }
 
 }    // namespace
+}    // namespace udp_tests

@@ -12,6 +12,7 @@
 
 #include <fstream>
 
+namespace udp_listen_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -545,3 +546,4 @@ TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
 }
 
 }    // namespace
+}    // namespace udp_listen_tests

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 
+namespace control_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -286,3 +287,4 @@ TEST(ControlSocketAtStart, a_path_too_long_is_told_in_words) {
 }
 
 }    // namespace
+}    // namespace control_tests

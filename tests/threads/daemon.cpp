@@ -19,6 +19,7 @@
 #include <fstream>
 #include <regex>
 
+namespace daemon_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -482,3 +483,4 @@ TEST(Daemon, a_peer_that_is_gone_ends_nothing) {
 }
 
 }    // namespace
+}    // namespace daemon_tests

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+namespace disk_works_tests {
 namespace {
 
 using anogate::DiskWorks;
@@ -101,3 +102,4 @@ TEST(DiskWorks, are_left_behind_at_the_end) {
 }
 
 }    // namespace
+}    // namespace disk_works_tests

@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+namespace errand_tests {
 namespace {
 
 using anogate::Errand;
@@ -86,3 +87,4 @@ TEST(Errand, that_is_stopped_says_nothing_and_one_that_hangs_is_left) {
 }
 
 }    // namespace
+}    // namespace errand_tests

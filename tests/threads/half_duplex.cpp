@@ -8,6 +8,7 @@
 
 #include <vector>
 
+namespace half_duplex_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -108,3 +109,4 @@ TEST_F(Transceiver, that_was_closed_while_bytes_were_on_their_way_begins_anew) {
 }
 
 }    // namespace
+}    // namespace half_duplex_tests

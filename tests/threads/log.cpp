@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 
+namespace log_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -206,3 +207,4 @@ TEST(BlockedLog, what_was_lost_is_told_once_it_is_read_again) {
 }
 
 }    // namespace
+}    // namespace log_tests

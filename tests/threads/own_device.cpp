@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+namespace own_device_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -334,3 +335,4 @@ TEST_F(OwnDevice, and_another_one_do_not_talk_for_ever) {
 }
 
 }    // namespace
+}    // namespace own_device_tests

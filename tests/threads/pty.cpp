@@ -23,6 +23,7 @@ extern "C" int inotify_init1(int flags) noexcept {
     return -1;
 }
 
+namespace pty_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -349,3 +350,4 @@ TEST(PtyLink, is_never_up_while_its_path_cannot_be_made) {
 }
 
 }    // namespace
+}    // namespace pty_tests

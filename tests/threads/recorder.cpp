@@ -31,6 +31,7 @@
 #include <thread>
 #include <vector>
 
+namespace recorder_tests {
 namespace {
 
 using namespace anogate;
@@ -593,3 +594,4 @@ TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_be
 }
 
 }    // namespace
+}    // namespace recorder_tests

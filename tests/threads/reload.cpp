@@ -16,6 +16,7 @@
 #include <memory>
 #include <optional>
 
+namespace reload_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -365,3 +366,4 @@ TEST_F(Reload, at_the_end_is_no_more_than_an_end) {
 }
 
 }    // namespace
+}    // namespace reload_tests

@@ -7,6 +7,8 @@
 
 #include <set>
 
+namespace control_tests {
+
 TEST(Acknowledged, what_is_written_or_done_may_be) {
     std::set<int> ids;
     for (int id = 0; id < 256; ++id)
@@ -36,3 +38,5 @@ TEST(Id, of_a_name_is_known_when_the_program_is_compiled) {
     static_assert(ano::id_of<"firmware"> == 0xF0);
     for (const ano::Message& row : ano::messages) EXPECT_EQ(ano::find_message(row.name)->id, row.id);
 }
+
+}    // namespace control_tests

@@ -6,6 +6,7 @@
 #include <map>
 #include <string_view>
 
+namespace crc16_tests {
 namespace {
 
 using namespace ano;
@@ -30,3 +31,4 @@ TEST(Crc16, is_that_of_the_catalogue) {
 }
 
 }    // namespace
+}    // namespace crc16_tests

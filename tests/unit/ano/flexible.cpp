@@ -8,6 +8,7 @@
 
 #include <support/bytes.hpp>
 
+namespace flexible_tests {
 namespace {
 
 using namespace ano;
@@ -78,3 +79,4 @@ TEST(Flexible, refuses_what_is_no_layout) {
 }
 
 }    // namespace
+}    // namespace flexible_tests

@@ -10,6 +10,7 @@
 using ano::Checks;
 using support::Bytes;
 
+namespace frame_tests {
 namespace {
 
 // As the protocol text defines it.
@@ -143,3 +144,4 @@ TEST(Seal, makes_a_changed_frame_good_again) {
 }
 
 }    // namespace
+}    // namespace frame_tests

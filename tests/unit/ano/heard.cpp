@@ -6,6 +6,7 @@
 using ano::Heard;
 using support::Bytes;
 
+namespace heard_tests {
 namespace {
 
 void note(Heard& heard, const Bytes& bytes) { heard.note(ano::FrameView{bytes}); }
@@ -67,3 +68,4 @@ TEST(Heard, remembers_the_largest_LEN) {
 }
 
 }    // namespace
+}    // namespace heard_tests

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+namespace messages_tests {
 namespace {
 
 using namespace ano;
@@ -158,3 +159,4 @@ TEST(Traffic, is_as_the_protocol_text_says_for_every_id) {
 }
 
 }    // namespace
+}    // namespace messages_tests

@@ -4,6 +4,7 @@
 
 using namespace parsing;
 
+namespace parser_tests {
 namespace {
 
 // --- What a frame is
@@ -265,3 +266,4 @@ TEST(FrameParser, allocates_nothing_after_construction) {
 }
 
 }    // namespace
+}    // namespace parser_tests

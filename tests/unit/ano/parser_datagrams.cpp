@@ -2,6 +2,7 @@
 
 using namespace parsing;
 
+namespace parser_datagrams_tests {
 namespace {
 
 TEST(FrameParser, continues_what_a_datagram_left_over) {
@@ -100,3 +101,4 @@ TEST(FrameParser, takes_an_empty_datagram_for_nothing) {
 }
 
 }    // namespace
+}    // namespace parser_datagrams_tests

@@ -3,6 +3,7 @@
 
 using namespace parsing;
 
+namespace parser_heard_tests {
 namespace {
 
 constexpr std::uint8_t stranger = 0x77;
@@ -272,3 +273,4 @@ TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_
 }
 
 }    // namespace
+}    // namespace parser_heard_tests

@@ -2,6 +2,7 @@
 
 using namespace parsing;
 
+namespace parser_previous_version_tests {
 namespace {
 
 TEST(FrameParser, sees_frames_of_the_previous_version_however_they_are_cut) {
@@ -57,3 +58,4 @@ TEST(FrameParser, looks_for_the_previous_version_only_in_the_first_bytes_of_a_lo
 }
 
 }    // namespace
+}    // namespace parser_previous_version_tests

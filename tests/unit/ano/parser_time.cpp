@@ -2,6 +2,7 @@
 
 using namespace parsing;
 
+namespace parser_time_tests {
 namespace {
 
 TEST(FrameParser, has_no_deadline_while_nothing_waits) {
@@ -163,3 +164,4 @@ TEST(FrameParser, joins_nothing_across_the_end_of_input) {
 }
 
 }    // namespace
+}    // namespace parser_time_tests

@@ -8,6 +8,7 @@
 using ano::PrefixSums;
 using support::Bytes;
 
+namespace prefix_sums_tests {
 namespace {
 
 Bytes random_bytes(std::size_t n) {
@@ -76,3 +77,4 @@ TEST(PrefixSums, begin_anew_when_none_of_their_bytes_is_left) {
 }
 
 }    // namespace
+}    // namespace prefix_sums_tests

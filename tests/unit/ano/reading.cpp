@@ -11,6 +11,7 @@
 #include <support/bytes.hpp>
 #include <support/random.hpp>
 
+namespace reading_tests {
 namespace {
 
 using namespace ano;
@@ -41,7 +42,7 @@ TEST(Reading, says_why_there_are_no_fields) {
     EXPECT_EQ(read(0x34, mode7).readable(), Readable::unknown_layout);
     EXPECT_EQ(read(0x51, mode7).readable(), Readable::unknown_layout);
     EXPECT_EQ(read(0xF0, mode7).readable(), Readable::unknown_layout);
-    EXPECT_EQ(read(0x34, Bytes{}).readable(), Readable::too_short);
+    EXPECT_EQ(read(0x34, support::Bytes{}).readable(), Readable::too_short);
     EXPECT_EQ(read(0xF1, some).readable(), Readable::unknown_layout);
 }
 
@@ -124,3 +125,4 @@ TEST(Reading, of_any_id_and_any_length_stays_within_its_data) {
 }
 
 }    // namespace
+}    // namespace reading_tests

@@ -9,6 +9,7 @@
 
 #include <support/bytes.hpp>
 
+namespace typed_tests {
 namespace {
 
 using namespace ano;
@@ -166,3 +167,4 @@ TEST(Draft, can_say_no_data) {
 }
 
 }    // namespace
+}    // namespace typed_tests

@@ -2,6 +2,7 @@
 #include <ano/messages.hpp>
 #include <ano/values.hpp>
 
+namespace values_tests {
 namespace {
 
 using namespace ano;
@@ -40,3 +41,4 @@ TEST(Values, of_a_parameter_have_all_bytes_of_their_type) {
 }
 
 }    // namespace
+}    // namespace values_tests

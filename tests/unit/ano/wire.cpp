@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+namespace wire_tests {
 namespace {
 
 using namespace ano;
@@ -105,3 +106,4 @@ TEST(Wire, limits_are_told_in_the_unit) {
 }
 
 }    // namespace
+}    // namespace wire_tests

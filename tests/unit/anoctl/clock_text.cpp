@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace clock_text_tests {
 namespace {
 
 TEST(ClockText, has_milliseconds) {
@@ -10,3 +11,4 @@ TEST(ClockText, has_milliseconds) {
 }
 
 }    // namespace
+}    // namespace clock_text_tests

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+namespace complete_fields_tests {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -35,3 +36,4 @@ TEST(CompleteFields, behind_a_field_the_words_for_its_values) {
 }
 
 }    // namespace
+}    // namespace complete_fields_tests

@@ -6,6 +6,7 @@
 #include <support/temp_dir.hpp>
 #include <support/vectors.hpp>
 
+namespace decode_tests {
 namespace {
 
 using support::anoctl;
@@ -280,3 +281,4 @@ TEST(Decode, on_a_terminal_tells_the_battery_from_the_controller_supply) {
 }
 
 }    // namespace
+}    // namespace decode_tests

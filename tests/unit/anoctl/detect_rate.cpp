@@ -17,6 +17,7 @@
 #include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>
 
+namespace detect_rate_tests {
 namespace {
 
 using support::Bytes;
@@ -161,3 +162,4 @@ TEST(DetectRate, takes_one_frame_among_noise_for_an_accident) {
 }
 
 }    // namespace
+}    // namespace detect_rate_tests

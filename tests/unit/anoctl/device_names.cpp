@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace anoctl {
+namespace anoctl::device_names_tests {
 namespace {
 
 using ano::Json;
@@ -47,4 +47,4 @@ TEST(DeviceNames, what_was_left_behind_is_told) {
 }
 
 }    // namespace
-}    // namespace anoctl
+}    // namespace anoctl::device_names_tests

@@ -20,6 +20,7 @@ using namespace anoctl;
 using ano::Json;
 using support::thrown;
 
+namespace device_texts_tests {
 namespace {
 
 TEST(JobText, has_rate_and_time_left) {
@@ -330,3 +331,4 @@ TEST(CalibrationText, has_the_residuals_and_what_was_found) {
 }
 
 }    // namespace
+}    // namespace device_texts_tests

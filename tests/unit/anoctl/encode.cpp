@@ -4,6 +4,7 @@
 
 #include <support/anoctl.hpp>
 
+namespace encode_tests {
 namespace {
 
 using support::anoctl;
@@ -171,3 +172,4 @@ TEST(Anoctl, takes_a_negative_number_for_a_value) {
 }
 
 }    // namespace
+}    // namespace encode_tests

@@ -5,6 +5,7 @@
 
 #include <support/bytes.hpp>
 
+namespace gap_tests {
 namespace {
 
 using namespace anoctl;
@@ -41,3 +42,4 @@ TEST(Gap, takes_linear_time) {
 }
 
 }    // namespace
+}    // namespace gap_tests

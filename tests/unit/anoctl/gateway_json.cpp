@@ -7,7 +7,7 @@
 
 #include <optional>
 
-namespace anoctl {
+namespace anoctl::gateway_json_tests {
 namespace {
 
 TEST(GatewayJson, what_is_missing_or_of_another_kind_is_nothing) {
@@ -100,4 +100,4 @@ TEST(GatewayJson, an_answer_that_refuses_is_told_in_its_words) {
 }
 
 }    // namespace
-}    // namespace anoctl
+}    // namespace anoctl::gateway_json_tests

@@ -6,6 +6,7 @@
 
 #include <support/bytes.hpp>
 
+namespace hex_text_tests {
 namespace {
 
 using namespace anoctl;
@@ -94,3 +95,4 @@ TEST(BytesOrText, names_the_line_in_which_text_ends_as_something_else) {
 }
 
 }    // namespace
+}    // namespace hex_text_tests

@@ -9,6 +9,7 @@
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 
+namespace kept_values_tests {
 namespace {
 
 using anoctl::keep_in_state_folder;
@@ -31,3 +32,4 @@ TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
 }
 
 }    // namespace
+}    // namespace kept_values_tests

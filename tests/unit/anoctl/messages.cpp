@@ -11,6 +11,7 @@
 #include <support/anoctl.hpp>
 #include <support/temp_dir.hpp>
 
+namespace messages_tests {
 namespace {
 
 using support::anoctl;
@@ -117,3 +118,4 @@ TEST(Anoctl, a_command_that_is_none_is_named) {
 }
 
 }    // namespace
+}    // namespace messages_tests

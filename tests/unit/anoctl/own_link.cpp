@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+namespace own_link_tests {
 namespace {
 
 using namespace anoctl;
@@ -105,3 +106,4 @@ TEST_F(OwnLinks, count_what_of_a_peer_was_no_frame_also_when_it_is_gone) {
 }
 
 }    // namespace
+}    // namespace own_link_tests

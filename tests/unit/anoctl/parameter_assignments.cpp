@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace anoctl {
+namespace anoctl::parameter_assignments_tests {
 namespace {
 
 using ano::Json;
@@ -65,4 +65,4 @@ TEST(TypedValue, has_the_range_of_its_type) {
 }
 
 }    // namespace
-}    // namespace anoctl
+}    // namespace anoctl::parameter_assignments_tests

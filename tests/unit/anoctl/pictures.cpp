@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using support::Bytes;
 using support::operator+;
 
+namespace pictures_tests {
 namespace {
 
 const ano::TimePoint start = ano::TimePoint{} + 1h;
@@ -165,3 +166,4 @@ TEST(Png, has_the_rows_that_came) {
 }
 
 }    // namespace
+}    // namespace pictures_tests

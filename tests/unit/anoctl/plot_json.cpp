@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <string>
 
+namespace plot_json_tests {
 namespace {
 
 using nlohmann::json;
@@ -70,3 +71,4 @@ TEST(PlotJson, a_field_that_is_too_long_by_itself_stays_whole) {
 }
 
 }    // namespace
+}    // namespace plot_json_tests

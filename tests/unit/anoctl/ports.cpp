@@ -21,6 +21,7 @@
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 
+namespace ports_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -290,3 +291,4 @@ TEST(CanFigures, of_a_message_that_is_cut_or_damaged_are_read_within_its_bytes) 
 }
 
 }    // namespace
+}    // namespace ports_tests

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace anoctl {
+namespace anoctl::prometheus_text_tests {
 namespace {
 
 std::string as_json(std::string_view text) {
@@ -38,4 +38,4 @@ TEST(PrometheusText, what_is_no_sample_is_passed_over) {
 }
 
 }    // namespace
-}    // namespace anoctl
+}    // namespace anoctl::prometheus_text_tests

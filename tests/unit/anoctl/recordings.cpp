@@ -13,6 +13,7 @@
 #include <support/recorded.hpp>
 #include <support/temp_dir.hpp>
 
+namespace recordings_tests {
 namespace {
 
 using nlohmann::json;
@@ -387,3 +388,4 @@ TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_i
 }
 
 }    // namespace
+}    // namespace recordings_tests

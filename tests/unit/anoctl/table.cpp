@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-namespace anoctl {
+namespace anoctl::table_tests {
 namespace {
 
 std::string written(const Table& table, std::string_view indent = {}) {
@@ -97,4 +97,4 @@ TEST(Table, writes_times_as_people_say_them) {
 }
 
 }    // namespace
-}    // namespace anoctl
+}    // namespace anoctl::table_tests

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+namespace top_screen_tests {
+
 using namespace anoctl;
 using nlohmann::json;
 
@@ -38,8 +40,6 @@ const HeardFrames nobody{};
 bool contains(const std::vector<std::string>& lines, const std::string& words) {
     return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != line.npos; });
 }
-
-}    // namespace
 
 TEST(TopScreen, rates_are_what_was_counted_between_two_looks) {
     HeardFrames heard{};
@@ -142,3 +142,6 @@ TEST(TopScreen, numbers_stand_apart) {
     view.channels = {{"fc", "x", 99999, 99999, 99999, "", 123456, 3540.0}};
     EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), " 99999 99999  99999 123456 59 min"));
 }
+
+}    // namespace
+}    // namespace top_screen_tests

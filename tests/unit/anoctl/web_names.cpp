@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+namespace web_names_tests {
 namespace {
 
 using namespace anoctl;
@@ -50,3 +51,4 @@ TEST(WebNames, have_what_the_configuration_adds_and_nothing_of_a_host_without_a_
 }
 
 }    // namespace
+}    // namespace web_names_tests

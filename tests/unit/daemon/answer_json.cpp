@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace anogate {
+namespace anogate::answer_json_tests {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -30,4 +30,4 @@ TEST(AnswerJson, bytes_that_are_no_text_are_shown_as_such) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::answer_json_tests

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+namespace batch_memory_tests {
+
 using anogate::BatchMemory;
 
 namespace {
 
 constexpr std::size_t usual = 16 * 1024;
-
-}    // namespace
 
 TEST(BatchMemory, of_a_batch_that_nobody_needs_is_that_of_the_next) {
     BatchMemory memory;
@@ -51,3 +51,6 @@ TEST(BatchMemory, is_kept_up_to_a_bound) {
     one.reset();
     EXPECT_EQ(memory.bytes_kept(), 0u) << "what was in use is freed as well";
 }
+
+}    // namespace
+}    // namespace batch_memory_tests

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <optional>
 
-namespace anogate {
+namespace anogate::body_file_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -86,4 +86,4 @@ TEST_F(Keeps, elsewhere_where_there_is_no_state_folder) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::body_file_tests

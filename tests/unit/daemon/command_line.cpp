@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace anogate {
+namespace anogate::command_line_tests {
 namespace {
 
 using Parsed = std::variant<CommandLine, Exit>;
@@ -322,4 +322,4 @@ TEST(CommandLine, help_and_version) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::command_line_tests

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_tests {
 namespace {
 
 TEST(Config, nothing_said_is_the_defaults) {
@@ -308,4 +308,4 @@ TEST(Config, faults_of_flexible_layouts_name_their_place) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_tests

@@ -5,6 +5,7 @@
 
 #include <fuzz/config.cpp>
 
+namespace config_corpus_tests {
 namespace {
 
 void replay(const std::string& text) { LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()); }
@@ -36,3 +37,4 @@ TEST(ConfigCorpus, holds_the_laws) {
 }
 
 }    // namespace
+}    // namespace config_corpus_tests

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_gpio_tests {
 namespace {
 
 constexpr std::string_view gpio_links = R"("links": ["sim:fc", "udp-listen:0.0.0.0:1,name=ground", "serial:/dev/x,name=bus"])";
@@ -102,4 +102,4 @@ TEST(ConfigGpio, a_line_is_used_once) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_gpio_tests

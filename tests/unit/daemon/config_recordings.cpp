@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_recordings_tests {
 namespace {
 
 TEST(Config, without_a_section_for_it_records_nothing_by_itself) {
@@ -71,4 +71,4 @@ TEST(Config, files_larger_than_all_recordings_may_be_are_warned_of) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_recordings_tests

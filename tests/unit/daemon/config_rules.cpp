@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_rules_tests {
 namespace {
 
 TEST(Config, rules_are_objects_in_objects) {
@@ -84,4 +84,4 @@ TEST(Config, present_as_is_an_address_and_no_port_id) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_rules_tests

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_tunnel_tests {
 namespace {
 
 TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {
@@ -98,4 +98,4 @@ TEST(Config, faults_of_a_tunnel_name_their_place) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_tunnel_tests

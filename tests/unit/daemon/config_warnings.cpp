@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::config_warnings_tests {
 namespace {
 
 TEST(Config, warns_of_a_device_whose_address_is_a_port_id) {
@@ -92,4 +92,4 @@ TEST(Config, warns_of_what_is_as_good_as_not_said) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::config_warnings_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::control_door_tests {
 namespace {
 
 TEST(ControlDoor, needs_no_token_of_who_started_it_for_himself) {
@@ -16,4 +16,4 @@ TEST(ControlDoor, needs_no_token_of_who_started_it_for_himself) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::control_door_tests

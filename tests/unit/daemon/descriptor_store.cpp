@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace anogate {
+namespace anogate::descriptor_store_tests {
 namespace {
 
 constexpr int passed = 3;
@@ -51,4 +51,4 @@ TEST(DescriptorStore, leaves_what_was_passed_to_another_process) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::descriptor_store_tests

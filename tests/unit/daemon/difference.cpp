@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::difference_tests {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -142,4 +142,4 @@ TEST(Difference, what_needs_a_restart_stays_as_it_runs) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::difference_tests

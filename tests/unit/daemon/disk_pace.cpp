@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace anogate {
+namespace anogate::disk_pace_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -112,4 +112,4 @@ TEST_F(DiskPaces, an_error_says_it_all) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::disk_pace_tests

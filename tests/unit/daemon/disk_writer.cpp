@@ -18,6 +18,7 @@
 #include <new>
 #include <string>
 
+namespace disk_writer_tests {
 namespace {
 
 using namespace anogate;
@@ -516,3 +517,4 @@ TEST_F(DiskWriters, a_disk_with_small_files_gets_many_of_them) {
 }
 
 }    // namespace
+}    // namespace disk_writer_tests

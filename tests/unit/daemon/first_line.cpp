@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::first_line_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -63,4 +63,4 @@ TEST(LastLine, has_the_cause_the_time_and_the_frames) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::first_line_tests

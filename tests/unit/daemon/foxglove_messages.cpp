@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-namespace anogate::foxglove {
+namespace anogate::foxglove::foxglove_messages_tests {
 namespace {
 
 using nlohmann::json;
@@ -89,4 +89,4 @@ TEST(FoxgloveMessages, texts_are_utf8_whatever_a_link_is_called) {
 }
 
 }    // namespace
-}    // namespace anogate::foxglove
+}    // namespace anogate::foxglove::foxglove_messages_tests

@@ -13,6 +13,7 @@ using namespace anogate;
 using nlohmann::json;
 using support::frame;
 
+namespace foxglove_session_tests {
 namespace {
 
 const support::Bytes euler = frame(0xDC, 0xFF, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
@@ -393,3 +394,4 @@ TEST_F(FoxgloveSessionTest, many_channels_are_told_in_messages_of_a_bounded_size
 }
 
 }    // namespace
+}    // namespace foxglove_session_tests

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+namespace frame_filter_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::frame;
@@ -37,8 +39,6 @@ bool takes(FrameFilter& filter, const support::Bytes& bytes, Direction direction
 const auto euler = frame(0xDC, 0xFE, 0x03, {1});
 const auto inertial = frame(0xDC, 0xFE, 0x01, {1});
 const auto command = frame(0xFE, 0xDC, 0xE0, {1});
-
-}    // namespace
 
 TEST(FrameFilter, without_a_word_everything_is_taken) {
     FrameFilter filter{read({}).filter};
@@ -136,3 +136,6 @@ TEST(FrameFilter, what_is_wrong_is_told_in_words) {
     const auto twice = parse_frame_query(std::vector<http::Field>{{"limit.euler", "1"}, {"limit.0x03", "2"}}, links);
     EXPECT_EQ(std::get<std::string>(twice), "0x03 has a limit already");
 }
+
+}    // namespace
+}    // namespace frame_filter_tests

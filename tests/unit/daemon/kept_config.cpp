@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace anogate {
+namespace anogate::kept_config_tests {
 namespace {
 
 const KeptConfig sample{{{"/etc/a.json", "{} // \xFF\xFE"}, {"/etc/conf.d/b.json", std::string{"a\0b", 3}}},
@@ -69,4 +69,4 @@ TEST(KeptConfig, is_one_of_its_file_in_the_folder_of_the_unit) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::kept_config_tests

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace anogate {
+namespace anogate::keys_tests {
 namespace {
 
 using nlohmann::json;
@@ -179,4 +179,4 @@ TEST(Sample, shows_the_default_of_every_key_that_has_one) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::keys_tests

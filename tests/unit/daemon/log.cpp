@@ -12,7 +12,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace anogate {
+namespace anogate::log_tests {
 namespace {
 
 TEST(JournalLines, have_their_priority) {
@@ -73,4 +73,4 @@ TEST(Log, may_have_a_file_larger_than_32_bits_can_say) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::log_tests

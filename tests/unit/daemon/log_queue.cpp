@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::log_queue_tests {
 namespace {
 
 const spdlog::log_clock::time_point noon{std::chrono::hours{12}};
@@ -73,4 +73,4 @@ TEST(LogQueue, counts_lines_not_messages) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::log_queue_tests

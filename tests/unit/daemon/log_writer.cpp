@@ -6,7 +6,7 @@
 #include <csignal>
 #include <semaphore>
 
-namespace anogate {
+namespace anogate::log_writer_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -115,4 +115,4 @@ TEST(LogWriter, a_log_that_opens_late_has_what_was_said_before) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::log_writer_tests

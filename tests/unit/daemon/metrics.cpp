@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-namespace anogate {
+namespace anogate::metrics_tests {
 namespace {
 
 MetricsSnapshot::Link link_called(std::string name, std::vector<std::string> peers = {}) {
@@ -124,4 +124,4 @@ TEST(Metrics, of_one_family_stand_together) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::metrics_tests

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace anogate {
+namespace anogate::metrics_text_tests {
 namespace {
 
 TEST(MetricsText, is_a_family_behind_the_other) {
@@ -83,4 +83,4 @@ TEST(MetricsForm, is_the_newer_one_for_who_asks_for_it) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::metrics_text_tests

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+namespace notify_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -47,3 +48,4 @@ TEST_F(Watchdog, is_none_without_a_time) {
 }
 
 }    // namespace
+}    // namespace notify_tests

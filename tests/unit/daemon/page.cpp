@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+namespace page_tests {
 namespace {
 
 using anogate::Page;
@@ -83,3 +84,4 @@ TEST(PageFolder, is_beside_the_program) {
 }
 
 }    // namespace
+}    // namespace page_tests

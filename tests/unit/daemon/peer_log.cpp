@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+namespace peer_log_tests {
 namespace {
 
 using namespace anogate;
@@ -51,3 +52,4 @@ TEST_F(Peers, that_came_before_the_end_are_told_at_the_end) {
 }
 
 }    // namespace
+}    // namespace peer_log_tests

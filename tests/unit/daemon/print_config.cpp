@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate {
+namespace anogate::print_config_tests {
 namespace {
 
 EndpointSpec random_endpoint(support::Random& random, bool v6) {
@@ -217,4 +217,4 @@ TEST(PrintConfig, leaves_out_what_is_not_set) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::print_config_tests

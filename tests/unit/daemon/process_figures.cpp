@@ -7,7 +7,7 @@
 
 #include <chrono>
 
-namespace anogate {
+namespace anogate::process_figures_tests {
 namespace {
 
 TEST(ProcessFigures, are_read_from_a_line_of_the_system) {
@@ -38,4 +38,4 @@ TEST(ProcessFigures, are_those_of_this_process) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::process_figures_tests

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace anogate {
+namespace anogate::read_files_tests {
 namespace {
 
 class ReadFiles : public testing::Test {
@@ -92,4 +92,4 @@ TEST_F(ReadFiles, what_can_not_be_read_is_told) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::read_files_tests

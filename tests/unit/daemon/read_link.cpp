@@ -8,7 +8,7 @@
 
 #include <unit/daemon/faults.hpp>
 
-namespace anogate {
+namespace anogate::read_link_tests {
 namespace {
 
 using testing::Test;
@@ -508,4 +508,4 @@ TEST(LinkText, hostile_bytes_make_one_line) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::read_link_tests

@@ -8,6 +8,8 @@
 
 #include <variant>
 
+namespace record_json_tests {
+
 using namespace anogate;
 using nlohmann::json;
 using support::frame;
@@ -19,8 +21,6 @@ const auto euler = frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 constexpr std::uint64_t time_ns = 1'700'000'000'123'456'789;
 
 json shown(const FrameRecord& record) { return json::parse(record_json(record, tables, {})); }
-
-}    // namespace
 
 TEST(RecordJson, is_the_frame_with_when_and_where_it_passed) {
     const json in = shown({time_ns, 5, 0, Direction::in, 0, 0, ano::FrameView{euler}});
@@ -66,3 +66,6 @@ TEST(RecordJson, tables_name_the_numbers) {
     EXPECT_EQ(all.at("causes").at(0), nullptr);
     EXPECT_EQ(all.at("causes").size(), frame_causes().size());
 }
+
+}    // namespace
+}    // namespace record_json_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::recordings_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -31,4 +31,4 @@ TEST(LimitsOfRecordings, leave_room_to_write_before_nothing_can_be_written) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::recordings_tests

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-namespace anogate {
+namespace anogate::recordings_folder_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -382,4 +382,4 @@ TEST_F(RecordingsFolder, saves_nothing_where_too_little_is_free) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::recordings_folder_tests

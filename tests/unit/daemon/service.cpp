@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::service_tests {
 namespace {
 
 /// The parts of a configuration that the service can't do, one for each line.
@@ -96,4 +96,4 @@ TEST(Service, has_the_configuration_beside_the_default_one) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::service_tests

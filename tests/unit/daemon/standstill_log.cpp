@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+namespace standstill_log_tests {
 namespace {
 
 using namespace anogate;
@@ -42,3 +43,4 @@ TEST_F(StandstillLines, are_none_of_what_is_too_short_to_be_told) {
 }
 
 }    // namespace
+}    // namespace standstill_log_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::stored_state_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -94,4 +94,4 @@ TEST(StoredState, that_is_damaged_is_none) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::stored_state_tests

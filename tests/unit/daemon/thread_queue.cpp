@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+namespace thread_queue_tests {
 namespace {
 
 using anogate::ThreadQueue;
@@ -44,3 +45,4 @@ TEST(ThreadQueue, keeps_nothing_of_what_was_taken) {
 }
 
 }    // namespace
+}    // namespace thread_queue_tests

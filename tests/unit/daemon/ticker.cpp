@@ -4,6 +4,7 @@
 
 #include <thread>
 
+namespace ticker_tests {
 namespace {
 
 using namespace anogate;
@@ -60,3 +61,4 @@ TEST(Ticker, can_be_started_again) {
 }
 
 }    // namespace
+}    // namespace ticker_tests

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::values_tests {
 namespace {
 
 using std::chrono::hours;
@@ -90,4 +90,4 @@ TEST(Values, utf8) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::values_tests

@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+namespace watch_queue_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -24,8 +26,6 @@ std::string next(WatchQueue& queue, ano::TimePoint now = start) {
     if (const auto* lost = std::get_if<LostFrames>(&*item)) return "!" + std::to_string(lost->count);
     return std::to_string(std::get<WatchQueue::Batch>(*item)->size());
 }
-
-}    // namespace
 
 TEST(WatchQueue, gives_what_came_in_its_order) {
     WatchQueue queue{100};
@@ -90,3 +90,6 @@ TEST(WatchQueue, of_the_tables_that_changed_while_frames_were_lost_the_last_foll
     EXPECT_EQ(next(queue), "v");
     EXPECT_EQ(next(queue), "5");
 }
+
+}    // namespace
+}    // namespace watch_queue_tests

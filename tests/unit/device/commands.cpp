@@ -11,6 +11,7 @@
 
 #include "talk.hpp"
 
+namespace commands_tests {
 namespace {
 
 using ano::Type;
@@ -133,3 +134,4 @@ TEST(Commands, have_descriptions_that_fit_into_a_frame) {
 }
 
 }    // namespace
+}    // namespace commands_tests

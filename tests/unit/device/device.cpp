@@ -8,6 +8,7 @@
 
 #include "talk.hpp"
 
+namespace device_tests {
 namespace {
 
 using ano::FrameView;
@@ -123,3 +124,4 @@ TEST(Device, has_an_address_that_a_device_may_have) {
 }
 
 }    // namespace
+}    // namespace device_tests

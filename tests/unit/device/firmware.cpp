@@ -8,6 +8,7 @@
 
 #include "talk.hpp"
 
+namespace firmware_tests {
 namespace {
 
 using ano::device::Device;
@@ -296,3 +297,4 @@ TEST(Firmware, does_not_answer_the_answers_of_a_loader) {
 }
 
 }    // namespace
+}    // namespace firmware_tests

@@ -5,6 +5,7 @@
 
 #include "talk.hpp"
 
+namespace log_tests {
 namespace {
 
 using ano::device::Device;
@@ -40,3 +41,4 @@ TEST(Log, is_cut_to_what_fits_and_lost_when_nobody_takes_it) {
 }
 
 }    // namespace
+}    // namespace log_tests

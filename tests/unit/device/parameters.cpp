@@ -10,6 +10,7 @@
 
 #include "talk.hpp"
 
+namespace parameters_tests {
 namespace {
 
 using ano::Type;
@@ -295,3 +296,4 @@ TEST(Parameters, that_make_no_sense_are_not_added) {
 }
 
 }    // namespace
+}    // namespace parameters_tests

@@ -7,6 +7,7 @@
 
 #include "talk.hpp"
 
+namespace profile_tests {
 namespace {
 
 using ano::FrameView;
@@ -195,3 +196,4 @@ TEST(Profile, old_counts_commands_in_four_bytes) {
 }
 
 }    // namespace
+}    // namespace profile_tests

@@ -3,6 +3,7 @@
 
 #include <support/bytes.hpp>
 
+namespace reply_tests {
 namespace {
 
 using ano::FrameView;
@@ -62,3 +63,4 @@ TEST(Reply, is_longer_by_zeros_where_a_layout_is) {
 }
 
 }    // namespace
+}    // namespace reply_tests

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+namespace value_tests {
 namespace {
 
 using namespace ano::device;
@@ -88,3 +89,4 @@ TEST(Value, is_cut_to_what_the_oldest_devices_send) {
 }
 
 }    // namespace
+}    // namespace value_tests

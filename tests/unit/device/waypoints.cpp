@@ -3,6 +3,7 @@
 
 #include "talk.hpp"
 
+namespace waypoints_tests {
 namespace {
 
 using ano::device::Device;
@@ -95,3 +96,4 @@ TEST(Waypoints, are_set_by_the_program_itself) {
 }
 
 }    // namespace
+}    // namespace waypoints_tests

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+namespace commands_tests {
 namespace {
 
 using namespace support;
@@ -91,3 +92,4 @@ TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
 }
 
 }    // namespace
+}    // namespace commands_tests

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+namespace jobs_tests {
 namespace {
 
 using namespace support;
@@ -509,3 +510,4 @@ TEST_F(BehindAPort, who_answers_is_heard_though_another_port_is_asked_and_silent
 TEST_F(BehindAPort, who_comes_another_way_is_not) { EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 504u); }
 
 }    // namespace
+}    // namespace jobs_tests

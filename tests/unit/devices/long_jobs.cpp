@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+namespace long_jobs_tests {
 namespace {
 
 using namespace support;
@@ -415,3 +416,4 @@ TEST_F(Calibrates, only_what_there_is_to_calibrate) {
 }
 
 }    // namespace
+}    // namespace long_jobs_tests

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+namespace parameters_tests {
 namespace {
 
 using namespace support;
@@ -197,3 +198,4 @@ TEST_F(ParameterRoutes, at_a_loss_of_a_third_all_is_read) {
 }
 
 }    // namespace
+}    // namespace parameters_tests

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+namespace waypoints_tests {
 namespace {
 
 using namespace support;
@@ -134,3 +135,4 @@ TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {
 }
 
 }    // namespace
+}    // namespace waypoints_tests

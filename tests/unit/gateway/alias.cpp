@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace alias_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -30,8 +32,6 @@ struct Alias : testing::Test {
         return frame(from, request[1], 0x00, {request[3], request[n - 2], request[n - 1]});
     }
 };
-
-}    // namespace
 
 TEST_F(Alias, source_is_rewritten_on_the_way_in_and_destination_on_the_way_out) {
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0x51, {1, 2, 3})), frame(31, 0xFE, 0x51, {1, 2, 3}));
@@ -121,3 +121,6 @@ TEST(Aliases, two_devices_may_change_places) {
     EXPECT_EQ(aliases.outbound(ano::FrameView{to}, {})->destination(), 30);
     EXPECT_EQ(aliases.inbound(ano::FrameView{from}, {}).source(), 30);
 }
+
+}    // namespace
+}    // namespace alias_tests

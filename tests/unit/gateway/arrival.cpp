@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace arrival_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::Duration;
@@ -72,8 +74,6 @@ TEST_F(ArrivalTest, what_waited_while_no_program_ran_is_as_old_as_that) {
     pass(10ms);
     EXPECT_EQ(age(), 0s);
 }
-
-}    // namespace
 
 using Stamped = ArrivalTest;
 
@@ -361,3 +361,6 @@ TEST_F(Watch, does_not_begin_before_the_first_beat) {
     EXPECT_EQ(fresh.turn(clocks).stood, 0s);
     EXPECT_EQ(fresh.standstills(), 0u);
 }
+
+}    // namespace
+}    // namespace arrival_tests

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace backoff_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -35,3 +37,5 @@ TEST(Backoff, a_link_that_opens_and_fails_at_once_does_not_spin) {
     }
     EXPECT_LE(tries, 15);
 }
+
+}    // namespace backoff_tests

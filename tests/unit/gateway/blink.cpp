@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace blink_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -25,8 +27,6 @@ int blinks_in_a_second(ano::Duration pause, ano::Duration late = 0ms) {
     }
     return count;
 }
-
-}    // namespace
 
 TEST(Blink, is_seen_for_one_frame) {
     Blink blink;
@@ -70,3 +70,6 @@ TEST(Blink, is_dark_as_long_as_it_should_be_when_it_went_out_late) {
     EXPECT_EQ(blink.due(), now + 85ms);
     EXPECT_LE(blinks_in_a_second(1ms, 20ms), 15);
 }
+
+}    // namespace
+}    // namespace blink_tests

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace can_stream_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -73,8 +75,6 @@ struct Receiver {
     std::vector<Bytes> frames;
     TimePoint now = start;
 };
-
-}    // namespace
 
 TEST(CanSettings, base_is_a_multiple_of_the_range_it_spans) {
     CanSettings can = classic();
@@ -362,3 +362,6 @@ TEST(CanStreams, of_several_nodes_the_one_that_is_due_first_counts) {
     ASSERT_TRUE(receiver.streams.deadline());
     EXPECT_EQ(*receiver.streams.deadline(), *first + std::chrono::milliseconds{10});
 }
+
+}    // namespace
+}    // namespace can_stream_tests

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <memory>
 
+namespace channel_tests {
+
 using namespace anogate;
 
 TEST(Channel, received_is_what_its_parsers_and_the_gateway_counted) {
@@ -54,3 +56,5 @@ TEST(Channel, counts_the_bytes_of_no_frame_since_the_last_good_one) {
     channel.beside.skipped_bytes = 2;
     EXPECT_EQ(channel.skipped_since_heard(), 3u + 2u);
 }
+
+}    // namespace channel_tests

@@ -4,6 +4,8 @@
 
 #include <string>
 
+namespace claims_tests {
+
 using namespace anogate;
 using namespace ano;
 using namespace std::chrono_literals;
@@ -22,8 +24,6 @@ struct ClaimsTest : testing::Test {
     Claims claims{{.questions = 2, .answer_within = 10ms, .between_tests = 100ms, .late = 5ms}};
     TimePoint start{};
 };
-
-}    // namespace
 
 TEST_F(ClaimsTest, asks_and_waits_after_each_question) {
     EXPECT_FALSE(claims.next());
@@ -81,3 +81,6 @@ TEST_F(ClaimsTest, tests_of_all_addresses_at_once) {
     EXPECT_EQ(due(start + 20ms), std::string(128, 'S'));
     EXPECT_FALSE(claims.next());
 }
+
+}    // namespace
+}    // namespace claims_tests

@@ -6,6 +6,7 @@
 
 using namespace anogate;
 
+namespace class_shares_tests {
 namespace {
 
 std::vector<std::size_t> sent(ClassShares& shares, const ClassShares::Sizes& next, int frames) {
@@ -34,3 +35,4 @@ TEST(ClassShares, what_is_due_is_over_when_nothing_waits_any_more) {
 TEST(ClassShares, nobody_sends_where_nothing_waits) { EXPECT_EQ(ClassShares{}.choose({}), traffic_classes); }
 
 }    // namespace
+}    // namespace class_shares_tests

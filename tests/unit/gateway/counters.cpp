@@ -8,6 +8,8 @@
 #include <set>
 #include <string_view>
 
+namespace counters_tests {
+
 using namespace anogate;
 
 TEST(Counters, every_member_is_a_row_but_offered) {
@@ -74,3 +76,5 @@ TEST(Counters, what_is_unaccounted_waits) {
         EXPECT_EQ(unaccounted(c), expected) << row.name;
     }
 }
+
+}    // namespace counters_tests

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace duplicate_guard_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -10,8 +12,6 @@ namespace {
 
 constexpr TimePoint start{1h};
 constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
-
-}    // namespace
 
 TEST(DuplicateGuard, lets_one_copy_through) {
     DuplicateGuard guard;
@@ -99,3 +99,6 @@ TEST(DuplicateGuard, a_group_that_is_removed_leaves_nothing_to_another_of_its_nu
     EXPECT_FALSE(guard.duplicate(0xAB, 1, link(1), Replaces::nothing, start));
     EXPECT_TRUE(guard.duplicate(0xAB, 2, link(3), Replaces::nothing, start));
 }
+
+}    // namespace
+}    // namespace duplicate_guard_tests

@@ -5,6 +5,8 @@
 #include <unistd.h>
 #include <fstream>
 
+namespace expiring_cache_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -19,8 +21,6 @@ long resident() {
     std::ifstream{"/proc/self/statm"} >> mapped >> pages;
     return pages * ::sysconf(_SC_PAGESIZE);
 }
-
-}    // namespace
 
 TEST(ExpiringCache, remembers_within_its_window) {
     ExpiringCache<int> cache{2s, 64};
@@ -76,3 +76,6 @@ TEST(ExpiringCache, is_swept_by_what_is_to_stay) {
     cache.keep_if([&](std::uint64_t, int) { return ++left, true; });
     EXPECT_EQ(left, 2) << "what was never put in is not shown";
 }
+
+}    // namespace
+}    // namespace expiring_cache_tests

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::far_peer_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -146,4 +146,4 @@ TEST(FarPeer, has_few_guesses_at_the_checks_of_a_command) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::far_peer_tests

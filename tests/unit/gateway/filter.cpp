@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace filter_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -15,8 +17,6 @@ Filter filter(Change change) {
     change(settings);
     return Filter{settings};
 }
-
-}    // namespace
 
 TEST(Filter, empty_passes_all) {
     const Filter all{{}};
@@ -95,3 +95,6 @@ TEST(Limit, a_second_of_frames_at_any_rate_is_at_most_the_limit) {
         EXPECT_GE(passed, std::min(offered, 50) / 2) << offered;
     }
 }
+
+}    // namespace
+}    // namespace filter_tests

@@ -1,6 +1,8 @@
 // The order of the steps as arithmetic: which step counts a frame that several would keep back, and what observers are told.
 #include "forwarding.hpp"
 
+namespace forwarder_tests {
+
 using namespace forwarding;
 
 TEST_F(Forwarding, a_frame_goes_from_its_arrival_to_its_offers) {
@@ -496,3 +498,5 @@ TEST_F(Forwarding, observers_come_and_go) {
     receive(device, telemetry);
     EXPECT_TRUE(second.take().empty());
 }
+
+}    // namespace forwarder_tests

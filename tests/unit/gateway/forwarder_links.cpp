@@ -1,6 +1,8 @@
 // Links that go while the Forwarder runs: what another that gets the number would inherit.
 #include "forwarding.hpp"
 
+namespace forwarder_links_tests {
+
 using namespace forwarding;
 
 namespace {
@@ -13,8 +15,6 @@ protected:
         return link;
     }
 };
-
-}    // namespace
 
 TEST_F(Removed, a_link_leaves_no_route_no_pin_and_no_counter) {
     Channel& ground = add();
@@ -309,3 +309,6 @@ TEST_F(Removed, the_gateway_has_other_settings_and_forgets_nobody) {
     now += 2s;
     EXPECT_TRUE(forwarder.router().learned(fc, now).links.empty());
 }
+
+}    // namespace
+}    // namespace forwarder_links_tests

@@ -5,6 +5,7 @@
 
 using namespace forwarding;
 
+namespace forwarder_own_tests {
 namespace {
 
 constexpr std::uint8_t self = 21;
@@ -102,3 +103,4 @@ TEST_F(OwnFrames, lines_for_hosts_go_where_one_was_heard_and_nowhere_else) {
 }
 
 }    // namespace
+}    // namespace forwarder_own_tests

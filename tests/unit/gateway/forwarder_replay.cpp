@@ -1,6 +1,7 @@
 // What was said once and is said again, beside those who speak now.
 #include "forwarding.hpp"
 
+namespace forwarder_replay_tests {
 namespace {
 
 using namespace forwarding;
@@ -120,3 +121,4 @@ TEST_F(Replayed, in_a_ring_it_does_not_go_round) {
 }
 
 }    // namespace
+}    // namespace forwarder_replay_tests

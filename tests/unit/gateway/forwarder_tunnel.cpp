@@ -3,6 +3,8 @@
 
 #include <gateway/tunnel.hpp>
 
+namespace forwarder_tunnel_tests {
+
 using namespace forwarding;
 using support::operator+;
 
@@ -47,8 +49,6 @@ protected:
     Channel& way = add_with([](ForwarderLink& link) { link.rules.send = without(0x07); });
     Port port{forwarder};
 };
-
-}    // namespace
 
 TEST_F(Tunnelled, a_tunnel_frame_of_a_device_ends_at_the_tunnel) {
     EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0"}));
@@ -139,3 +139,6 @@ TEST_F(Tunnelled, a_tunnel_that_is_removed_takes_nothing) {
     EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(port.carried, 0);
 }
+
+}    // namespace
+}    // namespace forwarder_tunnel_tests

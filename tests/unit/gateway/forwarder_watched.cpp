@@ -4,6 +4,8 @@
 #include <map>
 #include <vector>
 
+namespace forwarder_watched_tests {
+
 using namespace forwarding;
 
 namespace {
@@ -55,8 +57,6 @@ protected:
     }
     Tally tally;
 };
-
-}    // namespace
 
 TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
     Channel& device = add();
@@ -265,3 +265,6 @@ TEST_F(Watched, a_channel_may_bear_a_port_id_by_itself) {
     EXPECT_TRUE(forwarder.router().port(7).empty());
     EXPECT_EQ(told(device, frame(fc, 7, 0x03, {2})), (Lines{"received 0", "offered 2"})) << "unknown";
 }
+
+}    // namespace
+}    // namespace forwarder_watched_tests

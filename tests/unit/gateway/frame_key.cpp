@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
+namespace frame_key_tests {
+
 using namespace anogate;
 
 namespace {
 
 std::uint64_t key(const support::Bytes& frame) { return frame_key(ano::FrameView{frame}); }
-
-}    // namespace
 
 TEST(FrameKey, tells_frames_apart) {
     const auto one = support::frame(1, 2, 3, {4});
@@ -38,3 +38,6 @@ TEST(FrameKey, is_of_every_byte) {
         }
     }
 }
+
+}    // namespace
+}    // namespace frame_key_tests

@@ -8,6 +8,8 @@
 #include <set>
 #include <string>
 
+namespace frame_record_tests {
+
 using namespace anogate;
 using support::frame;
 
@@ -17,8 +19,6 @@ const auto euler = frame(0xDC, 0xFE, 0x03, {1, 2, 3});
 const auto empty = frame(1, 2, 4);
 
 FrameRecord record_of(const support::Bytes& bytes) { return {0, 0, 0, Direction::in, 0, 0, ano::FrameView{bytes}}; }
-
-}    // namespace
 
 TEST(FrameRecord, is_what_the_interface_says_byte_by_byte) {
     std::string records;
@@ -76,3 +76,6 @@ TEST(FrameRecord, causes_are_the_counters_of_whole_frames_that_go_no_further) {
     EXPECT_EQ(causes[number_of(&SendCounters::stale)], "stale");
     EXPECT_EQ(number_of(&SendCounters::frames_out), 0) << "is no cause";
 }
+
+}    // namespace
+}    // namespace frame_record_tests

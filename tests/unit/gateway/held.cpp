@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace held_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -18,8 +20,6 @@ support::Bytes taken(const std::optional<Held::Frame>& frame) {
     if (!frame) return {};
     return {frame->view().bytes().begin(), frame->view().bytes().end()};
 }
-
-}    // namespace
 
 TEST(Held, gives_back_in_order_what_is_due) {
     Held held;
@@ -77,3 +77,6 @@ TEST(Held, has_room_for_a_few_short_ones) {
     }
     EXPECT_EQ(left, Held::most / 2);
 }
+
+}    // namespace
+}    // namespace held_tests

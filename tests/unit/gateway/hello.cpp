@@ -7,6 +7,7 @@
 using namespace anogate;
 using namespace std::chrono_literals;
 
+namespace hello_tests {
 namespace {
 
 constexpr ano::TimePoint start{1h};
@@ -74,3 +75,4 @@ TEST(Hello, comes_at_most_once_a_second) {
 }
 
 }    // namespace
+}    // namespace hello_tests

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::hints_tests {
 namespace {
 
 LinkFigures line_that_sent(std::uint64_t frames) {
@@ -249,4 +249,4 @@ TEST(Hint, ids_tell_what_the_words_of_a_kind_tell) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::hints_tests

@@ -4,13 +4,13 @@
 
 #include <vector>
 
+namespace ids_tests {
+
 using namespace anogate;
 
 namespace {
 
 ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
-
-}    // namespace
 
 TEST(IdSet, holds_what_was_put_in) {
     ChannelSet set;
@@ -53,3 +53,6 @@ TEST(IdSet, joins_meets_and_takes_away) {
     c -= a;
     EXPECT_EQ(c, ChannelSet{channel(3)});
 }
+
+}    // namespace
+}    // namespace ids_tests

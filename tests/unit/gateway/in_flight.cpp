@@ -8,6 +8,7 @@ using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
 
+namespace in_flight_tests {
 namespace {
 
 constexpr ano::TimePoint start{1h};
@@ -139,3 +140,4 @@ TEST_F(Flight, a_time_before_all_time_is_long_ago) {
 }
 
 }    // namespace
+}    // namespace in_flight_tests

@@ -5,6 +5,8 @@
 
 #include <set>
 
+namespace inhibit_tests {
+
 using namespace anogate;
 using support::Bytes;
 using support::operator+;
@@ -23,8 +25,6 @@ bool brings(const Bytes& bytes) { return may_bring_control(ano::FrameView{bytes}
 
 const Bytes command = support::frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 const Bytes attitude = support::frame(0xDC, 0xFE, 0x03, Bytes(7));
-
-}    // namespace
 
 TEST(Inhibit, control_frames_are_these_and_no_others) {
     std::set<int> ids;
@@ -106,3 +106,6 @@ TEST(Inhibit, switches_come_and_go_and_are_for_other_links) {
     EXPECT_EQ(inhibit.add(a), first) << "its place is free";
     EXPECT_EQ(inhibit.links(), LinkSet{a}) << "and it is on until it is set off";
 }
+
+}    // namespace
+}    // namespace inhibit_tests

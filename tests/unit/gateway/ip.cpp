@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace ip_tests {
+
 using namespace anogate;
 using namespace std::string_view_literals;
 
@@ -95,3 +97,5 @@ TEST(Network, a_list_contains_what_one_of_it_does) {
     EXPECT_FALSE(contains(networks, IpAddress::v4(11, 0, 0, 1)));
     EXPECT_FALSE(contains({}, IpAddress::v4(11, 0, 0, 1)));
 }
+
+}    // namespace ip_tests

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace anogate {
+namespace anogate::listener_check_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -169,4 +169,4 @@ TEST(ListenerCheck, of_two_gateways_each_refuses_the_other_whoever_begins) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::listener_check_tests

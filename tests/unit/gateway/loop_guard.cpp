@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace loop_guard_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -45,8 +47,6 @@ protected:
     LoopGuard guard{7};
     support::Bytes probe;    // the last that left
 };
-
-}    // namespace
 
 TEST(Said, hosts_may_say_what_others_say) {
     const auto said = [](std::uint8_t source, std::uint8_t id) {
@@ -409,3 +409,6 @@ TEST_F(Guarded, a_ring_ends_with_a_link_that_it_is_made_of) {
     guard.open(channel(2), link(2), 0, true, start + 30ms);
     EXPECT_FALSE(guard.rings().is_ring(channel(2), start + 30ms));
 }
+
+}    // namespace
+}    // namespace loop_guard_tests

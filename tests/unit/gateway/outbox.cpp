@@ -9,6 +9,8 @@
 #include <array>
 #include <string>
 
+namespace outbox_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -56,8 +58,6 @@ Bytes joined(std::initializer_list<Bytes> frames) {
 }
 
 void expect_balanced(const Outbox& outbox) { EXPECT_EQ(unaccounted(outbox.counters()), outbox.waiting()); }
-
-}    // namespace
 
 TEST(Outbox, first_in_first_out) {
     Outbox outbox = open_outbox(1000, 100);
@@ -508,3 +508,6 @@ TEST(Outbox, refused_frames_are_accounted_for) {
     EXPECT_EQ(outbox.counters().offered, 2u);
     expect_balanced(outbox);
 }
+
+}    // namespace
+}    // namespace outbox_tests

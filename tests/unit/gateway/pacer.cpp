@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace pacer_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -12,8 +14,6 @@ constexpr TimePoint start{1h};
 
 // 10 bytes a millisecond: 200 bytes are 20 ms.
 Pacer ten_a_ms() { return Pacer{{.rate = 10000, .latency = 20ms}}; }
-
-}    // namespace
 
 TEST(Pacer, idle_line_takes_what_fits_in_latency) {
     Pacer pacer = ten_a_ms();
@@ -85,3 +85,6 @@ TEST(Pacer, reset_forgets_what_was_given) {
     EXPECT_LT(pacer.next_at(20), start);
     EXPECT_EQ(pacer.allowance(20, false, start), 200u);
 }
+
+}    // namespace
+}    // namespace pacer_tests

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+namespace pack_tests {
+
 using namespace anogate;
 
 namespace {
@@ -15,8 +17,6 @@ std::size_t packed(std::initializer_list<std::size_t> sizes, std::size_t mtu) {
     for (const std::size_t size : sizes) frames.push_back(std::span{bytes}.first(size));
     return frames_in_datagram(frames, mtu);
 }
-
-}    // namespace
 
 TEST(Pack, as_many_whole_frames_as_fit) {
     EXPECT_EQ(packed({400, 400, 400, 400}, 1400), 3u);
@@ -30,3 +30,6 @@ TEST(Pack, one_at_the_least) {
     EXPECT_EQ(packed({8, 8}, 0), 1u);
     EXPECT_EQ(packed({}, 1400), 0u);
 }
+
+}    // namespace
+}    // namespace pack_tests

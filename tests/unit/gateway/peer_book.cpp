@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate {
+namespace anogate::peer_book_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -282,4 +282,4 @@ TEST(PeerBook, what_is_known_of_a_peer_goes_to_another_book) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::peer_book_tests

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+namespace present_as_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using support::Bytes;
@@ -35,8 +37,6 @@ struct Presented : testing::Test {
         return in(frame(device, host, id, data))[2];
     }
 };
-
-}    // namespace
 
 TEST_F(Presented, what_any_host_sends_arrives_as_from_the_one) {
     for (const std::uint8_t from : {ros, user, host})
@@ -250,3 +250,6 @@ TEST_F(Presented, a_port_that_is_removed_reaches_nobody) {
     out(frame(user, port, 0xE0, {2, 6, 0}));
     EXPECT_EQ(asker(0xE1, {6, 0, 1}), host);
 }
+
+}    // namespace
+}    // namespace present_as_tests

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-namespace anogate {
+namespace anogate::question_queue_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -93,4 +93,4 @@ TEST_F(BusyDevice, a_question_as_large_as_the_room_waits_there_alone) {
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::question_queue_tests

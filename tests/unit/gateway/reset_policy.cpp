@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace reset_policy_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -47,3 +49,5 @@ TEST(ResetPolicy, a_device_that_speaks_after_the_pulse_is_left_alone) {
     policy.heard(start + 65s);
     EXPECT_EQ(policy.due(), start + 75s);
 }
+
+}    // namespace reset_policy_tests

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace ring_watch_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 using ano::TimePoint;
@@ -22,8 +24,6 @@ RingWatch watch(std::uint64_t station) {
 }
 support::Bytes bytes_of(ano::FrameView frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
 using Probe = RingWatch::Probe;
-
-}    // namespace
 
 TEST(RingWatch, asks_in_a_frame_that_every_bridge_forwards) {
     RingWatch rings = watch(1);
@@ -178,3 +178,6 @@ TEST(RingWatch, more_than_a_thousand_in_one_second_are_a_ring) {
     EXPECT_TRUE(rings.brought_back(a, true, start, start + 2s));
     EXPECT_TRUE(rings.ring(a, start + 2s));
 }
+
+}    // namespace
+}    // namespace ring_watch_tests

@@ -2,6 +2,7 @@
 
 using namespace routing;
 
+namespace router_tests {
 namespace {
 
 TEST(Router, broadcast_goes_everywhere_but_back) {
@@ -181,3 +182,4 @@ TEST(Router, a_host_by_the_only_other_channel_needs_no_guard_once_the_third_is_c
 }
 
 }    // namespace
+}    // namespace router_tests

@@ -2,6 +2,7 @@
 
 using namespace routing;
 
+namespace router_changes_tests {
 namespace {
 
 TEST(Router, forgets_where_an_address_was_heard) {
@@ -100,3 +101,4 @@ TEST(Router, the_lowest_free_number_is_the_next) {
 }
 
 }    // namespace
+}    // namespace router_changes_tests

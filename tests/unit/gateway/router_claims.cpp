@@ -2,6 +2,7 @@
 
 using namespace routing;
 
+namespace router_claims_tests {
 namespace {
 
 TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
@@ -226,3 +227,4 @@ TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
 }
 
 }    // namespace
+}    // namespace router_claims_tests

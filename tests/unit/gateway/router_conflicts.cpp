@@ -2,6 +2,7 @@
 
 using namespace routing;
 
+namespace router_conflicts_tests {
 namespace {
 
 TEST(Router, source_on_two_links_is_a_conflict_while_both_speak) {
@@ -95,3 +96,4 @@ TEST(Router, a_conflict_ends_with_one_of_its_two_links) {
 }
 
 }    // namespace
+}    // namespace router_conflicts_tests

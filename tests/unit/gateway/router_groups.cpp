@@ -2,6 +2,7 @@
 
 using namespace routing;
 
+namespace router_groups_tests {
 namespace {
 
 // Links 1 and 2 lead to the same place.
@@ -90,3 +91,4 @@ TEST(Router, members_that_take_no_broadcast_get_none) {
 }
 
 }    // namespace
+}    // namespace router_groups_tests

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace same_device_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -32,8 +34,6 @@ struct TwoLinks {
         }
     }
 };
-
-}    // namespace
 
 TEST(SameDevice, says_the_same_by_both) {
     for (const auto later : {0ms, 1ms, 10ms, 19ms, 100ms}) {
@@ -97,3 +97,6 @@ TEST(SameDevice, a_link_that_is_removed_is_not_compared_with) {
     links.device.remove_link(b);
     EXPECT_FALSE(links.device.heard(source, a, 7, links.now)) << "the sample was of the other";
 }
+
+}    // namespace
+}    // namespace same_device_tests

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+namespace tunnel_tests {
 namespace {
 
 using anogate::Endpoint;
@@ -481,3 +482,4 @@ TEST_F(Wrapping, and_all_else_allocates_nothing) {
 }
 
 }    // namespace
+}    // namespace tunnel_tests

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace tunnel_policy_tests {
 namespace {
 
 using anogate::IpAddress;
@@ -90,3 +91,4 @@ TEST(TunnelPolicy, own_addresses_are_those_of_the_interfaces) {
 }
 
 }    // namespace
+}    // namespace tunnel_policy_tests

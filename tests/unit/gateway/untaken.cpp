@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+namespace untaken_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -36,3 +38,5 @@ TEST(Untaken, ends_when_somebody_takes) {
     untaken.note(now += 1s);
     EXPECT_EQ(untaken.duration(now), 0s) << "it began again";
 }
+
+}    // namespace untaken_tests

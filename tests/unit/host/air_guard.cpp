@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::air_guard_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -76,4 +76,4 @@ TEST(AirGuard, a_write_to_all_makes_all_busy) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::air_guard_tests

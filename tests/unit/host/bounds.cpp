@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace ano::host {
+namespace ano::host::bounds_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -72,4 +72,4 @@ TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::bounds_tests

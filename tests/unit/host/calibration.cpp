@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::calibration_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -254,4 +254,4 @@ TEST_F(Calibrates, nothing_where_the_parameters_are_not_as_they_should_be) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::calibration_tests

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ano::host {
+namespace ano::host::calibration_fit_tests {
 namespace {
 
 double noise(support::Random& random, double most) { return most * (static_cast<double>(random.below(2001u)) / 1000 - 1); }
@@ -221,4 +221,4 @@ TEST(CompassSphere, that_is_no_better_than_before_is_rejected) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::calibration_fit_tests

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::commands_tests {
 namespace {
 
 using support::Bytes;
@@ -161,4 +161,4 @@ TEST_F(CommandsOf, a_call_is_repeated_when_asked_to) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::commands_tests

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace ano::host {
+namespace ano::host::device_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -220,4 +220,4 @@ TEST(Device, an_asker_may_ask_again_when_it_is_told) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::device_tests

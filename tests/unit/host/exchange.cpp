@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::exchange_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -177,4 +177,4 @@ TEST(Expectation, nothing_ends_a_stream) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::exchange_tests

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::firmware_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -297,4 +297,4 @@ TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::firmware_tests

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::parameter_write_tests {
 namespace {
 
 using support::Bytes;
@@ -380,4 +380,4 @@ TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::parameter_write_tests

@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace ano::host {
+namespace ano::host::parameters_tests {
 namespace {
 
 using support::Bytes;
@@ -313,4 +313,4 @@ TEST_F(Reads, cancelled_it_sends_nothing_more) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::parameters_tests

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ano::host {
+namespace ano::host::waypoints_tests {
 namespace {
 
 using support::Bytes;
@@ -108,4 +108,4 @@ TEST_F(WaypointsOf, cancelled_it_says_how_many_are_written) {
 }
 
 }    // namespace
-}    // namespace ano::host
+}    // namespace ano::host::waypoints_tests

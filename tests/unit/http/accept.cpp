@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::accept_tests {
 namespace {
 
 // As Prometheus 2.42 asks.
@@ -31,4 +31,4 @@ TEST(Accept, that_makes_no_sense_wants_nothing) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::accept_tests

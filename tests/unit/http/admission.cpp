@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-namespace anogate::http {
+namespace anogate::http::admission_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -255,4 +255,4 @@ TEST(Attempts, are_forgotten_of_whom_failed_longest_ago) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::admission_tests

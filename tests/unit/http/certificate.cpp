@@ -5,7 +5,7 @@
 
 #include <sys/stat.h>
 
-namespace anogate::http {
+namespace anogate::http::certificate_tests {
 namespace {
 
 TEST(Certificate, comes_with_a_key_that_is_ours_alone) {
@@ -47,4 +47,4 @@ TEST(Certificate, is_known_by_its_fingerprint) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::certificate_tests

@@ -10,7 +10,7 @@
 
 #include <cerrno>
 
-namespace anogate::http {
+namespace anogate::http::connect_fault_tests {
 namespace {
 
 const std::string path = "/run/anogate/control.sock";
@@ -91,4 +91,4 @@ TEST(ConnectFault, looks_at_what_is_there) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::connect_fault_tests

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace anogate::http {
+namespace anogate::http::places_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -211,4 +211,4 @@ TEST(Places, one_is_left_to_whom_was_not_heard_yet) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::places_tests

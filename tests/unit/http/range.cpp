@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace anogate::http {
+namespace anogate::http::range_tests {
 namespace {
 
 std::string shown(std::string_view header, std::uint64_t size = 100) {
@@ -42,4 +42,4 @@ TEST(Range, that_is_none_is_the_whole) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::range_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::request_reader_tests {
 namespace {
 
 /// All of `bytes`, `step` of them at a time, and what was not taken.
@@ -160,4 +160,4 @@ TEST(RequestReader, says_what_is_not_a_request) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::request_reader_tests

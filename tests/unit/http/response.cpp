@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::response_tests {
 namespace {
 
 class Parts : public Producer {
@@ -111,4 +111,4 @@ TEST(RequestFields, are_found_by_name) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::response_tests

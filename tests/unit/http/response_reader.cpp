@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::response_reader_tests {
 namespace {
 
 /// All of `bytes`, `step` of them at a time, until it is done or has a fault.
@@ -97,4 +97,4 @@ TEST(ResponseReader, holds_no_more_than_its_limits_and_what_came) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::response_reader_tests

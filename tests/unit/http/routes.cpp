@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::routes_tests {
 namespace {
 
 /// Rows whose functions say which they are, and what they were given.
@@ -109,4 +109,4 @@ TEST_F(Table, without_rows_has_nothing) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::routes_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::send_queue_tests {
 namespace {
 
 using enum WebSocket::Kind;
@@ -41,4 +41,4 @@ TEST(SendQueue, refuses_what_does_not_fit_and_keeps_the_rest) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::send_queue_tests

@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-namespace anogate::http {
+namespace anogate::http::socket_path_tests {
 namespace {
 
 constexpr char system_wide[] = "/run/anogate/control.sock";
@@ -69,4 +69,4 @@ TEST(SocketPath, a_path_where_none_can_be_is_told) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::socket_path_tests

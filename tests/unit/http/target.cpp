@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace anogate::http {
+namespace anogate::http::target_tests {
 namespace {
 
 using namespace std::string_literals;
@@ -77,4 +77,4 @@ TEST(OfferedSubprotocol, is_the_first_one_that_is_known) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::target_tests

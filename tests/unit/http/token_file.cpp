@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace anogate::http {
+namespace anogate::http::token_file_tests {
 namespace {
 
 const std::string long_enough = "0123456789abcdef";
@@ -98,4 +98,4 @@ TEST(TokenFile, that_is_not_a_file_or_cannot_be_made_is_told) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::token_file_tests

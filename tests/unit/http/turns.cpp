@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anogate::http {
+namespace anogate::http::turns_tests {
 namespace {
 
 TEST(Turns, whoever_waits_longest_is_next) {
@@ -37,4 +37,4 @@ TEST(Turns, who_left_gets_none) {
 }
 
 }    // namespace
-}    // namespace anogate::http
+}    // namespace anogate::http::turns_tests

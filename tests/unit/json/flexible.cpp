@@ -9,6 +9,7 @@
 
 #include <support/bytes.hpp>
 
+namespace flexible_tests {
 namespace {
 
 using namespace ano;
@@ -70,3 +71,4 @@ TEST(FlexibleJson, faults_name_their_place) {
 }
 
 }    // namespace
+}    // namespace flexible_tests

@@ -16,6 +16,7 @@
 #include <support/random.hpp>
 #include <support/sanitized.hpp>
 
+namespace frame_json_tests {
 namespace {
 
 using namespace ano;
@@ -193,3 +194,4 @@ TEST(FrameJson, floats_print_as_short_as_they_can) {
 }
 
 }    // namespace
+}    // namespace frame_json_tests

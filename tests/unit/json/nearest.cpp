@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace ano {
+namespace ano::nearest_tests {
 namespace {
 
 constexpr std::string_view keys[] = {"baud", "parity", "stop_bits", "flow", "flood", "peer_timeout", "id"};
@@ -69,4 +69,4 @@ TEST(Nearest, asks_whether_it_was_meant) {
 }
 
 }    // namespace
-}    // namespace ano
+}    // namespace ano::nearest_tests

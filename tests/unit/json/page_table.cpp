@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string>
 
+namespace page_table_tests {
 namespace {
 
 std::string table() {
@@ -26,3 +27,4 @@ TEST(PageTable, is_the_one_that_its_tests_read) {
 }
 
 }    // namespace
+}    // namespace page_table_tests

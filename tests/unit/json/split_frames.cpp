@@ -6,6 +6,7 @@
 
 #include <string>
 
+namespace split_frames_tests {
 namespace {
 
 using support::Bytes;
@@ -43,3 +44,4 @@ TEST(SplitFrames, finds_one_behind_a_header_whose_frame_would_end_behind_the_byt
 }
 
 }    // namespace
+}    // namespace split_frames_tests

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace ano {
+namespace ano::syntax_fault_tests {
 namespace {
 
 std::string fault_of(std::string_view text) {
@@ -65,4 +65,4 @@ TEST(SyntaxFault, takes_any_text) {
 }
 
 }    // namespace
-}    // namespace ano
+}    // namespace ano::syntax_fault_tests

@@ -10,6 +10,7 @@
 
 #include <support/random.hpp>
 
+namespace text_tests {
 namespace {
 
 using namespace ano;
@@ -110,3 +111,4 @@ TEST(Hex, is_digits_in_pairs) {
 }
 
 }    // namespace
+}    // namespace text_tests

@@ -9,6 +9,7 @@
 
 #include <support/vectors.hpp>
 
+namespace vectors_tests {
 namespace {
 
 using namespace ano;
@@ -40,3 +41,4 @@ TEST(GoldenVectors, hold_every_layout_of_every_message) {
 }
 
 }    // namespace
+}    // namespace vectors_tests

@@ -11,6 +11,7 @@
 
 #include <support/bytes.hpp>
 
+namespace words_tests {
 namespace {
 
 using namespace ano;
@@ -174,3 +175,4 @@ TEST(ParameterInfo, of_an_old_device_is_written_by_its_fields) {
 }
 
 }    // namespace
+}    // namespace words_tests

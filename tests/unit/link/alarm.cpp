@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+namespace alarm_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -20,8 +22,6 @@ struct Alarms : testing::Test {
     std::string rung;
     const ano::TimePoint now = ano::Clock::now();
 };
-
-}    // namespace
 
 TEST_F(Alarms, the_earliest_counts_in_whatever_order_they_were_set) {
     Alarm a{clock, says('a')}, b{clock, says('b')}, c{clock, says('c')}, never{clock, says('n')};
@@ -122,3 +122,6 @@ TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
     EXPECT_EQ(times, 3);
     EXPECT_FALSE(again.is_set());
 }
+
+}    // namespace
+}    // namespace alarm_tests

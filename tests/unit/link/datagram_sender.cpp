@@ -19,6 +19,7 @@ using support::Bytes;
 using support::Fate;
 using Sizes = std::vector<std::size_t>;
 
+namespace datagram_sender_tests {
 namespace {
 
 // Frames of 40 bytes that wait, and a socket with its other end.
@@ -140,3 +141,4 @@ TEST_F(Datagrams, of_one_frame_too_long_for_the_way_are_tried_twice_and_counted)
 }
 
 }    // namespace
+}    // namespace datagram_sender_tests

@@ -11,6 +11,7 @@
 
 #include <array>
 
+namespace descriptor_tests {
 namespace {
 
 using anogate::Descriptor;
@@ -69,3 +70,4 @@ TEST_F(DescriptorInLoop, calls_once_each_time_though_reading_was_stopped_and_beg
 }
 
 }    // namespace
+}    // namespace descriptor_tests

@@ -9,6 +9,7 @@
 
 #include <vector>
 
+namespace error_queue_tests {
 namespace {
 
 using support::Bytes;
@@ -47,3 +48,4 @@ TEST(ErrorReports, of_the_system_itself_are_taken_and_not_counted) {
 }
 
 }    // namespace
+}    // namespace error_queue_tests

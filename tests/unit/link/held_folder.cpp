@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <string>
 
+namespace held_folder_tests {
 namespace {
 
 using anogate::HeldFolder;
@@ -60,3 +61,4 @@ TEST_F(HeldFolders, refuse_links_that_lead_to_each_other) {
 }
 
 }    // namespace
+}    // namespace held_folder_tests

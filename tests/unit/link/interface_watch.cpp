@@ -18,6 +18,7 @@ unsigned interface_now = 0;    // the number of any interface; 0: there is none
 // Of this program: no test here has interfaces that come and go.
 extern "C" unsigned if_nametoindex(const char*) noexcept { return interface_now; }
 
+namespace interface_watch_tests {
 namespace {
 
 using namespace anogate;
@@ -74,3 +75,4 @@ TEST_F(WatchedInterface, is_told_of_when_it_is_gone_and_not_while_it_is_there) {
 }
 
 }    // namespace
+}    // namespace interface_watch_tests

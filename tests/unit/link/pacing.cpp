@@ -8,6 +8,7 @@
 using namespace anogate;
 using namespace std::chrono_literals;
 
+namespace pacing_tests {
 namespace {
 
 // A line of 1000 bytes/s, 20 ms of them ahead, and a frame of 40 bytes that waits.
@@ -58,3 +59,4 @@ TEST_F(Paced, a_line_that_is_no_longer_paced_holds_nothing_back) {
 }
 
 }    // namespace
+}    // namespace pacing_tests

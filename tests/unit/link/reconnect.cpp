@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+namespace reconnect_tests {
+
 using namespace anogate;
 using namespace std::chrono_literals;
 
@@ -41,8 +43,6 @@ struct Reconnects : testing::Test {
                         },
                         [this](LinkError why) { told.push_back(std::move(why.text)); }};
 };
-
-}    // namespace
 
 TEST_F(Reconnects, each_try_that_fails_is_told_and_another_one_follows) {
     const auto start = ano::Clock::now();
@@ -100,3 +100,6 @@ TEST_F(Reconnects, nothing_is_opened_once_it_has_been_stopped) {
     EXPECT_EQ(tries, 1u);
     EXPECT_EQ(told.back(), "unplugged at the end");
 }
+
+}    // namespace
+}    // namespace reconnect_tests

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+namespace stream_session_tests {
 namespace {
 
 using namespace anogate;
@@ -297,3 +298,4 @@ TEST_F(Session, goes_on_where_another_program_stopped) {
 }
 
 }    // namespace
+}    // namespace stream_session_tests

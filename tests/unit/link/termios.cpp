@@ -8,6 +8,7 @@
 
 #include <string>
 
+namespace termios_tests {
 namespace {
 
 using anogate::UniqueFd;
@@ -28,3 +29,4 @@ TEST(Termios, a_port_that_was_unplugged_is_not_at_its_name_any_more) {
 }
 
 }    // namespace
+}    // namespace termios_tests

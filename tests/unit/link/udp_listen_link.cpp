@@ -33,6 +33,7 @@ extern "C" int getifaddrs(ifaddrs** list) noexcept {
     return no_interfaces ? -1 : real(list);
 }
 
+namespace udp_listen_link_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -242,3 +243,4 @@ TEST_F(ListeningLink, goes_on_with_as_many_peers_as_it_may_have_now_those_heard_
 }
 
 }    // namespace
+}    // namespace udp_listen_link_tests

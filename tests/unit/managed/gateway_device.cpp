@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+namespace gateway_device_tests {
 namespace {
 
 using namespace anogate;
@@ -368,3 +369,4 @@ TEST_F(GatewayAsDevice, does_not_talk_with_another_gateway_for_ever) {
 }
 
 }    // namespace
+}    // namespace gateway_device_tests

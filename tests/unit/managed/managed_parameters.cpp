@@ -7,6 +7,7 @@
 #include <chrono>
 #include <string>
 
+namespace managed_parameters_tests {
 namespace {
 
 using namespace anogate;
@@ -164,3 +165,4 @@ TEST(WrittenValues, do_not_count_where_the_gateway_is_no_device) {
 }
 
 }    // namespace
+}    // namespace managed_parameters_tests

@@ -8,6 +8,7 @@
 #include <support/bytes.hpp>
 #include <support/vectors.hpp>
 
+namespace csv_tests {
 namespace {
 
 using namespace anogate;
@@ -131,3 +132,4 @@ TEST(RecordedJson, is_as_monitor_shows_it) {
 }
 
 }    // namespace
+}    // namespace csv_tests

@@ -8,6 +8,7 @@
 #include <support/bytes.hpp>
 #include <support/vectors.hpp>
 
+namespace decoded_channels_tests {
 namespace {
 
 using namespace anogate;
@@ -233,3 +234,4 @@ TEST(DecodedChannels, flexible_messages_have_their_layout) {
 }
 
 }    // namespace
+}    // namespace decoded_channels_tests

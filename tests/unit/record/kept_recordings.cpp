@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+namespace kept_recordings_tests {
 namespace {
 
 using namespace anogate;
@@ -301,3 +302,4 @@ TEST_F(AgesOfRecordings, of_one_that_was_gone_meanwhile_begin_anew) {
 }
 
 }    // namespace
+}    // namespace kept_recordings_tests

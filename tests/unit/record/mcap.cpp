@@ -14,6 +14,7 @@
 #include <support/recorded.hpp>
 #include <support/recorded_items.hpp>
 
+namespace mcap_tests {
 namespace {
 
 using namespace anogate;
@@ -466,3 +467,4 @@ TEST(Mcap, long_texts_are_cut_between_characters) {
 }
 
 }    // namespace
+}    // namespace mcap_tests

@@ -9,6 +9,7 @@
 #include <support/bytes.hpp>
 #include <support/recorded.hpp>
 
+namespace mcap_index_tests {
 namespace {
 
 using namespace anogate;
@@ -102,3 +103,4 @@ TEST(McapIndex, is_none_where_the_file_can_not_be_read) {
 }
 
 }    // namespace
+}    // namespace mcap_index_tests

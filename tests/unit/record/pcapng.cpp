@@ -9,6 +9,7 @@
 #include <support/recorded.hpp>
 #include <support/recorded_items.hpp>
 
+namespace pcapng_tests {
 namespace {
 
 using namespace anogate;
@@ -246,3 +247,4 @@ TEST(Pcapng, takes_times_of_any_resolution) {
 }
 
 }    // namespace
+}    // namespace pcapng_tests

@@ -6,6 +6,7 @@
 
 #include <support/bytes.hpp>
 
+namespace recording_counts_tests {
 namespace {
 
 using namespace anogate;
@@ -63,3 +64,4 @@ TEST(RecordingCounts, what_is_not_their_json_is_nothing) {
 }
 
 }    // namespace
+}    // namespace recording_counts_tests

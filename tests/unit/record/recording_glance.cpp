@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace anogate {
+namespace anogate::recording_glance_tests {
 namespace {
 
 using support::Bytes;
@@ -148,4 +148,4 @@ TEST(RecordingGlance, takes_an_mcap_file_that_another_program_saved_for_none_of_
 }
 
 }    // namespace
-}    // namespace anogate
+}    // namespace anogate::recording_glance_tests

@@ -15,6 +15,7 @@
 #include <support/random.hpp>
 #include <support/recorded.hpp>
 
+namespace recording_repair_tests {
 namespace {
 
 using namespace anogate;
@@ -269,3 +270,4 @@ std::string name_of(const testing::TestParamInfo<RecordingFormat>& info) { retur
 INSTANTIATE_TEST_SUITE_P(Of, Repair, testing::Values(RecordingFormat::pcapng, RecordingFormat::mcap), name_of);
 
 }    // namespace
+}    // namespace recording_repair_tests

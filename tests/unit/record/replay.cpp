@@ -6,6 +6,7 @@
 
 #include <support/bytes.hpp>
 
+namespace replay_tests {
 namespace {
 
 using namespace anogate;
@@ -160,3 +161,4 @@ TEST(ReplayPlan, begins_and_ends_where_it_is_told_by_the_time_of_the_whole_recor
 }
 
 }    // namespace
+}    // namespace replay_tests

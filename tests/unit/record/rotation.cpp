@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+namespace rotation_tests {
 namespace {
 
 using namespace anogate;
@@ -40,3 +41,4 @@ TEST(Rotation, the_first_file_has_the_name_and_the_others_a_number) {
 }
 
 }    // namespace
+}    // namespace rotation_tests

@@ -20,6 +20,7 @@
 
 #include <support/files.hpp>
 
+namespace current_tests {
 namespace {
 
 using namespace reference;
@@ -95,3 +96,4 @@ TEST(Programs, know_the_names_that_stand_for_one_address) {
 }
 
 }    // namespace
+}    // namespace current_tests

@@ -6,6 +6,7 @@
 
 #include <support/bytes.hpp>
 
+namespace cdr_encoder_tests {
 namespace {
 
 using namespace anogate;
@@ -101,3 +102,4 @@ TEST(CdrEncoder, a_short_message_behind_a_long_one_has_nothing_of_it) {
 }
 
 }    // namespace
+}    // namespace cdr_encoder_tests

@@ -13,6 +13,7 @@
 #include <ros/cdr_encoder.hpp>
 #include <ros/standard_messages.hpp>
 
+namespace image_rows_tests {
 namespace {
 
 using namespace anogate;
@@ -120,3 +121,4 @@ TEST(StandardMessages, an_image_is_told_when_it_is_whole) {
 }
 
 }    // namespace
+}    // namespace image_rows_tests

@@ -15,6 +15,7 @@
 
 #include <support/bytes.hpp>
 
+namespace ros_json_tests {
 namespace {
 
 using namespace anogate;
@@ -103,3 +104,4 @@ TEST(RosJson, its_schema_tells_types_constants_and_comments) {
 }
 
 }    // namespace
+}    // namespace ros_json_tests

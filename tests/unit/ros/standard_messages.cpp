@@ -13,6 +13,7 @@
 #include <support/bytes.hpp>
 #include <support/ros_definition.hpp>
 
+namespace standard_messages_tests {
 namespace {
 
 using namespace anogate;
@@ -300,3 +301,4 @@ TEST(StandardMessages, a_time_beyond_2038_is_the_last_one) {
 }
 
 }    // namespace
+}    // namespace standard_messages_tests

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+namespace calibration_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -105,3 +106,4 @@ TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_the_car) { straigh
 TEST(CalibrationOfSimulated, rounds_the_compass_of_the_flight_controller) { rounds_the_compass<ano::world::FlightController>(); }
 
 }    // namespace
+}    // namespace calibration_tests

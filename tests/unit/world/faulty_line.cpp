@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+namespace faulty_line_tests {
 namespace {
 
 using namespace ano::world;
@@ -164,3 +165,4 @@ TEST(FaultyLine, is_slow_and_twenty_may_wait) {
 }
 
 }    // namespace
+}    // namespace faulty_line_tests

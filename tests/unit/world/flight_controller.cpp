@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 
+namespace flight_controller_tests {
 namespace {
 
 using namespace ano::world;
@@ -390,3 +391,4 @@ TEST(FlightController, hears_nothing_that_is_for_others) {
 }
 
 }    // namespace
+}    // namespace flight_controller_tests

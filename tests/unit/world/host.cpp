@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+namespace host_tests {
 namespace {
 
 using namespace ano::world;
@@ -85,3 +86,4 @@ TEST(HostOfSimulated, says_that_a_deaf_device_does_not_answer) {
 }
 
 }    // namespace
+}    // namespace host_tests

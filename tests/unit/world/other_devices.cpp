@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+namespace other_devices_tests {
 namespace {
 
 using namespace ano::world;
@@ -182,3 +183,4 @@ TEST(SimulatedCar, stays_between_its_walls) {
 }
 
 }    // namespace
+}    // namespace other_devices_tests
