@@ -43,7 +43,7 @@ struct Counters {
     std::uint64_t malformed = 0;
     std::uint64_t refused = 0;
     std::uint64_t answered = 0;        // at once, or later
-    std::uint64_t answers_lost = 0;    // of those: Outgoing::most frames waited already
+    std::uint64_t answers_lost = 0;    // of those: Outgoing::max_frames frames waited already
 };
 
 /// Neither throws nor sends anything by itself; what the functions of the user throw passes through. Not for several threads.

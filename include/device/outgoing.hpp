@@ -15,18 +15,20 @@ namespace ano::device {
 using Link = std::uint32_t;
 inline constexpr Link every_link = UINT32_MAX;    // of what nobody asked for
 
-/// At most `most` frames wait. Neither throws nor allocates after construction.
+/// At most `max_frames` frames wait. Neither throws nor allocates after construction.
 class Outgoing {
 public:
-    static constexpr std::size_t most = 64;
+    static constexpr std::size_t max_frames = 64;
 
     struct Departure {
         FrameView frame;    // valid until the device is next told or asked anything
         Link link;
     };
 
-    /// Memory for one more frame, and then how many of its bytes were used; 0: none. Null while `most` wait.
-    std::uint8_t* prepare() noexcept { return waiting_ == most ? nullptr : slots_[(first_ + waiting_) % most].bytes.data(); }
+    /// Memory for one more frame, and then how many of its bytes were used; 0: none. Null while `max_frames` wait.
+    std::uint8_t* prepare() noexcept {
+        return waiting_ == max_frames ? nullptr : slots_[(first_ + waiting_) % max_frames].bytes.data();
+    }
     void commit(std::size_t size, Link link) noexcept;
     static constexpr std::size_t room = overhead + max_sent;
 
@@ -40,7 +42,7 @@ private:
         std::size_t size;
         Link link;
     };
-    std::unique_ptr<Slot[]> slots_ = std::make_unique<Slot[]>(most);
+    std::unique_ptr<Slot[]> slots_ = std::make_unique<Slot[]>(max_frames);
     std::size_t first_ = 0;
     std::size_t waiting_ = 0;
 };

@@ -25,7 +25,7 @@ struct Waypoint {
 class Waypoints {
 public:
     /// 255 would be told by the very byte that asks how many there are.
-    static constexpr std::size_t most = 254;
+    static constexpr std::size_t max_waypoints = 254;
 
     /// So many may be written; 0, as at first: the device has none, and says nothing about them. More than `most` are `most`.
     void allow(std::size_t count);

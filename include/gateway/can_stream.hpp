@@ -77,20 +77,20 @@ public:
     /// Gives up the frame of which a part has left.
     void reset() noexcept { rest_id_.reset(); }
 
-    static constexpr std::size_t most = 64;    // pieces at a time
+    static constexpr std::size_t max_pieces = 64;    // that cut() returns
 
 private:
     CanIds ids_;
     bool fd_;
     std::optional<std::uint32_t> rest_id_;    // the id of a frame of which a part has left, whose rest no longer has the header
-    std::array<Piece, most> pieces_;
+    std::array<Piece, max_pieces> pieces_;
 };
 
 /// Joins what comes in under each CAN id to V8 frames again: one parser an id, so senders never mix. Up to 256 ids; when a
 /// 29-bit bus has more, the one unused longest gives way. Does not allocate once an id is known.
 class CanStreams {
 public:
-    static constexpr std::size_t most = 256;
+    static constexpr std::size_t max_streams = 256;
 
     CanStreams(const CanSettings& can, std::size_t max_data) : ids_{can}, max_data_{max_data} {}
 
@@ -143,7 +143,7 @@ private:
     template <class OnFrame>
     Stream& open(std::uint32_t id, OnFrame on_frame) {
         const std::uint8_t source = *ids_.source(id);
-        if (streams_.size() < most) {
+        if (streams_.size() < max_streams) {
             ano::FrameParser::Options options;
             options.max_data = max_data_;
             options.zero_padding = true;

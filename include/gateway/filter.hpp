@@ -81,8 +81,8 @@ public:
     void set(std::uint8_t id, double per_second) {
         assert(per_second > 0);
         const std::chrono::duration<double> spacing{1 / per_second};
-        constexpr std::chrono::hours longest{24};
-        spacing_[id] = spacing < longest ? std::chrono::duration_cast<ano::Duration>(spacing) : longest;
+        constexpr std::chrono::hours max_spacing{24};
+        spacing_[id] = spacing < max_spacing ? std::chrono::duration_cast<ano::Duration>(spacing) : max_spacing;
     }
     bool passes(std::uint8_t id, ano::TimePoint now) noexcept {
         if (now < next_[id]) return false;

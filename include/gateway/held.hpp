@@ -16,11 +16,12 @@ namespace anogate {
 /// allocation.
 class Held {
 public:
-    static constexpr std::size_t most = 32, largest = 64;
+    static constexpr std::size_t max_frames = 32;
+    static constexpr std::size_t max_frame_size = 64;    // bytes
 
     /// How many of the same bytes its channel may bring while it waits, and until when; 0: as many as it likes.
     struct Repeats {
-        std::uint32_t most;
+        std::uint32_t max_count;
         ano::TimePoint until;
     };
     /// False: there is no room, or the frame is too long.
@@ -38,17 +39,17 @@ public:
         return true;
     }
     /// Whether there is room for it.
-    bool fits(ano::FrameView frame) const noexcept { return count_ < most && frame.bytes().size() <= largest; }
+    bool fits(ano::FrameView frame) const noexcept { return count_ < max_frames && frame.bytes().size() <= max_frame_size; }
     /// Whether the channel brings the same once more than it may, so that it need not wait.
     bool goes_on(ChannelId from, ano::FrameView frame, ano::TimePoint now) const noexcept {
         Repeats repeats{};
         std::uint32_t same = 0;
         for (const Frame& held : std::span{frames_}.first(count_)) {
             if (held.from != from || !std::ranges::equal(held.view().bytes(), frame.bytes())) continue;
-            if (held.repeats.most > repeats.most) repeats = held.repeats;
+            if (held.repeats.max_count > repeats.max_count) repeats = held.repeats;
             ++same;
         }
-        return repeats.most > 0 && (same >= repeats.most || now > repeats.until);
+        return repeats.max_count > 0 && (same >= repeats.max_count || now > repeats.until);
     }
     /// When the last of a channel is due; nothing when none waits.
     std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
@@ -71,7 +72,7 @@ public:
         Repeats repeats{};
         ano::TimePoint arrived_at{};
         std::size_t size = 0;
-        std::array<std::uint8_t, largest> bytes{};
+        std::array<std::uint8_t, max_frame_size> bytes{};
         ano::FrameView view() const noexcept { return ano::FrameView{std::span{bytes}.first(size)}; }
     };
     /// The first that is due.
@@ -101,7 +102,7 @@ private:
         return frame;
     }
 
-    std::array<Frame, most> frames_{};
+    std::array<Frame, max_frames> frames_{};
     std::size_t count_ = 0;
 };
 

@@ -27,10 +27,10 @@ std::optional<Question> question_in(ano::FrameView frame) noexcept;
 bool answers(ano::FrameView frame, Question question) noexcept;
 
 /// The questions on their way to one channel: those that wait in its outbox, and those that have left and were neither
-/// answered nor left more than `patience` ago. Room for `most`; no allocation.
+/// answered nor left more than `patience` ago. Room for `max_questions`; no allocation.
 class InFlight {
 public:
-    static constexpr std::size_t most = 8;
+    static constexpr std::size_t max_questions = 8;
     static constexpr ano::Duration patience = std::chrono::milliseconds{500};
 
     /// Whether one more may be sent at `now`. Forgets questions that were not answered in time.
@@ -58,7 +58,7 @@ private:
     };
     Slot* oldest(State state, auto fits) noexcept;
 
-    std::array<Slot, most> slots_{};
+    std::array<Slot, max_questions> slots_{};
 };
 
 }    // namespace anogate

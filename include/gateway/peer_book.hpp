@@ -27,7 +27,7 @@ class PeerBook {
 public:
     struct Options {
         Duration timeout = std::chrono::seconds{60};    // a peer silent for so long is forgotten, unless it listens
-        std::size_t most = max_channels;
+        std::size_t max_peers = max_channels;
         std::size_t max_of_address = max_channels;    // loopback excepted
     };
 

@@ -31,7 +31,7 @@ public:
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Passes a frame to the outbox; a question waits here when InFlight::most are unanswered. As Outbox::push() it returns why the
+    /// Passes a frame to the outbox; a question waits here when InFlight::max_questions are unanswered. As Outbox::push() it returns why the
     /// frame does not wait.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
         return push(frame, policy, now, from, now);

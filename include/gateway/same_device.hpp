@@ -43,7 +43,7 @@ public:
     }
 
 private:
-    static constexpr unsigned enough = 4, most = 64;
+    static constexpr unsigned enough = 4, max_counted = 64;
 
     struct Sample {
         std::uint64_t key = 0;
@@ -64,7 +64,7 @@ private:
         sample = {key, now, sample.links, link, false, false, sample.met_before, sample.missed};
     }
     static void count(unsigned& counted, unsigned& other) noexcept {
-        if (++counted < most) return;
+        if (++counted < max_counted) return;
         counted /= 2;
         other /= 2;
     }

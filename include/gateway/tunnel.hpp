@@ -80,7 +80,7 @@ private:
 
     ano::Room<std::uint8_t> buffer_;
     std::size_t end_ = 0;
-    std::size_t most_ = 0;    // the limit of end_
+    std::size_t max_end_ = 0;
 };
 
 /// The decisions: what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.

@@ -49,7 +49,7 @@ private:
     double residual(const CompassCalibration& calibration) const noexcept;
 
     std::vector<Vector> samples_;
-    Vector least_{}, most_{};
+    Vector min_{}, max_{};
     Vector centre_{};
     std::bitset<cells> covered_;
     std::array<std::size_t, cells> in_cell_{};

@@ -61,7 +61,7 @@ enum class Taken : std::uint8_t {
     foreign,    // an answer to another host
 };
 
-/// Each device has one of these, whoever asks: its window is shared. At most Window::widest requests are on their way, of those that
+/// Each device has one of these, whoever asks: its window is shared. At most Window::max_size requests are on their way, of those that
 /// write, command or upgrade one. Two that the same answer would end go one after the other.
 ///
 /// An id at or beyond the number of parameters is never sent, and none before that number is known: some firmware crashes on it.

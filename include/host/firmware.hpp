@@ -40,7 +40,7 @@ public:
     /// In bytes that are written.
     Progress progress() const noexcept override;
     /// One that was begun is not given up soon: the device is left in its loader then.
-    Duration longest() const noexcept override {
+    Duration max_duration() const noexcept override {
         return std::chrono::minutes{5} + std::chrono::seconds{2} * static_cast<int>(frames());
     }
     void cancel(TimePoint now) override;

@@ -19,7 +19,9 @@ public:
 
     using Task::Task;
     Progress progress() const noexcept override { return {done_, total_}; }
-    Duration longest() const noexcept override { return Task::longest() + std::chrono::seconds{4} * static_cast<int>(total_); }
+    Duration max_duration() const noexcept override {
+        return Task::max_duration() + std::chrono::seconds{4} * static_cast<int>(total_);
+    }
     void ended(const Ended& ended, TimePoint now) final;
 
 protected:
@@ -43,7 +45,7 @@ protected:
     virtual std::string_view subject() const noexcept = 0;
 
 private:
-    static constexpr std::size_t max_asked = 2 * Window::widest;    // so that the window never waits for us
+    static constexpr std::size_t max_asked = 2 * Window::max_size;    // so that the window never waits for us
 
     static constexpr std::uint32_t probing = first_step - 1;
     struct Item {

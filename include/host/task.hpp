@@ -53,7 +53,7 @@ public:
     const std::optional<End>& end() const noexcept { return end_; }
     virtual Progress progress() const noexcept { return {}; }
     /// From its first request on. Who answers always just in time is given up then; a last request may still be waited for.
-    virtual Duration longest() const noexcept { return std::chrono::minutes{2}; }
+    virtual Duration max_duration() const noexcept { return std::chrono::minutes{2}; }
     /// Ends it; the end says what is half done. A task that has to put something back first ends when it has.
     virtual void cancel(TimePoint now);
     /// Called when it ends, last of all. The task may not be destroyed in it.

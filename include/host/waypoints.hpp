@@ -62,8 +62,8 @@ public:
 
     void start(TimePoint now);
     Progress progress() const noexcept override { return {at_, waypoints_.size()}; }
-    Duration longest() const noexcept override {
-        return Task::longest() + std::chrono::seconds{8} * static_cast<int>(waypoints_.size());
+    Duration max_duration() const noexcept override {
+        return Task::max_duration() + std::chrono::seconds{8} * static_cast<int>(waypoints_.size());
     }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;

@@ -10,13 +10,13 @@ namespace ano::host {
 /// last 16 sends were lost: on a radio that loses one in ten, a loss says nothing about how much the device can take.
 class Window {
 public:
-    static constexpr std::size_t widest = 8;
+    static constexpr std::size_t max_size = 8;
     static constexpr int remembered = 16;    // sends
 
     std::size_t size() const noexcept { return size_; }
     void answered() noexcept {
         note(0);
-        if (size_ < widest) ++size_;
+        if (size_ < max_size) ++size_;
     }
     void lost() noexcept {
         note(1);

@@ -66,7 +66,7 @@ void FramePairs::forget_until(Place place) noexcept {
 // False: the credit does not suffice. No candidate may be checked before all headers are noted.
 bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
-    const std::size_t longest = data_length(bytes.data() + waiting);
+    const std::size_t max_length = data_length(bytes.data() + waiting);
     const std::size_t whole = bytes.size() - (header_size - 1);    // no whole header begins there or behind
     auto at = static_cast<std::size_t>(headers_until_ - origin_);
     for (; at < whole; at += 8) {
@@ -81,7 +81,8 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
             credit_ -= a_look;
             const std::uint8_t* const header = bytes.data() + begin;
             const std::size_t length = data_length(header);
-            if (!heard.source(header[1]) || length + shorter_at_least > longest || begin + length >= waiting + longest) continue;
+            if (!heard.source(header[1]) || length + shorter_at_least > max_length || begin + length >= waiting + max_length)
+                continue;
             const std::size_t sum_place = begin + header_size + length;
             if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // bad already
             const Place place = origin_ + begin;

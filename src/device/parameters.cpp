@@ -13,7 +13,7 @@ constexpr std::uint8_t cmd_value = 2;
 constexpr std::uint8_t cmd_describe = 3;
 
 constexpr std::uint8_t par_type_text = 10;
-constexpr std::size_t largest_count = UINT16_MAX;    // both an id and the count are u16
+constexpr std::size_t max_parameters = UINT16_MAX;    // both an id and the count are u16
 
 std::uint8_t par_type_of(Type type) noexcept { return type == Type::text ? par_type_text : static_cast<std::uint8_t>(type); }
 
@@ -37,7 +37,7 @@ void refuse_unless(bool sensible, const Parameter& row, const char* why) {
 std::uint16_t Parameters::add(Parameter row) {
     refuse_unless(!row.name.empty() && row.name.size() <= max_name, row, "a name has 1 to 20 bytes");
     refuse_unless(!find(row.name), row, "there is one of this name");
-    refuse_unless(rows_.size() < largest_count, row, "there are 65535 already");
+    refuse_unless(rows_.size() < max_parameters, row, "there are 65535 already");
     refuse_unless(is_number(row.type) || row.type == Type::text, row, "its type is neither a number nor text");
     refuse_unless(!row.name.starts_with("CAL_") || row.type == Type::f32, row, "a calibration parameter is f32");
     refuse_unless(static_cast<bool>(row.get), row, "without get it has no value");
@@ -115,8 +115,8 @@ Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
     if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(value)});
     else append_value(bytes_, row.type, value);
     Draft<"parameter_value"> answer;
-    const std::size_t most = max_sent - answer.data_size();
-    if (!answer.set<"par_id">(id) || !answer.set<"value">(Bytes{bytes_}.first(std::min(bytes_.size(), most))))
+    const std::size_t max_size = max_sent - answer.data_size();
+    if (!answer.set<"par_id">(id) || !answer.set<"value">(Bytes{bytes_}.first(std::min(bytes_.size(), max_size))))
         return Outcome::unknown;
     return reply.send(answer);
 }

@@ -20,7 +20,7 @@ Waypoint waypoint_of(const View<"waypoint">& view) {
 }    // namespace
 
 void Waypoints::allow(std::size_t count) {
-    allowed_ = std::min(count, most);
+    allowed_ = std::min(count, max_waypoints);
     resize(list_.size());
     list_.reserve(allowed_);
 }

@@ -74,10 +74,10 @@ std::vector<CanIds::Filter> CanIds::filters() const {
 std::span<const CanCutter::Piece> CanCutter::cut(std::span<const std::span<const std::uint8_t>> frames) noexcept {
     const std::size_t room = fd_ ? 64 : 8;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < frames.size() && count < most; ++i) {
+    for (std::size_t i = 0; i < frames.size() && count < max_pieces; ++i) {
         std::span<const std::uint8_t> rest = frames[i];
         const std::uint32_t id = i == 0 && rest_id_ ? *rest_id_ : ids_.of(rest);
-        while (!rest.empty() && count < most) {
+        while (!rest.empty() && count < max_pieces) {
             const auto bytes = rest.first(std::min(room, rest.size()));
             rest = rest.subspan(bytes.size());
             pieces_[count++] = {id, bytes, can_fd_size(bytes.size()), rest.empty()};

@@ -76,8 +76,8 @@ bool InFlight::has_room(ano::TimePoint now) noexcept {
 }
 
 std::size_t InFlight::size() const noexcept {
-    return most - static_cast<std::size_t>(
-                      std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::free; }));
+    return max_questions - static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(),
+                                                                  [](const Slot& slot) { return slot.state == State::free; }));
 }
 
 std::optional<ano::TimePoint> InFlight::next_given_up() const noexcept {

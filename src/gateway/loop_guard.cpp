@@ -150,10 +150,10 @@ LoopGuard::Judgement LoopGuard::paced(Sent& known, const Said& said, ChannelId f
     Withheld& withheld = withheld_[index(known.from)];
     const std::uint32_t turns = known.times / repeats;
     if (turns > 0 && !said.waited && known.withheld < max_withheld_frames) {
-        const std::uint32_t most = std::bit_floor(turns);
+        const std::uint32_t max_in_row = std::bit_floor(turns);
         if (known.withheld == 0) withheld.since = now;
         const bool in_time = now - withheld.since < (said.state ? max_state_withheld : max_withheld);
-        if (in_time && known.times - most * repeats < most) {
+        if (in_time && known.times - max_in_row * repeats < max_in_row) {
             ++known.withheld;
             ++withheld.frames;
             withheld.at = now;

@@ -78,9 +78,9 @@ void GatewayDevice::add_parameters() {
         parameter.name = row.name;
         parameter.type = row.type;
         parameter.info = row.info;
-        parameter.min = value_of(row.type, row.least);
-        parameter.max = value_of(row.type, row.most);
-        parameter.initial = value_of(row.type, std::clamp(value_in(of_file_, row), row.least, row.most));
+        parameter.min = value_of(row.type, row.min);
+        parameter.max = value_of(row.type, row.max);
+        parameter.initial = value_of(row.type, std::clamp(value_in(of_file_, row), row.min, row.max));
         parameter.get = [this, i] { return value_of(rows_[i].type, written_.effective(rows_[i], of_file_).first); };
         parameter.set = [this, i](const Value& value) { return write(i, value); };
         device_->parameters().add(std::move(parameter));

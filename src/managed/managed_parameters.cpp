@@ -190,7 +190,7 @@ std::optional<double> WrittenValues::value(const ManagedParameter& row, const Se
     const auto found = values_.find(row.key);
     if (found == values_.end() || words_in(of_file, row) != found->second.file) return std::nullopt;
     const double value = found->second.value;
-    if (!(value >= row.least && value <= row.most)) return std::nullopt;
+    if (!(value >= row.min && value <= row.max)) return std::nullopt;
     return row.type == Type::f32 ? value : std::floor(value);
 }
 

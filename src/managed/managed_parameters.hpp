@@ -22,7 +22,7 @@ struct ManagedParameter {
     std::string name;    // as hosts read it: 1 to 20 bytes, unlike all others
     std::string info;    // what it is, with its unit
     ano::Type type{};
-    double least = 0, most = 0;
+    double min = 0, max = 0;
     std::string link{};    // whose it is; empty: the gateway's
     double (*get)(const Settings& settings, const LinkSettings& link) = nullptr;
     void (*put)(Settings& settings, LinkSettings& link, double value) = nullptr;

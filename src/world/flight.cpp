@@ -10,7 +10,7 @@ constexpr double near = 0.15;    // m
 constexpr Motors idle{0.05, 0.05, 0.05, 0.05};
 
 bool is_within_reach(Vector there) noexcept {
-    return std::hypot(there.x, there.y) <= Flight::furthest && there.z >= Flight::lowest && there.z <= Flight::highest;
+    return std::hypot(there.x, there.y) <= Flight::max_distance && there.z >= Flight::min_height && there.z <= Flight::max_height;
 }
 
 }    // namespace
@@ -46,7 +46,7 @@ bool Flight::begin(Task task) {
 }
 
 bool Flight::take_off(double height) {
-    if (height < lowest || height > highest || !unlock()) return false;
+    if (height < min_height || height > max_height || !unlock()) return false;
     if (body_.on_ground()) pilot_.reset(body_);
     place_ = body_.position();
     place_.z = height;

@@ -54,7 +54,7 @@ public:
     enum class Mode : std::uint8_t { attitude, height, position, programmed };
     enum class Task : std::uint8_t { hover, take_off, land, go_to, yaw, return_home, route };
     enum class Safety : std::uint8_t { locked, unlocked, airborne };
-    static constexpr double lowest = 0.2, highest = 100, furthest = 1000;    // m
+    static constexpr double min_height = 0.2, max_height = 100, max_distance = 1000;    // m
     static constexpr double low_battery = 0.2, last_battery = 0.1;
     static constexpr double input_lasts = 1;    // s, what a stick said
 

@@ -18,7 +18,7 @@ public:
     /// 0 to 1, never 1.
     double share() noexcept { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     /// -most to most.
-    double within(double most) noexcept { return (2 * share() - 1) * most; }
+    double within(double max) noexcept { return (2 * share() - 1) * max; }
     /// About normal, of variance 1: the sum of four numbers of 16 bits.
     double normal() noexcept {
         constexpr double half = 2 * 65535.0, deviation = 37837.2;

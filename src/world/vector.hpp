@@ -25,9 +25,9 @@ constexpr Vector cross(Vector a, Vector b) noexcept {
 }
 
 /// The same direction, no longer than `most`.
-inline Vector no_longer(Vector v, double most) noexcept {
+inline Vector no_longer(Vector v, double max_length) noexcept {
     const double length = v.length();
-    return length > most ? (most / length) * v : v;
+    return length > max_length ? (max_length / length) * v : v;
 }
 
 /// The same angle, from -180° to 180°.
