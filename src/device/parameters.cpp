@@ -74,7 +74,7 @@ bool Parameters::restore_defaults(std::string_view beginning) {
     return done;
 }
 
-// A number that is none stays within no limits.
+// NaN is refused, since it can't be compared with limits.
 bool Parameters::assign(const Parameter& row, const Value& value) const {
     if (!row.set || is_nan(value)) return false;
     Value allowed = clamped(row, value);
@@ -97,8 +97,8 @@ Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply
     }
 }
 
-// The answer looks like the question: two devices would go on answering each other. Only a host asks with any val (the text: it has
-// no meaning), and only a host is told that there are none.
+// The answer looks like the question, so two devices would answer each other for ever. Therefore only a host may ask with any val
+// (in the protocol text it has no meaning), and only a host is told that there are no parameters.
 Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply& reply) {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;
@@ -110,7 +110,7 @@ Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply&
 Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
     const Parameter& row = rows_[id];
     const Value value = row.get();
-    if (value.index() != row.initial.index()) return Outcome::refused;    // no value of its type
+    if (value.index() != row.initial.index()) return Outcome::refused;    // `get` returned another type
     bytes_.clear();
     if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(value)});
     else append_value(bytes_, row.type, value);
@@ -192,7 +192,7 @@ bool Parameters::act(std::uint16_t action, bool& known) {
     case Action::store_accelerometer: return of_calibration("CAL_A", save);
     case Action::clear_compass: return of_calibration("CAL_M", clear);
     case Action::store_compass: return of_calibration("CAL_M", save);
-    default: known = false; return false;    // saving too: without a function of the user there is nowhere to save to
+    default: known = false; return false;    // also Action::save, which only a function of the user can do
     }
 }
 
