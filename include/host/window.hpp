@@ -1,4 +1,4 @@
-// How many questions a device has at a time.
+// How many requests may be on their way to a device.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -22,7 +22,7 @@ public:
         note(1);
         if (2 * std::popcount(losses_) <= remembered) return;
         size_ = size_ > 1 ? size_ / 2 : 1;
-        losses_ = 0;    // what was lost before says nothing about the narrower window
+        losses_ = 0;    // earlier losses say nothing about the smaller window
     }
 
 private:

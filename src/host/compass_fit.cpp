@@ -8,7 +8,7 @@
 namespace ano::host {
 namespace {
 
-// What is written for people: 3.2 %.
+// Text for people: "3.2 %".
 std::string percent(double share) {
     const auto tenths = static_cast<long long>(std::llround(share * 1000));
     return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " %";
