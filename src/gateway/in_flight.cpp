@@ -9,7 +9,7 @@ namespace {
 
 using namespace questions;
 
-constexpr std::uint8_t how_many = 0xFF;    // of waypoints
+constexpr std::uint8_t how_many = 0xFF;    // in place of the number of a waypoint
 
 // The number that begins at `at` of DATA, which is long enough.
 std::uint16_t number_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {

@@ -25,7 +25,7 @@ std::optional<Number> number(std::string_view text, Number max) {
     return value;
 }
 
-// In the form of the kernel.
+// Whether `text` has the form of an interface name of the kernel.
 bool names_interface(std::string_view text) noexcept {
     return !text.empty() && text.size() < IF_NAMESIZE && text != "." && text != ".." &&
            std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' ' || c == '/' || c == ':' || c == 0x7F; });

@@ -32,7 +32,7 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
     return count;
 }
 
-// An address has few rows here too, so that one address can't take the places of all others.
+// One address gets only a few rows here too, so that it can't take the places of all others.
 bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
     Knock* oldest = knocks_.data();
     Knock* oldest_of_address = nullptr;
