@@ -95,7 +95,7 @@ void Car::heard(FrameView frame) {
     }
 }
 
-// Who steers it has it; then where it was told to go; else it stops.
+// Sticks and 0x41 have priority, then the target of a command; otherwise it stops.
 Car::Aim Car::aim() noexcept {
     if (is_locked_ || battery_.charge() <= 0) return {};
     if (steered_age_ < input_lasts) {

@@ -92,7 +92,7 @@ bool Flight::fly(std::vector<RoutePoint> route) {
     return true;
 }
 
-// Whoever moves the sticks has it.
+// Moving the sticks takes over control.
 void Flight::hear(const Sticks& sticks) noexcept {
     sticks_ = sticks;
     sticks_age_ = 0;
@@ -172,7 +172,8 @@ Motors Flight::by_task(double dt) {
     return pilot_.go(body_, place_, speed, settings_.gains, dt);
 }
 
-// Whether it looks where it is to look. Beside the point the direction to it says nothing: there it keeps its own.
+// Whether the vehicle faces in the wanted direction. Close to the point, the direction to it is not defined: there the vehicle keeps
+// its own.
 bool Flight::faces(const RoutePoint& point, double dt) noexcept {
     constexpr double beside = 1;    // m
     const Vector way = place_ - body_.position();
@@ -195,7 +196,7 @@ Motors Flight::on_route(double dt) {
     return motors;
 }
 
-// In a hover: what the sticks and 0x41 say, as far as the mode lets them.
+// While hovering: follows the sticks and 0x41, as far as the mode allows.
 Motors Flight::by_hand(double dt) {
     constexpr double stick_rate = 60 * degree, stick_climb = 2;
     const bool moved = has_sticks() && !sticks_.centred();

@@ -8,7 +8,7 @@ namespace ano::world {
 namespace {
 
 Vector chance_vector(Noise& chance) noexcept {
-    const double x = chance.normal(), y = chance.normal(), z = chance.normal();    // in this order, whatever the compiler
+    const double x = chance.normal(), y = chance.normal(), z = chance.normal();    // drawn in this order with every compiler
     return {x, y, 2 * z};
 }
 
