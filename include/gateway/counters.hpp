@@ -19,7 +19,7 @@ struct ReceiveCounters {
     std::uint64_t inhibited{};        // blocked by an inhibit switch
     std::uint64_t looped{};           // came back around a ring
     std::uint64_t duplicate{};        // came already by another link of the group
-    std::uint64_t no_route{};         // good frames that nobody was to get
+    std::uint64_t no_route{};         // good frames without a receiver
 };
 
 /// Counts what was offered to a channel. frames_out + every cause + those waiting = offered.
