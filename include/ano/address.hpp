@@ -18,7 +18,7 @@ constexpr bool is_port_id(std::uint8_t a) noexcept { return a >= 1 && a <= last_
 /// Several hosts may share these; a host may listen for hours without sending.
 constexpr bool is_host(std::uint8_t a) noexcept { return a == host || a == ros_bridge; }
 
-/// Who usually has this id, for people to read.
+/// The usual owner of this id, as text for people.
 constexpr std::string_view who(std::uint8_t a) noexcept {
     switch (a) {
     case 0x00: return "unassigned";

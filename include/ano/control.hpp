@@ -27,8 +27,8 @@ inline constexpr std::array<bool, 256> acknowledged = acknowledged_by_id();
 }    // namespace table
 
 /// A frame that commands or changes a vehicle (protocol text, sections 3 and 4): remote and realtime control, a command, a
-/// parameter or waypoint written, firmware, and 0xE0 when it is not one of the listed questions: what else it may say is an
-/// action, listed or not.
+/// parameter or waypoint written, firmware, and 0xE0 unless it is one of the listed questions: any other 0xE0 is an action,
+/// whether it is listed or not.
 constexpr bool is_control(FrameView frame) noexcept {
     const Controls controls = table::controls_of[frame.id()];
     if (controls != Controls::unless_listed) return controls == Controls::yes;

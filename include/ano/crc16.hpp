@@ -23,14 +23,14 @@ inline constexpr std::array crcs16{
 };
 inline constexpr Crc16 usual_crc16 = crcs16[0];
 
-/// Nothing for a name that none of them has.
+/// std::nullopt when none of them has this name.
 constexpr std::optional<Crc16> find_crc16(std::string_view name) noexcept {
     for (const Crc16& crc : crcs16)
         if (crc.name == name) return crc;
     return std::nullopt;
 }
 
-/// Of bytes that come in parts.
+/// The CRC of bytes that come in parts.
 class Crc16Sum {
 public:
     constexpr explicit Crc16Sum(const Crc16& crc = usual_crc16) noexcept : crc_{crc}, value_{crc.initial} {}

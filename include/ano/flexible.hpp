@@ -32,17 +32,17 @@ struct FlexibleSpec {
 class FlexibleLayout {
 public:
     std::uint8_t id() const noexcept { return id_; }
-    /// The only source whose frames have this layout; nothing: every one.
+    /// The only source whose frames have this layout; std::nullopt: the frames of every source have it.
     std::optional<std::uint8_t> source() const noexcept { return source_; }
     std::span<const Field> fields() const noexcept { return fields_; }
-    /// Bytes of DATA, at least.
+    /// The minimum number of bytes of DATA.
     std::uint16_t size() const noexcept { return size_; }
 
 private:
     friend class FlexibleLayouts;
     std::uint8_t id_ = 0;
     std::optional<std::uint8_t> source_;
-    std::vector<Field> fields_;    // their text stands in texts_
+    std::vector<Field> fields_;    // their names and units refer to texts_
     std::deque<std::string> texts_;
     std::uint16_t size_ = 0;
 };
@@ -61,7 +61,7 @@ public:
         scale,       // 0, or not finite
         too_long,    // more bytes than LEN can express
     };
-    /// Index of the faulty field; without meaning for faults of the layout itself.
+    /// `field` is the index of the faulty field; it has no meaning for faults of the layout itself.
     struct Refusal {
         Fault fault = Fault::none;
         std::size_t field = 0;
@@ -70,7 +70,8 @@ public:
 
     Refusal add(std::uint8_t id, std::optional<std::uint8_t> source, std::span<const FlexibleField> fields);
 
-    /// The layout of `id` from `source`: its own, else the one for every source, else null. Valid as long as this is.
+    /// The layout of `id` for frames of `source`: the one for this source, else the one for every source, else null. Valid as long
+    /// as this object.
     const FlexibleLayout* find(std::uint8_t id, std::uint8_t source) const noexcept;
     const std::deque<FlexibleLayout>& all() const noexcept { return layouts_; }
 

@@ -11,7 +11,7 @@ namespace ano {
 
 inline constexpr std::uint8_t head = 0xAB;
 inline constexpr std::size_t header_size = 6;               // HEAD to LEN
-inline constexpr std::size_t overhead = header_size + 2;    // and SC AC: the smallest frame
+inline constexpr std::size_t overhead = header_size + 2;    // the header, SC and AC: the size of the smallest frame
 inline constexpr std::size_t max_len = 65535;               // the largest LEN
 inline constexpr std::size_t max_frame_size = overhead + max_len;
 
@@ -25,10 +25,10 @@ struct Checks {
 /// checks_of() for many bytes: computes several bytes at a time.
 Checks checks_of_many(std::span<const std::uint8_t> bytes) noexcept;
 
-/// The checks over `bytes`, which are HEAD to the end of DATA. Linear, never fails.
+/// The checks over `bytes`, which are HEAD to the end of DATA. Takes linear time and never fails.
 constexpr Checks checks_of(std::span<const std::uint8_t> bytes) noexcept {
     if (!std::is_constant_evaluated() && bytes.size() >= 32) return checks_of_many(bytes);
-    unsigned sum = 0;    // only the low byte of either counts
+    unsigned sum = 0;    // only the low byte of each sum is used
     unsigned add = 0;
     for (const std::uint8_t byte : bytes) {
         sum += byte;
@@ -63,7 +63,7 @@ constexpr std::size_t data_length(const std::uint8_t* header) noexcept {
     return static_cast<std::size_t>(header[4] | header[5] << 8);
 }
 
-/// The frame that `bytes` begin with, when it is whole, its LEN is at most `max_data` and both checks hold.
+/// The frame at the beginning of `bytes`; std::nullopt unless it is whole, its LEN is at most `max_data` and both checks hold.
 constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes, std::size_t max_data = max_len) noexcept {
     if (bytes.size() < overhead || bytes[0] != head) return std::nullopt;
     const std::size_t length = data_length(bytes.data());
@@ -73,8 +73,7 @@ constexpr std::optional<FrameView> frame_at(std::span<const std::uint8_t> bytes,
     return frame;
 }
 
-/// Writes both checks behind a frame that is complete but for them; `frame` is HEAD to AC, LEN must agree with its
-/// size.
+/// Writes both checks to the end of a frame; `frame` is HEAD to AC, and its LEN must agree with its size.
 constexpr void seal(std::span<std::uint8_t> frame) noexcept {
     const Checks checks = checks_of(frame.first(frame.size() - 2));
     frame[frame.size() - 2] = checks.sum;

@@ -22,10 +22,10 @@ public:
     explicit FramePairs(std::size_t max_data);
 
     /// Whether the candidate at `at` gives way: two good frames stand in a row behind its first byte. `bytes` is the
-    /// filled part of the buffer, and summed; 8 bytes more must be readable. It has the candidate's header, but not
-    /// all of the frame. `at` never goes back in the stream. A header's frame counts when, at the first look at it, its
-    /// source has been heard and it would end before the candidate does. Without credit the answer is no; headers that
-    /// were not looked at are looked at later, if a candidate before them still waits then.
+    /// filled part of the buffer, and `sums` cover all of it; 8 bytes behind it must be readable. It holds the candidate's
+    /// header, but not all of its frame. `at` never goes back in the stream. A header's frame counts when, at the first look
+    /// at it, its source has been heard and it would end before the candidate does. Without credit the answer is no; headers
+    /// that were not looked at are looked at later, if a candidate before them still waits then.
     bool stand_behind(std::size_t at, std::span<const std::uint8_t> bytes, const PrefixSums& sums, const Heard& heard) noexcept;
     /// A good frame of `size` bytes came.
     void earn(std::size_t size) noexcept { credit_ = std::min(credit_ + size, max_credit); }
@@ -35,7 +35,7 @@ public:
     void move_front(std::size_t distance) noexcept { origin_ += distance; }
 
 private:
-    static constexpr std::size_t a_look = 32;    // bytes of good frames, like all credit
+    static constexpr std::size_t a_look = 32;    // the price of one look; all credit is in bytes of good frames
     static constexpr std::size_t max_credit = 65536;
 
     // A place in the stream, not in the buffer.
@@ -49,15 +49,15 @@ private:
     std::size_t in_ring(Place place) const noexcept { return static_cast<std::size_t>(place & mask_); }
     std::uint16_t& size_at(Place end) noexcept { return ends_[in_ring(end)]; }
 
-    // Both are rings, indexed by places in the stream. Of the frames that end at one place, the one that begins last is first
-    // in the list. A frame is stored as its size: it begins that far before the place where it ends.
+    // ends_ and nexts_ are rings, indexed by places in the stream. Of the frames that end at one place, the one that begins last
+    // is first in the list. A frame is stored as its size: it begins that far before the place where it ends.
     std::size_t mask_;
     Room<std::uint16_t> ends_;     // by end: the first candidate; once it was judged, the first good frame
     Room<std::uint16_t> nexts_;    // by begin: the next candidate of the same end
 
     std::size_t credit_ = max_credit;
     Place origin_ = 0;           // of the buffer's first byte
-    Place forgotten_;            // nothing is known of what ends here or before
+    Place forgotten_;            // frames that end here or before are forgotten
     Place headers_until_ = 0;    // the headers that begin before were looked at
     Place judged_until_ = 0;     // the candidates that end here or before were judged
     Place latest_ = 0;           // where the last pair begins

@@ -1,4 +1,4 @@
-// What is known from the good frames of a channel. It tells a false header from the beginning of a real frame.
+// What is known from the good frames of a channel. It distinguishes a false header from the beginning of a real frame.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -8,7 +8,7 @@
 namespace ano {
 
 /// Whether frames of `id` may have any length: text, images, values that a device or a user defines, ids that are
-/// not listed. `first` is the first byte of DATA, by which 0x34 tells a scan from a distance.
+/// not listed. `first` is the first byte of DATA: it says whether a 0x34 is a scan or a distance.
 bool is_of_free_length(std::uint8_t id, std::uint8_t first) noexcept;
 
 /// The sources of good frames, and the largest LEN of each id.
@@ -23,8 +23,7 @@ public:
     bool source(std::uint8_t address) const noexcept { return sources_[address]; }
 
     /// Whether `begin`, header_size + 1 bytes or more, is credible as the beginning of a frame: the source was heard, and the
-    /// id may have any length or was heard with at least this LEN. Tunnel frames (0xB1, 0xB2) may be anybody's, for they
-    /// carry frames.
+    /// id may have any length or was heard with at least this LEN. Tunnel frames (0xB1, 0xB2) are credible from any source.
     bool makes_credible(const std::uint8_t* begin) const noexcept;
 
 private:

@@ -17,7 +17,7 @@ std::string spaced_hex(std::span<const std::uint8_t> bytes);
 /// "0xDC": ids and addresses, for people.
 std::string hex_byte(std::uint8_t byte);
 
-/// Digits in pairs, capital or not, white space between pairs; nothing when `text` is anything else.
+/// Pairs of digits in upper or lower case, with or without white space between pairs; std::nullopt for any other text.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text);
 
 }    // namespace ano

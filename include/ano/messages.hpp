@@ -1,4 +1,4 @@
-// Every message of the protocol (protocol text, section 4). The only place that knows a payload: encoding, decoding,
+// Every message of the protocol (protocol text, section 4). The only place that defines payloads: encoding, decoding,
 // JSON, text, the reference and the Wireshark dissector are loops over these rows.
 #pragma once
 #include <ano/schema.hpp>
@@ -264,7 +264,7 @@ constexpr const Message* find_message(std::uint8_t id) noexcept {
     return table::index.count[id] == 0 ? nullptr : &messages[table::index.first[id]];
 }
 
-/// The base layout of the message that is called so; null when none is.
+/// The base layout of the message with this name; null when there is none.
 constexpr const Message* find_message(std::string_view name) noexcept {
     for (const Message& row : messages)
         if (row.name == name) return &row;

@@ -5,7 +5,8 @@
 //          while (auto frame = parser.next()) …       // each view is valid until the next prepare()
 //          arm a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
 //
-// Before the bytes of a datagram, call begin_datagram(): it decides whether the unfinished rest of the datagram before is kept.
+// Call begin_datagram() before the bytes of a datagram are put in: it decides whether the unfinished rest of the previous
+// datagram is kept.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/frame_pairs.hpp>
@@ -32,7 +33,7 @@ struct ParserCounters {
     std::uint64_t v7_frames{};        // frames of the previous protocol version seen among the skipped bytes: an estimate
 };
 
-/// After a refused candidate it looks again one byte later, so that a damaged frame costs only itself; any input costs
+/// After a refused candidate it looks again one byte later, so that a damaged frame costs no other frame; any input costs
 /// linear time. A candidate whose rest is not there yet waits. One that is not credible by what was heard (heard.hpp) gives way
 /// to two good frames in a row from sources that were heard; while the credit for that search (frame_pairs.hpp) is used up,
 /// it waits as well, until expire() gives it up. Neither throws nor allocates after construction.
@@ -41,27 +42,27 @@ public:
     struct Options {
         std::size_t max_data = 4096;                       // 0 to 65535: larger LEN is refused from the header alone
         std::uint32_t line_rate = 0;                       // bytes/s the line carries; 0: unknown
-        Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, good frames may overtake
+        Duration quiet = std::chrono::milliseconds{50};    // after this long without a byte, waiting candidates may give way
         bool zero_padding = false;    // 0x00 behind a good frame, committed together with its end, is padding and is not counted
     };
 
     explicit FrameParser(Options options);
 
-    /// Room for the next bytes, at least one if next() was called until it returned nothing. Every view becomes invalid.
+    /// Room for the next bytes, at least one if next() was called until it returned std::nullopt. Every view becomes invalid.
     std::span<std::uint8_t> prepare() noexcept;
-    /// `n` bytes of that room were filled, at `now`.
+    /// `n` bytes of that room were filled at `now`.
     void commit(std::size_t n, TimePoint now) noexcept;
-    /// The next good frame, if one is whole.
+    /// The next good frame; std::nullopt when none is whole.
     std::optional<FrameView> next() noexcept;
 
-    /// Call before the bytes of a datagram are put in. What is left of the one before is kept only if it is younger than
-    /// 100 ms and `datagram` does not itself start with a whole good frame.
+    /// Call before the bytes of a datagram are put in. The rest of the previous one is kept only if it is younger than 100 ms
+    /// and `datagram` does not itself start with a whole good frame.
     void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
     /// The input ends here: next() no longer waits for the rest of a candidate. What is committed later begins anew.
     void finish() noexcept { barrier_ = end_; }
     /// Gives up candidates that hold a good frame back or whose rest is overdue. True: call next() again.
     bool expire(TimePoint now) noexcept;
-    /// When expire() may next have something to do; nothing while no candidate waits for its rest.
+    /// When expire() may next have something to do; std::nullopt while no candidate waits for its rest.
     std::optional<TimePoint> deadline() const noexcept;
 
     /// Bytes that wait for the rest of their frame.
@@ -76,7 +77,7 @@ private:
 
     // Finds frames of the previous version among the skipped bytes, which come in pieces.
     struct V7Matcher {
-        bool take(std::uint8_t byte) noexcept;    // true: it was the last one of such a frame
+        bool take(std::uint8_t byte) noexcept;    // true: it is the last byte of such a frame
 
         unsigned place = 0;
         unsigned length = 0;
@@ -103,11 +104,10 @@ private:
     Room<std::uint8_t> buffer_;
     std::size_t pos_ = 0;        // first byte not yet judged
     std::size_t end_ = 0;        // end of the bytes put in
-    std::size_t barrier_ = 0;    // a candidate that begins before this does not reach beyond it: its rest will not come
+    std::size_t barrier_ = 0;    // a candidate that begins before this may not extend beyond it: its rest will not come
 
-    // Made only behind a refused candidate: with them the checks of any further candidate that begins before
-    // sums_until_ cost constant time. They begin at pos_ or before; where they end before the candidate, they are begun
-    // anew.
+    // Sums are made only behind a refused candidate: with them, checking any further candidate that begins before sums_until_
+    // takes constant time. They begin at pos_ or before; when they end before the candidate, they start again there.
     PrefixSums sums_;
     std::size_t sums_until_ = 0;
 
@@ -115,8 +115,8 @@ private:
     FramePairs pairs_;
 
     bool behind_frame_ = false;       // pos_ is the end of a good frame, and padding may follow
-    bool candidate_waits_ = false;    // the one at pos_
-    bool none_behind_ = false;        // good frames behind it were searched for since the last byte came
+    bool candidate_waits_ = false;    // the candidate at pos_ waits for its rest
+    bool none_behind_ = false;        // no good frame was found behind it since the last byte came
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;

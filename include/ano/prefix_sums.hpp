@@ -8,7 +8,7 @@
 
 namespace ano {
 
-/// Sums over a buffer from a place that begin() names. The room for them is taken at construction.
+/// Sums over a buffer from the place that begin() sets. Allocates only at construction.
 class PrefixSums {
 public:
     explicit PrefixSums(std::size_t capacity);
@@ -17,15 +17,14 @@ public:
         end_ = at;
         sum_[at] = add_[at] = 0;
     }
-    /// Takes in the bytes before `to`, and up to 256 more where there are: `bytes` is the buffer up to where it is filled.
+    /// Sums the bytes before `to`, and up to 256 more if they are there; `bytes` is the filled part of the buffer.
     void extend(std::span<const std::uint8_t> bytes, std::size_t to) noexcept;
     /// The buffer's content moved to its front by `distance` bytes; what was summed stays summed.
     void move_front(std::size_t distance) noexcept;
     /// The bytes before this are summed.
     std::size_t end() const noexcept { return end_; }
 
-    /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). Of 256 bad
-    /// frames this alone refuses 255.
+    /// Whether SC at `to` is the sum over [from, to); begin() <= from <= to < end(). This check alone refuses 255 of 256 bad frames.
     bool sum_holds(std::size_t from, std::size_t to) const noexcept { return sum_[from] == gap_[to]; }
     /// For loops: sum_holds(from, to) is sums()[from] == gaps()[to].
     const std::uint8_t* sums() const noexcept { return sum_.get(); }
@@ -40,7 +39,7 @@ private:
 
     Room<std::uint8_t> sum_;    // sum_[i]: the sum of the bytes before i
     Room<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for the places k before i
-    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] less byte i, the sum before a frame whose SC stands at i
+    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] minus byte i, the sum before a frame whose SC stands at i
     std::size_t end_ = 0;
 };
 

@@ -25,7 +25,7 @@ struct Nothing {
 };
 using Bytes = std::span<const std::uint8_t>;
 
-/// Nothing: the sentinel that says "no data". Integers without scale as such, other numbers as double, in the unit of
+/// `Nothing` for the wire value that says "no data". Integers without scale as such, other numbers as double, in the unit of
 /// the field; text up to its first NUL, in whatever encoding the sender uses; the bytes of everything else.
 using Value = std::variant<Nothing, std::int64_t, std::uint64_t, double, std::string_view, Bytes>;
 
@@ -36,8 +36,8 @@ enum class Readable : std::uint8_t {
     too_short,         // malformed: fewer bytes than the layout has
 };
 
-/// Whether `data` makes sense in this layout: it is long enough, whole numbers are in their documented range, and no text
-/// of fixed size begins with what can't be read.
+/// Whether `data` is plausible in this layout: it is long enough, integers are in their documented range, and no text of
+/// fixed size begins with a byte that is not a printable character.
 constexpr bool is_plausible(const Message& row, Bytes data) noexcept {
     if (data.size() < row.fixed_size) return false;
     for (const Field& f : row.fields()) {
@@ -98,7 +98,7 @@ public:
                       Bytes data) noexcept
         : fields_{fields}, data_{data}, message_{message}, fixed_size_{fixed_size}, readable_{readable} {}
 
-    /// Only then is there anything but message(), readable() and data().
+    /// False: only message(), readable(), fixed_size() and data() have a meaning.
     explicit operator bool() const noexcept { return readable_ == Readable::yes; }
     Readable readable() const noexcept { return readable_; }
     /// The row; the base layout when no layout fits; null for an id that is not listed.
@@ -123,7 +123,7 @@ public:
         const std::string_view text{first, bytes.size()};
         return text.substr(0, text.find('\0'));
     }
-    /// The same as a number, for fields that are one; "no data" is NaN.
+    /// `field`, which must be a number, as a double; "no data" is NaN.
     double number(const Field& field) const noexcept {
         if (field.no_data && std::holds_alternative<Nothing>(value(field))) return std::nan("");
         return number_at(field, data_.data() + field.offset);

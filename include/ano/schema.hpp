@@ -1,5 +1,5 @@
-// How a row of the message table is written: fields, their types, scales, units and meanings. What is wrong with a row
-// is a compile error that says so.
+// How a row of the message table is written: fields, their types, scales, units and meanings. An error in a row is a compile
+// error that names it.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -41,7 +41,7 @@ inline constexpr std::array<std::string_view, 15> type_names{"u8",  "i8",  "u16"
                                                              "f32", "f64", "text", "bytes", "ip",  "frames", "list"};
 constexpr std::string_view name_of(Type type) noexcept { return type_names[static_cast<std::size_t>(type)]; }
 
-/// Bytes of one value on the wire; 1 for what is counted in bytes.
+/// Bytes of one value on the wire; 1 for types whose count is in bytes.
 constexpr std::size_t width(Type type) noexcept {
     switch (type) {
     case Type::u16:
@@ -59,8 +59,8 @@ constexpr std::size_t width(Type type) noexcept {
 constexpr bool is_integer(Type type) noexcept { return type <= Type::i64; }
 constexpr bool is_number(Type type) noexcept { return type <= Type::f64; }
 
-/// A type and how many of it. In a row: `u16`, `u8[8]`, `text[20]`; `text`, `bytes`, `frames` and `list` alone reach to
-/// the end of DATA.
+/// A type and the number of its values. In a row: `u16`, `u8[8]`, `text[20]`; without a number, `text`, `bytes`, `frames` and
+/// `list` extend to the end of DATA.
 struct Shape {
     Type type;
     std::uint16_t count = 1;    // 0: to the end of DATA
@@ -84,7 +84,7 @@ struct Meaning {
 };
 using Meanings = std::span<const Meaning>;
 
-/// Values that are documented, in the unit; shown, not enforced.
+/// The documented range, in the unit; it is shown, not enforced.
 struct Range {
     double first = 0;
     double last = 0;
@@ -102,18 +102,18 @@ struct Only {
 struct Note {
     std::string_view text;
 };
-/// What the value is of, where the name alone does not tell: shown beside the name.
+/// What the value belongs to, when the name alone does not say it; shown beside the name.
 struct Label {
     std::string_view text;
 };
 
-/// What a field is beyond its type.
+/// The role of a field, in addition to its type.
 enum class Role : std::uint8_t {
     plain,
     code,           // a hardware id, a function code or a check byte: people see it in hex
-    value,          // bytes: one value, of the type that parameter_info tells
-    values,         // bytes: packed values, of the types that command_info tells
-    value_types,    // those types; what 7 is depends on the device (values.hpp)
+    value,          // bytes: one value, whose type parameter_info gives
+    values,         // bytes: packed values, whose types command_info gives
+    value_types,    // the types of such values; the meaning of 7 depends on the device (values.hpp)
 };
 
 consteval Scale times(double wire, double value = 1) { return {wire, value}; }
@@ -149,7 +149,7 @@ struct Field {
     constexpr bool is_open() const noexcept { return count == 0; }
     /// Bytes on the wire; 0 for one of open length.
     constexpr std::size_t size() const noexcept { return width(type) * count; }
-    /// What `value` means, or nothing.
+    /// The meaning of `value`; empty when it has none.
     constexpr std::string_view meaning(std::uint64_t value) const noexcept {
         for (const Meaning& m : meanings)
             if (m.value == value) return m.text;
@@ -195,22 +195,22 @@ enum class TrafficClass : std::uint8_t { urgent, telemetry, bulk };
 inline constexpr std::array<std::string_view, 3> traffic_class_names{"urgent", "telemetry", "bulk"};
 constexpr std::string_view name_of(TrafficClass c) noexcept { return traffic_class_names[static_cast<std::size_t>(c)]; }
 
-/// Which queued older frame a newer one may take the place of.
+/// Which older frame in a queue a newer one may replace.
 enum class Replaces : std::uint8_t {
     nothing,
     same_id,            // of the same source, destination and id
-    same_first_byte,    // and of the same first byte of DATA as well
+    same_first_byte,    // and with the same first byte of DATA
 };
 
 /// Who answers with a check frame (0x00), and when.
 enum class Acknowledged : std::uint8_t { no, yes, as_write };
 
-/// Whether a frame commands or changes a vehicle (protocol text, sections 3 and 4): what an inhibit switch keeps off. What the base
-/// layout says holds for all layouts of the message.
+/// Whether a frame commands or changes a vehicle (protocol text, sections 3 and 4): an inhibit switch blocks such frames. The
+/// value of the base layout applies to all layouts of the message.
 enum class Controls : std::uint8_t {
     no,
     yes,
-    unless_listed,    // when its first field holds one of the listed meanings, the frame only asks
+    unless_listed,    // yes, unless the first field has one of its listed meanings: then the frame is a question
 };
 
 /// How a queue treats the frames of a message (protocol text, section 5).
@@ -236,7 +236,7 @@ struct Message {
     std::uint8_t size = 0;             // fields
     std::uint8_t elements = 0;         // fields of each element of the list that stands last
     bool selective = false;            // some field has to hold a certain value
-    std::uint16_t fixed_size = 0;      // bytes of DATA without what is of open length
+    std::uint16_t fixed_size = 0;      // bytes of DATA without the field of open length
     std::uint16_t element_size = 0;    // bytes of each element
     Traffic traffic{};
     Acknowledged acknowledged = Acknowledged::no;
@@ -276,7 +276,7 @@ struct Message {
     }
 
 private:
-    // What stands behind a list is one of its elements.
+    // A field after a list is a field of the list's elements.
     consteval void add(const Field& field) {
         const std::size_t n = std::size_t{size} + elements;
         if (n == max_fields) table_error::a_row_has_too_many_fields();

@@ -5,7 +5,7 @@
 //          ano::Draft<"euler"> draft;
 //          if (draft.set<"rol">(1.23)) size = draft.encode(out, source, destination);
 //
-// A message that has several layouts is its base layout here; another one is named by its label: as<"power", "field">.
+// Of a message with several layouts, the name alone means the base layout; the others need their label: as<"power", "field">.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/reading.hpp>
@@ -65,7 +65,7 @@ template <> struct WireType<Type::f64> { using type = double; };
 template <Name M, Name Label = "">
 class View {
 public:
-    /// `data` has the fixed part of the layout at least.
+    /// `data` has at least the fixed part of the layout.
     constexpr explicit View(Bytes data) noexcept : data_{data} {}
 
     static constexpr const Message& message() noexcept { return detail::row<M, Label>; }
@@ -108,7 +108,7 @@ private:
     Bytes data_;
 };
 
-/// `frame` as that message; nothing when it is another one, in another layout, or too short.
+/// `frame` as that message; std::nullopt when it is another one, in another layout, or too short.
 template <Name M, Name Label = "">
 constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     constexpr const Message& row = detail::row<M, Label>;
@@ -119,7 +119,7 @@ constexpr std::optional<View<M, Label>> as(FrameView frame) noexcept {
     return View<M, Label>{data};
 }
 
-/// A message to be filled in: everything is 0 or empty at first, except a mode by which the layout is recognised.
+/// A message to be filled in: all fields are 0 or empty at first, except those that select the layout.
 template <Name M, Name Label = "">
 class Draft {
 public:
@@ -150,8 +150,8 @@ public:
             return detail::store_double<Wire>(data_.data() + f.offset, static_cast<double>(value), f.scale) == Stored::ok;
         }
     }
-    /// Text, or bytes, or an address: copied where the field has a size (the rest of it is 0), else referred to until
-    /// encode(). False, and nothing changed, when it is longer than the field.
+    /// Text, bytes or an address. A field of fixed size takes a copy and is filled up with 0; for a field of open length, `value`
+    /// must stay valid until encode(). False, and nothing changed, when it is longer than the field.
     template <Name F>
     [[nodiscard]] bool set(Bytes value) noexcept {
         constexpr const Field& f = detail::field<M, Label, F>();

@@ -39,7 +39,7 @@ constexpr void store(std::uint8_t* at, T value) noexcept {
     for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<std::uint8_t>(bits >> (8 * i));
 }
 
-/// Calls `f` with a T{} of the C++ type that `type` is; with a byte for types that are not numbers.
+/// Calls `f` with a T{} of the C++ type for `type`; with std::uint8_t{} for types that are not numbers.
 template <class F>
 constexpr decltype(auto) with_type(Type type, F&& f) {
     switch (type) {
@@ -65,7 +65,7 @@ enum class Stored : std::uint8_t {
     not_whole,       // a fraction for an integer without scale
 };
 
-/// Largest and smallest value the wire type of `field` can carry, in its unit.
+/// Smallest and largest value that the wire type of `field` can carry, in its unit.
 inline std::pair<double, double> limits_of(const Field& field) noexcept {
     return with_type(field.type, [&]<class T>(T) {
         const double k = field.scale.value / field.scale.wire;
@@ -86,7 +86,7 @@ Stored store_double(std::uint8_t* at, double value, Scale scale) noexcept {
     } else {
         if (scale.is_one() && std::isfinite(value) && value != std::trunc(value)) return Stored::not_whole;
         const double wire = std::round(value * scale.wire / scale.value);
-        // 2^n is exact as a double, the largest T may not be.
+        // 2^n is exact as a double; the maximum of T may not be.
         const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
         const double first = std::is_signed_v<T> ? -end : 0.0;
         if (!(wire >= first && wire < end)) return Stored::out_of_range;

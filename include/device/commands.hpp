@@ -1,4 +1,4 @@
-// The commands of a device (protocol text, section 4, 0xC0 to 0xC2): functions of the user, of which hosts learn name and types.
+// The commands of a device (protocol text, section 4, 0xC0 to 0xC2): functions of the user, whose names and types hosts can read.
 //
 // Flow:    commands.add({1, 0, 1}, "BLINK", "times, seconds", [](std::uint8_t times, float seconds) { ... });
 //          commands.add({1, 0, 2}, "REBOOT", "", [] { return may_reboot(); });    // false: refused, and not acknowledged
@@ -25,9 +25,9 @@ using CommandId = std::array<std::uint8_t, 3>;    // cid0 to cid2
 inline constexpr std::size_t max_command_values = 8;
 
 struct Command {
-    CommandId cid{};                                      // unlike all others of the device
+    CommandId cid{};                                      // unique in the device
     std::string name{};                                   // 1 to 20 bytes
-    std::string info{};                                   // for people; what does not fit into a frame is not sent
+    std::string info{};                                   // for people; cut to what fits into a frame
     std::vector<Type> types{};                            // of its values, which are numbers: at most 8
     std::function<bool(std::span<const Value>)> run{};    // one value of each type; false: refused
 };
@@ -36,11 +36,11 @@ class Commands {
 public:
     explicit Commands(const Profile& profile) noexcept : profile_{profile} {}
 
-    /// The number that hosts ask for its description by. Throws std::invalid_argument for a row that makes no sense: no name, a
-    /// second one of that cid, no function, more than 8 values, a type that 0xC2 has no number for (text; u64 where
-    /// Profile::value_type_7 is f32).
+    /// Returns the number by which hosts ask for its description. Throws std::invalid_argument for an invalid row: no name, a cid
+    /// that is taken, no function, more than 8 values, a type that 0xC2 has no number for (text; u64 where Profile::value_type_7
+    /// is f32).
     std::uint16_t add(Command command);
-    /// A function or a lambda, whose parameters tell the types. It returns nothing, or false where it refuses.
+    /// Adds a function or a lambda; the types are those of its parameters. It returns void, or bool: false refuses the command.
     template <class F>
     requires(!std::is_same_v<std::remove_cvref_t<F>, std::function<bool(std::span<const Value>)>>) std::uint16_t
         add(CommandId cid, std::string name, std::string info, F function) {
@@ -50,7 +50,7 @@ public:
     std::size_t count() const noexcept { return rows_.size(); }
     const Command& operator[](std::size_t n) const noexcept { return rows_[n]; }
 
-    /// Runs what 0xC0 names. The acknowledgement follows when the function has returned.
+    /// Runs the command that 0xC0 names. The acknowledgement follows when the function has returned.
     Outcome take(const View<"command">& command, Reply& reply);
     Outcome take(const View<"command_query">& question, Reply& reply);
 

@@ -28,25 +28,26 @@
 
 namespace ano::device {
 
-/// In the log of a host (protocol text, section 4, 0xA0).
+/// The color of a line in the log of a host (protocol text, section 4, 0xA0).
 enum class LogColor : std::uint8_t { standard, red, green, blue };
 
-/// What became of the frames that came in. Every one is in exactly one row, those that wait still excepted.
+/// What was done with the received frames. Each is counted in exactly one row, except those that still wait; answers_lost
+/// counts answers.
 struct Counters {
     std::uint64_t not_ours = 0;       // for another address
-    std::uint64_t from_nobody = 0;    // S_ADDR is 0, 0xFF or the device's own: an answer would go astray
-    std::uint64_t too_long = 0;       // Profile::max_data
-    std::uint64_t queue_full = 0;     // Profile::queue
-    std::uint64_t crashed = 0;        // came after Profile::crashes_at_the_count had its way
+    std::uint64_t from_nobody = 0;    // S_ADDR is 0, 0xFF or the device's own: it can't be answered
+    std::uint64_t too_long = 0;       // longer than Profile::max_data
+    std::uint64_t queue_full = 0;     // Profile::queue frames waited already
+    std::uint64_t crashed = 0;        // came after the crash that Profile::crashes_at_the_count simulates
     std::uint64_t unanswered = 0;     // acknowledgements, telemetry, answers of others
     std::uint64_t unknown = 0;
     std::uint64_t malformed = 0;
     std::uint64_t refused = 0;
-    std::uint64_t answered = 0;        // at once, or later
-    std::uint64_t answers_lost = 0;    // of those: Outgoing::most frames waited already
+    std::uint64_t answered = 0;        // immediately or later
+    std::uint64_t answers_lost = 0;    // of the answered ones: Outgoing::max_frames frames waited already
 };
 
-/// Neither throws nor sends anything by itself; what the functions of the user throw passes through. Not for several threads.
+/// Neither throws nor sends anything by itself; exceptions of the user's functions pass through. Not thread-safe.
 class Device {
 public:
     /// Throws std::invalid_argument for an id that no device may have (0, 254, 255), or a name of more than 20 bytes.
@@ -61,16 +62,16 @@ public:
     Waypoints& waypoints() noexcept { return waypoints_; }
     Firmware& firmware() noexcept { return firmware_; }
 
-    /// A good frame came in, for whomever: handles it, or lets it wait where the profile says so.
+    /// Takes a received good frame, whatever its destination: handles it, or queues it where the profile says so.
     void take(FrameView frame, TimePoint now, Link link = 0);
     /// Does what is due at `now`.
     void run(TimePoint now);
-    /// When run() has something to do; nothing while nothing is under way.
+    /// When run() has something to do; std::nullopt while nothing is under way.
     std::optional<TimePoint> due() const noexcept;
-    /// The next frame to be sent, and by which link.
+    /// The next frame to be sent, and its link; std::nullopt when no frame waits.
     std::optional<Outgoing::Departure> next() noexcept { return out_.next(); }
 
-    /// Sends a message of the user's, from this device; false when it has no room to wait, or more than max_sent bytes of DATA.
+    /// Sends a message of the user from this device; false when Outgoing is full or the message has more than max_sent bytes of DATA.
     template <Name M, Name Label>
     bool send(const Draft<M, Label>& draft, std::uint8_t destination, Link link = every_link) noexcept {
         std::uint8_t* memory = out_.prepare();
@@ -79,13 +80,13 @@ public:
         out_.commit(size, link);
         return size != 0;
     }
-    /// A line for the log of the hosts (0xA0), or one with a number (0xA1); what does not fit into a frame is left out. False: it has no
-    /// room to wait.
+    /// Sends a line for the log of the hosts (0xA0), or one with a number (0xA1), cut to what fits into a frame. False: Outgoing is
+    /// full.
     bool log(std::string_view text, LogColor color = LogColor::standard, std::uint8_t destination = address::host) noexcept;
     bool log(float value, std::string_view text, std::uint8_t destination = address::host) noexcept;
 
     const Counters& counters() const noexcept { return counters_; }
-    /// Profile::crashes_at_the_count, and it happened.
+    /// The crash that Profile::crashes_at_the_count simulates has happened.
     bool crashed() const noexcept { return parameters_.crashed(); }
 
 private:

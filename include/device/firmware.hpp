@@ -18,7 +18,7 @@
 
 namespace ano::device {
 
-/// What 0xF0 0x01 says of an image. Of a .bin all but length, frame length and CRC is 0.
+/// What 0xF0 0x01 says of an image. For a .bin, all fields except size, frame size and CRC are 0.
 struct ImageInfo {
     std::uint32_t size = 0;          // bytes
     std::uint16_t frame_size = 0;    // bytes of image in each frame but the last, which may be shorter
@@ -30,21 +30,21 @@ struct ImageInfo {
     std::uint32_t cmd = 0;
 };
 
-/// A whole one, whose CRC is right.
+/// A complete image, whose CRC is right.
 struct Image {
     ImageInfo info;
     Bytes bytes;    // valid during the call
 };
 
-/// What a user says of the images that the device takes.
+/// Which images the device takes, and what it does with them.
 struct Flash {
-    std::size_t max_size = 0;                          // bytes; the memory for one is taken when it is to be erased
+    std::size_t max_size = 0;                          // bytes of an image; the memory is allocated at erase
     std::function<bool(const Image&)> install{};       // true: passed
     std::function<bool(const ImageInfo&)> accept{};    // asked after the device's own checks; empty: yes
     std::function<bool()> erase{};                     // false: erase failed; empty: nothing is to be erased
     std::uint8_t hw_type = 0;                          // 0: the device's id
-    std::optional<Crc16> crc = usual_crc16;            // nothing: not checked
-    Duration erase_time{}, check_time{};               // until the answer, of devices whose flash takes its time
+    std::optional<Crc16> crc = usual_crc16;            // std::nullopt: not checked
+    Duration erase_time{}, check_time{};               // delay of the answer, to simulate slow flash
 };
 
 class Firmware {
@@ -53,23 +53,23 @@ public:
 
     Firmware(const Info& info, const Profile& profile) noexcept : device_{info}, profile_{profile} {}
 
-    /// Without it, as at first, the device says nothing to 0xF0.
+    /// Until this is called, the device does not answer 0xF0.
     void allow(Flash flash) { flash_ = std::move(flash); }
 
     State state() const noexcept { return state_; }
-    /// Of the image that was accepted last.
+    /// The description of the image that was accepted last.
     const ImageInfo& image() const noexcept { return image_; }
-    /// Different frames that were written.
+    /// The number of different frames that were written.
     std::size_t written() const noexcept { return written_; }
 
     Outcome take(const View<"firmware", "info">& info, Reply& reply);
     Outcome take(const View<"firmware", "image">& frame, Reply& reply);
-    /// Erase and all sent; the other codes are answers.
+    /// Handles "erase" and "all sent"; the other codes are answers.
     Outcome take(const View<"firmware">& code, TimePoint now, Reply& reply);
 
-    /// When the answer to a slow step is due; nothing while none is under way.
+    /// When the answer to a slow step is due; std::nullopt while none is under way.
     std::optional<TimePoint> due() const noexcept { return due_; }
-    /// Ends the slow step, and tells who asked for it.
+    /// Ends the slow step if it is due; returns the answer and its receiver.
     struct Late {
         Asker asker;
         std::uint16_t code;
@@ -90,10 +90,10 @@ private:
     Flash flash_;
     ImageInfo image_;
     State state_ = State::idle;
-    std::optional<Asker> asker_;    // who sends the image
+    std::optional<Asker> asker_;    // the sender of the image
     std::optional<TimePoint> due_;
     std::vector<std::uint8_t> bytes_;
-    std::vector<bool> has_;    // by frame
+    std::vector<bool> has_;    // by frame: was it written
     std::size_t written_ = 0;
 };
 

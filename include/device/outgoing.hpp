@@ -1,4 +1,4 @@
-// The frames that a device has to send, until its program takes them.
+// The frames that a device has to send, stored until its program takes them.
 #pragma once
 #include <ano/frame.hpp>
 #include <device/profile.hpp>
@@ -11,26 +11,28 @@
 
 namespace ano::device {
 
-/// The number that the program gives to a way by which frames come and go. A device answers on the link that the question came by.
+/// A number that the program gives to each of its links. A device answers on the link by which the question came.
 using Link = std::uint32_t;
-inline constexpr Link every_link = UINT32_MAX;    // of what nobody asked for
+inline constexpr Link every_link = UINT32_MAX;    // for frames that are not answers
 
-/// At most `most` frames wait. Neither throws nor allocates after construction.
+/// At most `max_frames` frames wait. Neither throws nor allocates after construction.
 class Outgoing {
 public:
-    static constexpr std::size_t most = 64;
+    static constexpr std::size_t max_frames = 64;
 
     struct Departure {
-        FrameView frame;    // valid until the device is next told or asked anything
+        FrameView frame;    // valid until the next call of a non-const function of the device
         Link link;
     };
 
-    /// Memory for one more frame, and then how many of its bytes were used; 0: none. Null while `most` wait.
-    std::uint8_t* prepare() noexcept { return waiting_ == most ? nullptr : slots_[(first_ + waiting_) % most].bytes.data(); }
+    /// Memory of `room` bytes for one more frame; null while `max_frames` wait. commit() says how many bytes were used; 0: no frame.
+    std::uint8_t* prepare() noexcept {
+        return waiting_ == max_frames ? nullptr : slots_[(first_ + waiting_) % max_frames].bytes.data();
+    }
     void commit(std::size_t size, Link link) noexcept;
     static constexpr std::size_t room = overhead + max_sent;
 
-    /// The oldest one, which waits no more.
+    /// Removes the oldest waiting frame and returns it; std::nullopt when none waits.
     std::optional<Departure> next() noexcept;
     std::size_t waiting() const noexcept { return waiting_; }
 
@@ -40,7 +42,7 @@ private:
         std::size_t size;
         Link link;
     };
-    std::unique_ptr<Slot[]> slots_ = std::make_unique<Slot[]>(most);
+    std::unique_ptr<Slot[]> slots_ = std::make_unique<Slot[]>(max_frames);
     std::size_t first_ = 0;
     std::size_t waiting_ = 0;
 };

@@ -1,4 +1,4 @@
-// The parameters of a device (protocol text, section 4, 0xE0 to 0xE2): their values stay with the user, who lends a variable or two
+// The parameters of a device (protocol text, section 4, 0xE0 to 0xE2). The user keeps their values, and passes a variable or two
 // functions for each.
 //
 // Flow:    float gain = 0.5f;
@@ -24,7 +24,7 @@
 
 namespace ano::device {
 
-/// What 0xE0 with cmd 0x10 asks for. The vendor's host sends the four of a calibration by itself.
+/// What 0xE0 with cmd 0x10 asks for. The vendor's host program sends the four calibration actions automatically.
 enum class Action : std::uint16_t {
     clear_accelerometer = 0x20,    // so that raw values are sent
     store_accelerometer = 0x21,    // all 15 values were written
@@ -34,19 +34,19 @@ enum class Action : std::uint16_t {
     save = 0xAB,
 };
 
-/// One parameter, by functions. Those for variables make it: see Parameters::add().
+/// One parameter, accessed by functions. Parameters::add() also makes one from a variable.
 struct Parameter {
-    std::string name{};                         // 1 to 20 bytes, unlike all others of the device
+    std::string name{};                         // 1 to 20 bytes, unique in the device
     Type type = Type::f32;                      // a number, or Type::text
-    std::function<Value()> get{};               // never empty; a value of another type is not told
-    std::function<bool(const Value&)> set{};    // given only what fits type and limits; false: refused. Empty: can't be written
+    std::function<Value()> get{};               // required; a value of another type is not sent
+    std::function<bool(const Value&)> set{};    // gets only values that fit type and limits; false: refused. Empty: read-only
     Value initial{};                            // what restoring the defaults writes
-    std::optional<Value> min{}, max{};          // of numbers; none: those of the type
-    std::size_t max_size = max_sent;            // bytes of a text, at most
-    std::string info{};                         // for people; what does not fit into a frame is not sent
+    std::optional<Value> min{}, max{};          // of numbers; std::nullopt: the limits of the type
+    std::size_t max_size = max_sent;            // bytes of a text
+    std::string info{};                         // for people; cut to what fits into a frame
 };
 
-/// What may be said of a parameter that is a variable.
+/// Optional properties of a parameter that is a variable.
 template <class T>
 struct Limits {
     std::string info{};
@@ -62,41 +62,41 @@ class Parameters {
 public:
     explicit Parameters(const Profile& profile) noexcept : profile_{profile} {}
 
-    /// The id that it got: they count from 0. Throws std::invalid_argument for a row that makes no sense: no name or a second one
-    /// of that name, no get, limits that are no values of the type, a calibration parameter (CAL_) that is not f32.
+    /// Returns the id; ids count from 0. Throws std::invalid_argument for an invalid row: no name, a name that is taken, no get,
+    /// limits that are not values of the type, a calibration parameter (CAL_) that is not f32.
     std::uint16_t add(Parameter parameter);
-    /// `variable` is the parameter, and has its default now. It lives as long as this.
+    /// `variable` holds the value of the parameter; its present value is the default. It must outlive this object.
     template <Wire T>
     std::uint16_t add(std::string name, T& variable, const Limits<std::type_identity_t<T>>& limits = {});
     /// CAL_AOFF_X to CAL_AEM3_Z: offset, sensitivity and error matrix by rows, in the order of the protocol text, with no other
-    /// between them. They are 0, 1 and the unit matrix as long as nobody calibrates.
+    /// between them. Sets `values` to 0, 1 and the unit matrix, which are the defaults. `values` must outlive this object.
     void add_accelerometer_calibration(std::array<float, 15>& values);
-    /// CAL_MOFF_X to CAL_MSEN_Z: offset and sensitivity.
+    /// The same for CAL_MOFF_X to CAL_MSEN_Z: offset and sensitivity, 0 and 1.
     void add_compass_calibration(std::array<float, 6>& values);
 
-    /// Stores all values; true: done. Without it nothing can be saved, and whoever asks for it hears nothing.
+    /// Sets the function that stores all values and returns true when done. Without it, a request to save is not answered.
     void on_save(std::function<bool()> save) { actions_[static_cast<std::uint16_t>(Action::save)] = std::move(save); }
-    /// Does what 0xE0 with cmd 0x10 and this number asks for; true: done. It takes the place of what is done otherwise: the
-    /// defaults are written by themselves, clearing a calibration writes those of its parameters, storing one saves.
+    /// Sets the function for 0xE0 with cmd 0x10 and this number; it returns true when done. It replaces the built-in behaviour:
+    /// restoring writes the defaults, clearing a calibration writes the defaults of its parameters, storing one saves.
     void on(std::uint16_t action, std::function<bool()> function) { actions_[action] = std::move(function); }
     void on(Action action, std::function<bool()> function) { on(static_cast<std::uint16_t>(action), std::move(function)); }
 
     std::size_t count() const noexcept { return rows_.size(); }
     const Parameter& operator[](std::size_t id) const noexcept { return rows_[id]; }
     std::optional<std::uint16_t> find(std::string_view name) const noexcept;
-    /// As if a host wrote it: clamped to the limits. False: there is none of that name, it is a value of another type, or the
-    /// function of the user refused it.
+    /// Writes as a host does: the value is clamped to the limits. False: no parameter has this name, the value is of another type,
+    /// or the user's function refused it.
     bool write(std::string_view name, const Value& value);
-    /// Writes the default of every parameter whose name begins so; false when one of them was refused.
+    /// Writes the default of every parameter whose name begins with `beginning`; false when one of them was refused.
     bool restore_defaults(std::string_view beginning = "");
 
-    /// Answers 0xE0 but for cmd 0, which asks for the device.
+    /// Answers 0xE0 except cmd 0, which asks for device info.
     Outcome take(const View<"parameter_command">& question, Reply& reply);
     Outcome take(const View<"parameter_command", "action">& action, Reply& reply);
     /// Answers 0xE1, which is always a write here.
     Outcome take(const View<"parameter_value">& written, Reply& reply);
 
-    /// Profile::crashes_at_the_count, and it happened: the device does not answer any more.
+    /// The crash that Profile::crashes_at_the_count simulates has happened: the device does not answer any more.
     bool crashed() const noexcept { return crashed_; }
 
 private:

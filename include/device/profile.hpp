@@ -1,4 +1,4 @@
-// Where devices in the field differ from the protocol text: what a program that talks to devices has to live with.
+// Where devices in the field differ from the protocol text: programs that talk to devices must handle all of this.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -9,24 +9,23 @@
 
 namespace ano::device {
 
-inline constexpr std::size_t max_sent = 198;    // bytes of DATA: the most that every parser in the field takes
+inline constexpr std::size_t max_sent = 198;    // bytes of DATA: every parser in the field takes as many
 
-/// What a device does in a way of its own. Everything at its default is the protocol text with its rulings.
+/// How a device differs from the protocol text. The defaults are the protocol text with its rulings.
 struct Profile {
-    std::size_t max_data = max_len;    // a frame with more bytes of DATA is not heard; what is sent is never longer than max_sent
+    std::size_t max_data = max_len;    // a frame with more bytes of DATA is ignored; those sent never have more than max_sent
     std::size_t max_string = max_sent - 2;        // bytes of a text parameter: a longer one is cut, and acknowledged
     ValueType7 value_type_7 = ValueType7::f32;    // of command_info (0xC2)
 
-    bool acknowledges_unknown = false;     // 0xE1 of a parameter that it does not have
+    bool acknowledges_unknown = false;     // also 0xE1 of a parameter that it does not have
     bool refuses_beyond_limits = false;    // such a value gets silence; otherwise it is clamped, and acknowledged
     bool reads_behind_the_end = false;     // a value shorter than its type is filled up with the check bytes, and stored
-    bool crashes_at_the_count =
-        false;                       // a question for the parameter behind the last one, or a write to it: silent from then on
-    bool old_layouts = false;        // 0xE2 with min and max, every 0xE1 as i32, the count of 0xC1 in four bytes
-    bool frames_in_order = false;    // an image frame ahead of its turn fails
+    bool crashes_at_the_count = false;     // reading or writing the id behind the last parameter silences it for ever
+    bool old_layouts = false;              // 0xE2 with min and max, every 0xE1 as i32, the count of 0xC1 in four bytes
+    bool frames_in_order = false;          // an image frame that is not the next one in order fails
 
-    std::size_t queue = 0;    // frames that wait for being handled; one more is dropped without a word. 0: handled at once
-    Duration handling{};      // how long each takes, where there is a queue
+    std::size_t queue = 0;    // max. frames that wait to be handled; further ones are dropped silently. 0: handled at once
+    Duration handling{};      // time for each frame, if there is a queue
 
     /// The vendor's newest library on a small controller.
     static constexpr Profile vendor() noexcept {

@@ -13,21 +13,21 @@ namespace ano::device {
 enum class Outcome : std::uint8_t {
     answered,
     later,         // the answer follows when the work is done
-    unanswered,    // heard, and its id is one that nobody answers
+    unanswered,    // frames with this id are never answered
     unknown,       // an id, a number or a code that the device does not have
     malformed,     // shorter than its layout, or than the type of its value
     refused,       // by the limits, or by a function of the user
 };
 
-/// Whom a late answer goes to.
+/// The receiver of a late answer.
 struct Asker {
     std::uint8_t address;
     Link link;
     friend constexpr bool operator==(const Asker&, const Asker&) = default;
 };
 
-/// Addressed to the one who asked, on the link that it asked by. A second answer to the same frame is not sent. When no more
-/// frames may wait, the answer is lost, as on a line: who asked asks again.
+/// Goes to the sender of the request, on the link by which the request came. A second answer to the same frame is not sent. When
+/// Outgoing is full, the answer is lost, as it may be lost on a line: the sender asks again.
 class Reply {
 public:
     Reply(FrameView request, Link link, std::uint8_t self, Outgoing& out) noexcept
@@ -40,7 +40,7 @@ public:
 
     /// 0x00 with the id and both check bytes of the request.
     Outcome acknowledge() noexcept;
-    /// `zeros`: further bytes of DATA, of devices whose layout is longer.
+    /// `zeros`: how many bytes 0 to append to DATA, for devices whose layout is longer.
     template <Name M, Name Label>
     Outcome send(const Draft<M, Label>& draft, std::size_t zeros = 0) noexcept {
         if (sent_) return Outcome::answered;

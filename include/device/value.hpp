@@ -39,7 +39,7 @@ constexpr std::optional<Type> type_for() {
 }
 }    // namespace detail
 
-/// A type of C++ that the protocol has, too: an integer of 1 to 8 bytes, float, double, std::string.
+/// A C++ type that the protocol has as well: an integer of 1 to 8 bytes, float, double, std::string.
 template <class T>
 concept Wire = detail::type_for<T>()
 .has_value();
@@ -57,7 +57,7 @@ Value to_value(const T& value) {
     else return static_cast<std::int64_t>(value);
 }
 
-/// `value` as the T that it was made of, or that its type stands for.
+/// `value` converted to T, the type it was made from or a type of the same alternative.
 template <Wire T>
 T from_value(const Value& value) {
     if constexpr (std::is_same_v<T, std::string>) {
@@ -73,21 +73,22 @@ T from_value(const Value& value) {
     }
 }
 
-/// Whether `value` is one that `type` has: of its alternative, and for a number within the range of the wire type.
+/// Whether `type` can hold `value`: it is of the right alternative, and a number is within the range of the wire type.
 bool fits(const Value& value, Type type) noexcept;
 /// The smallest and the largest number of `type`, which is a number.
 std::pair<Value, Value> range_of(Type type);
-/// Not a number: nothing that could be compared with a limit.
+/// Whether `value` is NaN, which can't be compared with a limit.
 bool is_nan(const Value& value) noexcept;
 /// 0, or empty.
 Value zero_of(Type type);
 
-/// The value that `bytes` begin with, for a number: width(type) bytes at least. Text ends with its first NUL, or with the bytes.
+/// The value at the beginning of `bytes`, which for a number are at least width(type) bytes. Text ends at its first NUL or with
+/// `bytes`.
 Value read_value(Type type, Bytes bytes);
-/// Appends the value to `out`, as it stands on the wire. Text without a letter is one NUL: a value is never of no bytes.
+/// Appends the value to `out`, as it stands on the wire. An empty text is one NUL: a value has at least one byte.
 void append_value(std::vector<std::uint8_t>& out, Type type, const Value& value);
 
-/// As i32, which is how the oldest devices send every number: cut to its range, fractions rounded. Text is 0.
+/// The value as i32, as which the oldest devices send every number: clamped to its range, fractions rounded. Text is 0.
 std::int32_t as_i32(const Value& value) noexcept;
 /// The number of `type` nearest to `number`.
 Value from_i32(Type type, std::int32_t number);

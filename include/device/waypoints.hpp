@@ -21,20 +21,21 @@ struct Waypoint {
     friend bool operator==(const Waypoint&, const Waypoint&) = default;
 };
 
-/// Number 0 is HOME. Hosts write them in turn, from 0; what is written behind the last one is a new last one.
+/// Number 0 is HOME. Hosts write them in order from 0; writing the number after the last one appends a waypoint.
 class Waypoints {
 public:
-    /// 255 would be told by the very byte that asks how many there are.
-    static constexpr std::size_t most = 254;
+    /// A count of 255 can't be reported: the byte 255 in a 0x60 asks for the count.
+    static constexpr std::size_t max_waypoints = 254;
 
-    /// So many may be written; 0, as at first: the device has none, and says nothing about them. More than `most` are `most`.
+    /// Sets how many may be written, at most `max_waypoints`. 0, the initial value: the device has no waypoints and does not answer
+    /// questions about them.
     void allow(std::size_t count);
-    /// Asked before one is stored; false: refused, and not acknowledged.
+    /// `may` is called before a waypoint is stored; false: refused, and not acknowledged.
     void on_write(std::function<bool(std::size_t number, const Waypoint&)> may) { may_ = std::move(may); }
 
     std::size_t count() const noexcept { return list_.size(); }
     const Waypoint& operator[](std::size_t number) const noexcept { return list_[number]; }
-    /// For the program itself: the first `count`, further ones are all 0. No more than allowed.
+    /// For the program itself: keeps the first `count`, at most as many as allowed; new ones are all 0.
     void resize(std::size_t count) { list_.resize(count < allowed_ ? count : allowed_); }
     void set(std::size_t number, const Waypoint& waypoint) noexcept { list_[number] = waypoint; }
 

@@ -15,25 +15,25 @@ namespace anogate {
 
 struct AliasRule {
     std::uint8_t device = 0;    // the id it has
-    std::uint8_t as = 0;        // the id it appears under, which nothing else may have
+    std::uint8_t as = 0;        // the id it appears under; no other device may have it
     bool operator==(const AliasRule&) const = default;
 };
 
-/// The aliases of one link. Both directions rewrite the address and the checks. An acknowledgement (0x00) tells its
-/// receiver the check bytes of the frame it acknowledges, so those of every rewritten frame that may be acknowledged
-/// are remembered: for `memory`, at most 1024, the oldest forgotten. No allocation after construction.
+/// The aliases of one link. Both directions rewrite the address and the checks. An acknowledgement (0x00) repeats the
+/// check bytes of the frame it acknowledges, so those of every rewritten frame that may be acknowledged are remembered:
+/// for `memory`, at most 1024, the oldest are forgotten. No allocation after construction.
 class Aliases {
 public:
     static constexpr ano::Duration memory = std::chrono::seconds{5};
 
-    /// `max_data` of the link: what is larger passes unchanged, for the outbox to refuse.
+    /// `max_data` of the link: larger frames pass unchanged, and the outbox refuses them.
     Aliases(const std::vector<AliasRule>& rules, std::size_t max_data);
 
-    /// A frame from the link as the others are to see it: the source, the device id of a device info (0xE3), and the
-    /// checks in an acknowledgement. Valid until the next call.
+    /// A frame from the link as other links are to see it: with the source, the device id of a device info (0xE3) and the
+    /// checks in an acknowledgement rewritten. Valid until the next call.
     ano::FrameView inbound(ano::FrameView frame, ano::TimePoint now) noexcept;
-    /// A frame to the link as its devices are to see it. Nothing for a frame to the id that an aliased device has:
-    /// meant for another that has it rightly, it must not reach this one. Valid until the next call.
+    /// A frame to the link as its devices are to see it. std::nullopt for a frame to the real id of an aliased device: it is
+    /// meant for another device that has this id, and must not reach this one. Valid until the next call.
     std::optional<ano::FrameView> outbound(ano::FrameView frame, ano::TimePoint now) noexcept;
 
 private:
@@ -45,7 +45,7 @@ private:
     std::array<std::uint8_t, 256> as_{};        // by device; 0: none
     std::array<std::uint8_t, 256> device_{};    // by alias; 0: none
     std::size_t max_size_;
-    std::unique_ptr<std::uint8_t[]> in_, out_;            // apart: a frame may go from one device of the link to another
+    std::unique_ptr<std::uint8_t[]> in_, out_;            // two buffers: a frame may go from one device of the link to another
     ExpiringCache<ano::Checks> sent_as_{memory, 1024};    // the checks a frame had, by those it has now
 };
 

@@ -1,4 +1,4 @@
-// When to try a link again: the one rule of the house.
+// When to try a link again: the one rule for all links.
 #pragma once
 #include <ano/time.hpp>
 
@@ -6,8 +6,8 @@
 
 namespace anogate {
 
-/// The first retry comes at once, the next after 100 ms, each pause twice the one before, 1 s at the most. A link that
-/// came up but did not hold for a second goes on where it was: one that opens and fails at once can't spin the loop.
+/// The first retry comes at once, the next after 100 ms; each pause is twice the one before, at most 1 s. A link that came
+/// up for less than a second continues with the next pause, so that a link that opens and fails at once can't spin the loop.
 class Backoff {
 public:
     static constexpr ano::Duration first = std::chrono::milliseconds{100};
@@ -17,7 +17,7 @@ public:
         up_ = true;
         up_since_ = now;
     }
-    /// The link failed at `now`, or a try did: when to try next.
+    /// The link or an attempt to open it failed at `now`: returns when to try next.
     constexpr ano::TimePoint retry_at(ano::TimePoint now) noexcept {
         if (up_ && now - up_since_ >= cap) pause_ = ano::Duration::zero();
         up_ = false;

@@ -8,9 +8,9 @@ namespace anogate {
 
 class Blink {
 public:
-    static constexpr ano::Duration shortest = std::chrono::milliseconds{25};    // of on, and of off
+    static constexpr ano::Duration min_phase = std::chrono::milliseconds{25};    // minimum duration of on and of off
 
-    /// There was traffic. True: step() is to be called, at due() or now when that is past. Traffic while the light is on is
+    /// There was traffic. True: step() is to be called at due(), or now if that is past. Traffic while the light is on is
     /// shown already; traffic while it is off is shown by the next flash.
     constexpr bool traffic() noexcept { return !lit_ && !std::exchange(seen_, true); }
     /// When the light may change next.
@@ -18,7 +18,7 @@ public:
     /// Changes the light, at due() or later; true: it is on now, and step() is to be called again.
     constexpr bool step(ano::TimePoint now) noexcept {
         lit_ = std::exchange(seen_, false);
-        due_ = now + shortest;
+        due_ = now + min_phase;
         return lit_;
     }
 

@@ -1,4 +1,4 @@
-// The settings of a CAN interface. They stand here, for CanStream decides by them.
+// The settings of a CAN interface, here because can_stream.hpp needs them.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,8 +14,8 @@ struct CanSettings {
     bool fd = false;                      // CAN FD frames; the interface must carry them
     bool brs = true;                      // their data at the faster bit rate
     bool extended = false;                // 29-bit ids
-    std::optional<std::uint32_t> base;    // of the ids of stream framing; nothing: 0x600, or 0x0AB00000 when extended
-    std::optional<std::uint32_t> tx;      // the ids of ISO-TP, both needed there
+    std::optional<std::uint32_t> base;    // of the ids of stream framing; std::nullopt: 0x600, or 0x0AB00000 when extended
+    std::optional<std::uint32_t> tx;      // the ids of ISO-TP, which needs both
     std::optional<std::uint32_t> rx;
     bool operator==(const CanSettings&) const = default;
 };

@@ -1,4 +1,4 @@
-// V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames whose id tells the sender.
+// V8 frames on CAN, framing=stream: the bytes of each frame in order, in the data of CAN frames whose id identifies the sender.
 // This mapping is anogate's own, since the protocol text does not mention CAN (src/link/README.md, "CAN").
 //
 // Flow, sending:      pieces = cutter.cut(outbox.gather(…))       // as many CAN frames as there is room for
@@ -21,7 +21,7 @@
 
 namespace anogate {
 
-/// What is wrong with `can`, in a sentence; empty when nothing is.
+/// What is wrong with `can`, as a sentence; empty when it is valid.
 std::string fault_of(const CanSettings& can);
 
 /// The smallest legal size of the data of a CAN FD frame that holds `bytes`, 0 to 64.
@@ -43,7 +43,7 @@ public:
 
     /// `header` begins with HEAD to ID of a frame.
     std::uint32_t of(std::span<const std::uint8_t> header) const noexcept;
-    /// The S_ADDR that V8 frames with the CAN id `id` must have; nothing when it is not one of our ids.
+    /// The S_ADDR that V8 frames with the CAN id `id` must have; std::nullopt when it is not one of our ids.
     std::optional<std::uint8_t> source(std::uint32_t id) const noexcept;
 
     /// Filters that let all our ids pass and no others: an id passes when (id & mask) == base for one of them.
@@ -67,30 +67,30 @@ public:
     struct Piece {
         std::uint32_t id;
         std::span<const std::uint8_t> bytes;
-        std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or with CAN FD more, the rest 0x00
-        bool last;            // of its V8 frame
+        std::uint8_t size;    // of the data of the CAN frame: bytes.size(), or more with CAN FD, filled up with 0x00
+        bool last;            // the last piece of its V8 frame
     };
     /// `frames` as Outbox::gather() gives them. The result is valid until the next call, and while their bytes are.
     std::span<const Piece> cut(std::span<const std::span<const std::uint8_t>> frames) noexcept;
     /// The bus took the first `n` of the pieces cut last. Returns how many bytes of V8 frames these are.
     std::size_t taken(std::size_t n) noexcept;
-    /// Gives up the frame of which a part has left.
+    /// Gives up the frame that has left in part.
     void reset() noexcept { rest_id_.reset(); }
 
-    static constexpr std::size_t most = 64;    // pieces at a time
+    static constexpr std::size_t max_pieces = 64;    // that cut() returns
 
 private:
     CanIds ids_;
     bool fd_;
-    std::optional<std::uint32_t> rest_id_;    // the id of a frame of which a part has left, whose rest no longer has the header
-    std::array<Piece, most> pieces_;
+    std::optional<std::uint32_t> rest_id_;    // the CAN id of a frame that has left in part: its rest no longer has the header
+    std::array<Piece, max_pieces> pieces_;
 };
 
-/// Joins what comes in under each CAN id to V8 frames again: one parser an id, so senders never mix. Up to 256 ids; when a
-/// 29-bit bus has more, the one unused longest gives way. Does not allocate once an id is known.
+/// Joins the data of each CAN id to V8 frames again, with one parser for each id, so senders never mix. Up to 256 ids; when a
+/// 29-bit bus has more, the one unused longest is replaced. Does not allocate once an id is known.
 class CanStreams {
 public:
-    static constexpr std::size_t most = 256;
+    static constexpr std::size_t max_streams = 256;
 
     CanStreams(const CanSettings& can, std::size_t max_data) : ids_{can}, max_data_{max_data} {}
 
@@ -105,14 +105,14 @@ public:
         put(*stream, data, now);
         drain(*stream, on_frame);
     }
-    /// Gives up frames whose rest is overdue. When to call it: deadline().
+    /// Gives up frames whose rest is overdue. To be called at deadline().
     template <class OnFrame>
     void expire(TimePoint now, OnFrame on_frame) {
         for (Stream& stream : streams_)
             if (stream.parser.expire(now)) drain(stream, on_frame);
     }
     std::optional<TimePoint> deadline() const noexcept;
-    /// The bus is gone: unfinished frames are given up.
+    /// To be called when the bus is gone: unfinished frames are given up.
     template <class OnFrame>
     void finish(OnFrame on_frame) {
         for (Stream& stream : streams_) {
@@ -121,9 +121,9 @@ public:
         }
     }
 
-    /// Of all ids. A frame whose S_ADDR disagrees with its id counts as denied_in.
+    /// The sum for all ids. A frame whose S_ADDR disagrees with its id counts as denied_in.
     ReceiveCounters received() const noexcept;
-    /// Such frames alone.
+    /// Only the frames whose S_ADDR disagrees with their id.
     std::uint64_t wrong_source() const noexcept { return refused_.denied_in; }
     std::size_t size() const noexcept { return streams_.size(); }
 
@@ -143,7 +143,7 @@ private:
     template <class OnFrame>
     Stream& open(std::uint32_t id, OnFrame on_frame) {
         const std::uint8_t source = *ids_.source(id);
-        if (streams_.size() < most) {
+        if (streams_.size() < max_streams) {
             ano::FrameParser::Options options;
             options.max_data = max_data_;
             options.zero_padding = true;

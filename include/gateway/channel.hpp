@@ -1,4 +1,4 @@
-// What is alive on a link: a serial link has one channel, a listening UDP link one for every peer.
+// A connection on a link: a serial link has one channel, a listening UDP link has one for every peer.
 #pragma once
 #include <ano/parser.hpp>
 #include <gateway/counters.hpp>
@@ -22,27 +22,27 @@ struct Channel {
     std::string peer;    // for people: the device, or the peer's endpoint
     ano::FrameParser parser;
     Outbox outbox;
-    ReceiveCounters routed;    // only what is counted behind the parser: denied_in, inhibited, looped, duplicate, no_route
+    ReceiveCounters routed;    // only what is counted after the parser: denied_in, inhibited, looped, duplicate, no_route
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};            // the last good frame; zero: none yet
-    std::uint64_t skipped_by_then = 0;    // bytes of no frame, when heard_at was
-    bool hosts_spoke = false;             // a frame of a host was to leave by it
-    ReceiveCounters beside{};             // of parsers beside `parser`: a CAN link has one for every CAN id
+    std::uint64_t skipped_by_then = 0;    // skipped() at the time heard_at
+    bool hosts_spoke = false;             // a frame of a host was to be sent here
+    ReceiveCounters beside{};             // of further parsers: a CAN link has one for every CAN id
 
-    std::unique_ptr<QuestionQueue> questions{};    // before the outbox, where the device takes few; nullptr: none
+    std::unique_ptr<QuestionQueue> questions{};    // before the outbox of a device that takes few questions; nullptr: none
 
-    ano::TimePoint arrived_at{};    // what was read last; its link sets it before the parser sees it
+    ano::TimePoint arrived_at{};    // of the bytes read last; the link sets it before the parser gets them
 
     /// A good frame came.
     void hear(ano::TimePoint now) noexcept {
         heard_at = now;
         skipped_by_then = skipped();
     }
-    /// Bytes of no frame since the last good one.
+    /// Bytes that belong to no frame, since the last good frame.
     std::uint64_t skipped_since_heard() const noexcept { return skipped() - skipped_by_then; }
-    /// Of all parsers, and ours.
+    /// The counters of all parsers, and `routed`.
     ReceiveCounters received() const noexcept;
-    /// Of the outbox and what stands before it.
+    /// The counters of the outbox and of `questions`.
     SendCounters sent() const noexcept;
     std::size_t waiting() const noexcept;
 

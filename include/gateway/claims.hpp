@@ -1,4 +1,4 @@
-// Decides who gets an address when a device claims one that another holds: the holder is asked first.
+// Decides which device keeps an address when one claims it that another holds: the holder is asked first.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -12,22 +12,22 @@
 
 namespace anogate {
 
-/// Where a device is heard, as far as the Router knows.
+/// Where a device speaks, as far as the Router knows.
 enum class Speaks : std::uint8_t {
     somewhere,
-    at_home,      // where it was heard first
-    elsewhere,    // it has moved, or somebody else uses its address
+    at_home,      // at its home: where it was heard first
+    elsewhere,    // it has moved, or another device uses its address
 };
 
-/// The tests under way, at most one for an address: questions to the holder, and a verdict when it stays silent. Constant time,
+/// The tests under way, at most one for an address: questions to the holder, and a verdict when it does not answer. Constant time,
 /// except take(); no allocation.
 class Claims {
 public:
     struct Pace {
         unsigned questions = 3;
         ano::Duration answer_within = std::chrono::seconds{1};     // after each question
-        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, begin to begin
-        /// When the loop looks later than this after the last question, it may have missed the answer: it asks once more.
+        ano::Duration between_tests = std::chrono::seconds{10};    // of one address, from begin to begin
+        /// When take() is called later than this after the answer was due, the answer may have been missed: it asks once more.
         ano::Duration late = std::chrono::milliseconds{500};
     };
 
@@ -54,12 +54,12 @@ public:
 
     /// Whether something may be due.
     bool is_due(ano::TimePoint now) const noexcept { return now >= earliest_; }
-    /// When to look next; nothing: there is no test.
+    /// When to call take() next; std::nullopt: there is no test.
     std::optional<ano::TimePoint> next() const noexcept { return under_way_.none() ? std::nullopt : std::optional{earliest_}; }
 
     struct Due {
         std::uint8_t address = 0;
-        bool silent = false;    // the test ends: the holder was silent; otherwise the holder is to be asked
+        bool silent = false;    // the test is over, as the holder was silent; false: the holder is to be asked
         ChannelId claimant{};
     };
     /// The next action that is due, if any.
@@ -95,7 +95,7 @@ private:
     Pace pace_;
     std::array<Test, 256> tests_{};
     std::bitset<256> under_way_;
-    ano::TimePoint earliest_ = ano::TimePoint::max();    // when something is due at the earliest; may be too early
+    ano::TimePoint earliest_ = ano::TimePoint::max();    // not later than the next due time; may be earlier
 };
 
 }    // namespace anogate

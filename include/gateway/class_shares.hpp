@@ -9,13 +9,13 @@
 
 namespace anogate {
 
-/// For each byte that others send while a class waits, it may send a ninth of a byte, which makes a tenth of all. Bytes that it
-/// sends because no higher class waits are taken off what is due to it, but never below zero. What is due stays due when the
-/// frame that would have used it is dropped: on a slow line, where frames become stale before a tenth of the line has carried
-/// one, the class still sends one frame of several.
+/// For each byte that others send while a class waits, the class earns a ninth of a byte, which makes a tenth of all bytes. Bytes
+/// that it sends because no higher class waits are subtracted, but never below zero. What was earned is kept when the frame that
+/// would have used it is dropped: on a slow line, where frames become stale before a tenth of the line has carried one, the class
+/// still sends one frame of several.
 class ClassShares {
 public:
-    /// By class: the size of the frame that it sends next, 0 where none waits.
+    /// For each class the size of the frame that it sends next; 0: none waits.
     using Sizes = std::array<std::size_t, traffic_classes>;
 
     /// The class that sends next; traffic_classes when none waits.
@@ -33,7 +33,7 @@ public:
             if (next[t] > 0 && t != chosen) due_[t] += next[chosen];
         leaves_alone(chosen, next[chosen]);
     }
-    /// The same, where no other class waits.
+    /// The same when no other class waits.
     constexpr void leaves_alone(std::size_t chosen, std::size_t bytes) noexcept {
         due_[chosen] -= std::min(due_[chosen], others_before_one * bytes);
     }

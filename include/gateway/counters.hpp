@@ -7,7 +7,7 @@
 
 namespace anogate {
 
-/// What came in by a channel.
+/// Counts what a channel received.
 struct ReceiveCounters {
     std::uint64_t frames_in{};        // good frames
     std::uint64_t bytes_in{};         // all bytes, good or not
@@ -16,13 +16,13 @@ struct ReceiveCounters {
     std::uint64_t skipped_bytes{};    // bytes that belong to no good frame
     std::uint64_t expired{};          // candidates whose end never came
     std::uint64_t denied_in{};        // refused by a filter or by `allow`
-    std::uint64_t inhibited{};        // kept off by a switch
+    std::uint64_t inhibited{};        // blocked by an inhibit switch
     std::uint64_t looped{};           // came back around a ring
-    std::uint64_t duplicate{};        // came by another member of the group already
-    std::uint64_t no_route{};         // good frames that had no taker
+    std::uint64_t duplicate{};        // came already by another link of the group
+    std::uint64_t no_route{};         // good frames without a receiver
 };
 
-/// What was offered to a channel. frames_out + every cause + those waiting = offered.
+/// Counts what was offered to a channel. frames_out + every cause + those waiting = offered.
 struct SendCounters {
     std::uint64_t frames_out{};
     std::uint64_t bytes_out{};
@@ -35,11 +35,11 @@ struct SendCounters {
     std::uint64_t link_down{};      // the link was down, or went down
     std::uint64_t too_big{};        // more DATA than the link carries
     std::uint64_t send_failed{};    // refused by the system
-    std::uint64_t held_back{};      // a peer outside our networks has not shown that it is there
+    std::uint64_t held_back{};      // a peer outside our networks has not shown yet that it receives
     std::uint64_t offered{};        // every frame that was to leave by this channel
 };
 
-/// Why a frame that came in went no further, and why one that was to leave did not: what is counted then.
+/// The counter that says why a received frame was dropped, and why a frame to be sent was.
 using ReceiveCause = std::uint64_t ReceiveCounters::*;
 using SendCause = std::uint64_t SendCounters::*;
 

@@ -1,4 +1,4 @@
-// Of a frame that comes by several links of a group, lets one through.
+// Lets only one copy through of a frame that comes by several links of a group.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/expiring_cache.hpp>
@@ -16,21 +16,21 @@ namespace anogate {
 
 class DuplicateGuard {
 public:
-    /// How long the link that brought a state must be silent before another may bring the same state again.
+    /// How long the link that brought a state must be silent before another link may bring the same state again.
     static constexpr ano::Duration silence = std::chrono::milliseconds{200};
 
-    /// How long a frame is known.
+    /// How long a frame is remembered.
     static constexpr ano::Duration usual_window = std::chrono::seconds{2};
 
     explicit DuplicateGuard(ano::Duration window = usual_window, std::size_t capacity = 16 * 1024) : brought_{window, capacity} {}
 
-    /// A frame of this frame_key() came by `from`, a member of `group` (1 to 64); it `arrived` before, where it waited to be
-    /// read. True: another member brought it less than the window before. A sender that repeats one and the same state, such
-    /// as sticks that rest, is still heard when its link fails: once the member that brought it repeatedly is silent, the
-    /// others count. That holds for frames a newer one may replace alone; a command never comes through twice.
+    /// A frame of this frame_key() came by `from`, a link of `group` (1 to 64); `arrived` is earlier than `now` if it waited to
+    /// be read. True: another link of the group brought it less than the window before. A sender that repeats the same state,
+    /// such as sticks at rest, still gets through when its link fails: once the link that brought the repeats is silent, the
+    /// others count. This applies only to frames that a newer one may replace; a command never comes through twice.
     bool duplicate(std::uint64_t key, std::uint8_t group, LinkId from, Replaces replaces, ano::TimePoint now,
                    ano::TimePoint arrived = ano::TimePoint::max()) noexcept {
-        key = (key & ~std::uint64_t{0xFF}) | group;    // 56 bits of the key tell frames apart well enough
+        key = (key & ~std::uint64_t{0xFF}) | group;    // 56 bits of the key are enough to distinguish frames
         heard_at_[index(from)] = now;
         if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
@@ -42,7 +42,7 @@ public:
         return false;
     }
 
-    /// The link is no more. What it brought stays known to the others of its group.
+    /// To be called when the link is removed. What it brought stays known to the other links of its group.
     void remove_link(LinkId link) {
         heard_at_[index(link)] = {};
         brought_.keep_if([link](std::uint64_t, Brought& brought) {
@@ -50,7 +50,7 @@ public:
             return true;
         });
     }
-    /// No link has this number any more.
+    /// To be called when no link has this group any more.
     void remove_group(std::uint8_t group) {
         brought_.keep_if([group](std::uint64_t key, const Brought&) { return (key & 0xFF) != group; });
     }
@@ -61,7 +61,7 @@ public:
         bool repeats = false;
         ano::TimePoint at{};
     };
-    /// Those that `link` brought first, or lately, behind `since`; for restore() of a program that goes on from this one.
+    /// The frames that `link` brought first, or last, after `since`; for restore() in the program that continues from this one.
     std::vector<Memory> brought_by(LinkId link, ano::TimePoint since) const {
         std::vector<Memory> all;
         brought_.for_each([&](std::uint64_t key, ano::TimePoint at, const Brought& brought) {
@@ -69,14 +69,14 @@ public:
         });
         return all;
     }
-    /// `link`, now a member of `group`, brought it.
+    /// `link`, now of `group`, brought the frame.
     void restore(const Memory& memory, std::uint8_t group, LinkId link) noexcept {
         brought_.put((memory.key & ~std::uint64_t{0xFF}) | group, {link, memory.repeats}, memory.at);
         heard_at_[index(link)] = std::max(heard_at_[index(link)], memory.at);
     }
 
 private:
-    static constexpr LinkId nobody{max_links};    // a link that is no more: it is silent
+    static constexpr LinkId nobody{max_links};    // stands for removed links, which are silent
     struct Brought {
         LinkId by{};
         bool repeats = false;

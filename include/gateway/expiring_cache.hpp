@@ -1,4 +1,4 @@
-// Remembers what happened lately.
+// A cache of recent values.
 #pragma once
 #include <ano/time.hpp>
 
@@ -14,8 +14,8 @@
 
 namespace anogate {
 
-/// Remembers a value by key for a while. Bounded: where it is full, the oldest gives way. Constant time, no allocation
-/// after construction. What was never put into takes no memory but addresses.
+/// Remembers a value by key for a while. Bounded: when it is full, the oldest is replaced. Constant time, no allocation
+/// after construction. Parts never written to take address space only, no memory.
 template <class Value>
 class ExpiringCache {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -29,14 +29,14 @@ public:
         if (!sets_) throw std::bad_alloc{};
     }
 
-    /// What was remembered of `key` less than `window` before `at`, or since, or nullptr. Valid until the next put().
+    /// The value of `key` that was put in later than `window` before `at`; nullptr: none. Valid until the next put().
     Value* find(std::uint64_t key, ano::TimePoint at) noexcept {
         Slot* slot = slot_of(key);
         return slot && at < time_of(*slot) + window_ ? &slot->value : nullptr;
     }
-    /// When it was put in; for one that find() gave.
+    /// When the value was put in; only for a key that find() found.
     ano::TimePoint put_at(std::uint64_t key) noexcept { return time_of(*slot_of(key)); }
-    /// Remembers `value` from `now` on, in place of what was known of `key`.
+    /// Remembers `value` from `now` on, in place of an earlier value of `key`.
     void put(std::uint64_t key, const Value& value, ano::TimePoint now) noexcept {
         Slot* slot = slot_of(key);
         if (!slot) {
@@ -45,8 +45,8 @@ public:
         }
         *slot = {key, stored(now), value};
     }
-    /// Calls `keep(key, value)`, which may change the value, for all that is remembered, and forgets those for which it is
-    /// false. It walks all the memory: not for each frame.
+    /// Calls `keep(key, value)`, which may change the value, for all values, and forgets those for which it returns false. It
+    /// walks all the memory: too slow to be called for each frame.
     template <class Keep>
     void keep_if(Keep keep) {
         for (std::size_t i = 0; i < set_count(); ++i)
@@ -54,7 +54,7 @@ public:
                 if (slot.at != empty && !keep(slot.key, slot.value)) slot = {};
     }
 
-    /// Calls `tell(key, at, value)` for all that was put in, however long ago. As keep_if(), not for each frame.
+    /// Calls `tell(key, at, value)` for all values, also expired ones. Too slow to be called for each frame, like keep_if().
     template <class Tell>
     void for_each(Tell tell) const {
         for (std::size_t i = 0; i < set_count(); ++i)
@@ -71,7 +71,7 @@ private:
         Value value{};
     };
     using Set = std::array<Slot, ways>;
-    // From calloc(): an empty slot is all zeros, and pages that nobody wrote to are not in memory.
+    // From calloc(): an empty slot is all zeros, and pages that were never written to are not in memory.
     struct Free {
         void operator()(Set* sets) const noexcept { std::free(sets); }
     };

@@ -1,10 +1,10 @@
 // The frames of one class, with a fair share for each sender: deficit round robin by the channel a frame came by, and
-// below that by S_ADDR. So a peer that forges 250 addresses has the share of one peer, and several hosts that all have the
-// address 0xFE have a share each.
+// within a channel by S_ADDR. So a peer that forges 250 addresses has the share of one peer, and several hosts that all have
+// the address 0xFE have a share each.
 //
 // Flow:    queue.push(i, from, source)
-//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // what would leave, in order
-//          queue.next(), queue.take() …                                        // leaves, in that very order
+//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // which frames will leave, in order
+//          queue.next(), queue.take() …                                        // they leave, in the same order
 #pragma once
 #include <ano/room.hpp>
 #include <gateway/ids.hpp>
@@ -17,19 +17,19 @@
 
 namespace anogate {
 
-/// Stands for the gateway itself as the channel that a frame came by.
+/// The channel of frames that the gateway itself sends.
 inline constexpr ChannelId ourselves{max_channels};
 
-/// Frames of one sender leave in order, except that frames which `overtake` leave before the others, in turns with them.
-/// A channel that had nothing waiting lately leaves first. Neither throws nor allocates after construction; constant time a
-/// frame, amortised over its bytes.
+/// Frames of one sender leave in order, except that frames which `overtake` alternate with the others, and go first. A channel
+/// that had nothing waiting lately sends first. Neither throws nor allocates after construction; constant time a frame,
+/// amortised over its bytes.
 class FairQueue {
 public:
-    /// `frames`, of which at most `max_frames` wait here, must outlive this. Where several wait, each sends `quantum` bytes
-    /// (above 0) in its turn, and the rest of the frame that has begun within them.
+    /// `frames`, of which at most `max_frames` wait here, must outlive this. When several senders wait, each sends `quantum` bytes
+    /// (above 0) in its turn, and the rest of the frame that begins within them.
     FairQueue(WaitingFrame* frames, std::size_t max_frames, std::int32_t quantum);
 
-    /// The frame has its size, and whether it overtakes.
+    /// `size` and `overtakes` of the frame must be set.
     void push(FrameIndex i, ChannelId from, std::uint8_t source) noexcept {
         const Number f = flow_of(static_cast<std::uint32_t>(index(from) << 8 | source));
         frames_[i].flow = f;
@@ -39,7 +39,7 @@ public:
         ++count_;
         if (shared_) grow(f, frames_[i].size);
     }
-    /// Removes a frame from wherever it is; while a plan is being made, only next_planned().
+    /// Removes any frame; while a plan is being made, only next_planned().
     void remove(FrameIndex i) noexcept {
         const WaitingFrame& frame = frames_[i];
         Node& flow = nodes_[frame.flow];
@@ -49,7 +49,7 @@ public:
         --count_;
         if (shared_) shrink(frame.flow, frame.size);
     }
-    /// What leaves next; no_frame when none waits.
+    /// The frame that leaves next; no_frame when none waits.
     FrameIndex next() noexcept { return shared_ ? next_of_many<false>() : first(nodes_[sole].now); }
     /// Removes next(); it is charged to the turn of its sender.
     void take() noexcept {
@@ -58,8 +58,8 @@ public:
         remove(i);
     }
 
-    /// Whether frames leave in the order in which they came: there is one sender, and nothing overtakes. Then take_front() is
-    /// the same as take(), and the frames behind front() follow by `in_flow`.
+    /// Whether frames leave in the order in which they came, because there is one sender and no frame overtakes. Then take_front()
+    /// is the same as take(), and the frames after front() follow by `in_flow`.
     bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
     FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
     void take_front() noexcept {
@@ -72,7 +72,7 @@ public:
         (flow.rest.first != no_frame ? frames_[flow.rest.first].in_flow.before : flow.rest.last) = no_frame;
     }
 
-    /// The plan begins with all that waits. It holds until the next push(), take() or remove() of a planned frame.
+    /// The plan begins with all waiting frames. It is valid until the next push(), take() or remove() of a planned frame.
     void start_plan() noexcept { ++plan_; }
     FrameIndex next_planned() noexcept { return shared_ ? next_of_many<true>() : first(state<true>(sole)); }
     void take_planned() noexcept {
@@ -82,11 +82,11 @@ public:
     }
 
     /// The oldest frame of the sender that has the most bytes waiting, on the channel that has the most. The queue must not be
-    /// empty. Where many wait, only some of them are looked at.
+    /// empty. When many wait, only some of them are compared.
     FrameIndex gives_way() noexcept;
     /// The channel that a waiting frame came by.
     ChannelId channel_of(FrameIndex i) const noexcept { return static_cast<ChannelId>(nodes_[frames_[i].flow].key >> 8); }
-    /// The list of its sender that holds `i`: the frames that overtake, or the others.
+    /// The list of the sender of `i` that holds it: the frames that overtake, or the others.
     const FrameList& line_of(FrameIndex i) const noexcept {
         const Node& flow = nodes_[frames_[i].flow];
         return frames_[i].overtakes ? flow.now.overtaking : flow.now.rest;
@@ -99,17 +99,17 @@ public:
 
 private:
     // Turns are kept in a tree: the root, below it channels, below them the flows of their senders. While only one
-    // sender waits, there is only its flow, the `sole` one.
+    // sender waits, only its flow is used, which is `sole`.
     using Number = std::uint32_t;
     static constexpr Number nobody = UINT32_MAX;
     static constexpr Number root = 0;
     static constexpr Number sole = 1;
     static constexpr Number first_channel = 2;
-    static constexpr std::size_t channels = max_channels + 1;    // and the gateway itself
+    static constexpr std::size_t channels = max_channels + 1;    // one more for the gateway itself
     static constexpr Number first_flow = first_channel + channels;
     static constexpr std::size_t bucket_count = 256;
 
-    // The state that sending changes, kept twice: as it is now, and as it will be after the plan.
+    // The state that sending changes, stored twice: as it is now, and as it will be after the plan.
     struct State {
         std::int32_t balance;    // bytes it may still send in this turn
         std::uint32_t bytes;     // waiting
@@ -121,10 +121,10 @@ private:
         State now;
         State planned;    // valid when `plan` is that of the queue
         std::uint64_t plan;
-        Neighbours in_ring;    // a ring, in the order of turns
+        Neighbours in_ring;    // neighbours in a ring, in the order of turns
         Number parent;
         Number chained;       // flows: the next in its bucket, or the next free one
-        Number longest;       // for a channel or the root: the child that had the most bytes at the last look
+        Number longest;       // for a channel or the root: the child that had the most bytes when last compared
         std::uint32_t key;    // flows: channel and address
     };
 
@@ -160,7 +160,7 @@ private:
         }
         return !shared_ && nodes_[sole].key == key ? sole : flow_of_many(key);
     }
-    // The flows of one channel: one in each.
+    // The hash puts the flows of one channel into different buckets.
     Number& bucket(std::uint32_t key) noexcept { return buckets_[(key ^ (key >> 8) * 0x9Du) % bucket_count]; }
 
     Number flow_of_many(std::uint32_t key) noexcept;
@@ -182,9 +182,9 @@ private:
     WaitingFrame* frames_;
     ano::Room<Node> nodes_;
     std::int32_t quantum_;
-    Number used_ = first_flow;    // nodes_[first_flow, used_) have been flows
+    Number used_ = first_flow;    // nodes_[first_flow, used_) have been used as flows
     Number free_ = nobody;        // of those, the free ones
-    bool shared_ = false;         // more than one sender has waited since it was last empty
+    bool shared_ = false;         // more than one sender has waited since the queue was last empty
     std::size_t count_ = 0;
     std::size_t bytes_ = 0;
     std::uint64_t plan_ = 1;            // nodes get the number of a plan when they are first used in it

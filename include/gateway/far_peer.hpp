@@ -1,4 +1,4 @@
-// What a peer outside our networks may be sent before it has shown that it receives it: a datagram of 8 bytes with a forged
+// Limits what is sent to a peer outside our networks before it has shown that it receives: a datagram of 8 bytes with a forged
 // source must not cause a stream to the owner of that address.
 #pragma once
 #include <ano/frame.hpp>
@@ -15,12 +15,12 @@ namespace anogate {
 using ano::Duration;
 using ano::TimePoint;
 
-/// It shows it by acknowledging (0x00) a frame that it was sent, or by two answers (0xE3) to questions of ours. Each question
-/// comes from another randomly chosen address, to which the answer must go: an attacker with a forged source does not see it.
+/// A peer shows it by acknowledging (0x00) a frame that was sent to it, or by two answers (0xE3) to our questions. Each question
+/// comes from another randomly chosen address, to which the answer must go: an attacker with a forged source does not know it.
 class FarPeer {
 public:
     static constexpr Duration window = std::chrono::seconds{10};
-    static constexpr std::size_t times_its_own = 3;    // bytes, in each window
+    static constexpr std::size_t times_its_own = 3;    // bytes to it for each byte from it, in each window
     static constexpr Duration answer_within = std::chrono::seconds{3};
     static constexpr Duration acknowledged_within = std::chrono::seconds{10};
     static constexpr int answers_needed = 2;
@@ -30,13 +30,13 @@ public:
 
     explicit FarPeer(TimePoint now) : window_began_{now} {}
 
-    /// A datagram came from it.
+    /// A datagram came from the peer.
     void came(std::size_t bytes, TimePoint now) noexcept;
     /// How many bytes may be sent to it now.
     std::size_t allowance(TimePoint now) noexcept;
     void left(std::size_t bytes) noexcept { out_ += bytes; }
 
-    /// 0xE0 0, when it is time to ask and the allowance has room for it: once a window, and again at once after a right answer.
+    /// 0xE0 0, if a question is due and within the allowance: once in a window, and again at once after a right answer.
     std::optional<Question> question(const std::function<std::uint64_t()>& random, TimePoint now);
     /// A frame is being sent to it.
     void sent(ano::FrameView frame, TimePoint now) noexcept;

@@ -21,8 +21,7 @@ struct ByteRange {
     bool operator==(const ByteRange&) const = default;
 };
 
-/// What can be configured under `receive` and `send`. An empty `allow` allows everything; `deny` comes
-/// before `allow`.
+/// What can be configured under `receive` and `send`. An empty `allow` allows everything; `deny` takes precedence over `allow`.
 struct FilterSettings {
     std::vector<ByteRange> allow, deny;    // of the frame's id
     std::vector<ByteRange> allow_sources, deny_sources;
@@ -30,7 +29,7 @@ struct FilterSettings {
     bool operator==(const FilterSettings&) const = default;
 };
 
-/// At most so many frames a second of an id.
+/// At most `per_second` frames a second of an id.
 struct LimitRule {
     std::uint8_t id = 0;
     double per_second = 0;    // above 0
@@ -44,7 +43,7 @@ struct RuleSettings {
     bool operator==(const RuleSettings&) const = default;
 };
 
-/// Three look-ups a frame. A link without filters has no object of this class, instead of one that passes everything.
+/// Takes three look-ups a frame. A link without filters has no object of this class, rather than one that passes everything.
 class Filter {
 public:
     explicit Filter(const FilterSettings& settings)
@@ -73,16 +72,16 @@ private:
     Set ids_, sources_, destinations_;
 };
 
-/// Limits the frames a second of an id, evenly spaced: a frame that comes sooner than 1/rate after the last that passed does
-/// not pass; a pause before does not allow a burst.
+/// Limits the frames a second of an id, evenly spaced: a frame that comes sooner than 1/rate after the last one that passed does
+/// not pass; an earlier pause does not allow a burst.
 class Limit {
 public:
     /// `per_second` frames of `id`, above 0.
     void set(std::uint8_t id, double per_second) {
         assert(per_second > 0);
         const std::chrono::duration<double> spacing{1 / per_second};
-        constexpr std::chrono::hours longest{24};
-        spacing_[id] = spacing < longest ? std::chrono::duration_cast<ano::Duration>(spacing) : longest;
+        constexpr std::chrono::hours max_spacing{24};
+        spacing_[id] = spacing < max_spacing ? std::chrono::duration_cast<ano::Duration>(spacing) : max_spacing;
     }
     bool passes(std::uint8_t id, ano::TimePoint now) noexcept {
         if (now < next_[id]) return false;
@@ -99,7 +98,7 @@ private:
     }();
 };
 
-/// Applies the rules of one link. A link without rules has no object of this class, instead of one that passes everything.
+/// Applies the rules of one link. A link without rules has no object of this class, rather than one that passes everything.
 class Rules {
 public:
     /// `sends_empty`: whether frames without DATA leave.
@@ -112,8 +111,8 @@ public:
     }
 
     bool takes(ano::FrameView frame) const noexcept { return !receive_ || passes(*receive_, frame); }
-    /// nullptr: it may leave; otherwise the counter of why not. A frame that goes to several channels of the link counts once
-    /// for its limits: `number`, above 0, is the number of the frame in the gateway.
+    /// nullptr: the frame may leave; otherwise the counter for the reason. A frame that goes to several channels of the link counts
+    /// once for the limits: `number`, above 0, is the number of the frame in the gateway.
     SendCause refusal(ano::FrameView frame, std::uint64_t number, ano::TimePoint now) noexcept {
         if (number == judged_) return verdict_;
         judged_ = number;

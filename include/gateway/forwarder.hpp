@@ -1,9 +1,8 @@
-// What becomes of a frame that came in: alias, guards, rules, tunnel, route, offer, in this order. It does no I/O and reads no
-// clock.
+// Processes received frames: alias, guards, rules, tunnel, route, offer, in this order. It does no I/O and reads no clock.
 //
 // Flow:    const LinkId link = forwarder.add_link({...});
 //          Channel* channel = forwarder.open_channel(link, peer, now);
-//          forwarder.link_up(link, now);                         // its wire is there
+//          forwarder.link_up(link, now);                         // its wire is connected
 //          forwarder.receive(*channel, frame, now);              // every good frame
 //          while (Channel* to = forwarder.next_to_flush()) ...   // at the end of a batch: frames wait in its outbox
 //          forwarder.tick(now);                                  // at due(), and say_hellos(now) at hello_due(); then flush
@@ -36,14 +35,14 @@
 
 namespace anogate {
 
-/// Neither throws nor allocates while the links and channels stay the same. Links and channels come and go at any time but
-/// inside a call of an observer or of the tunnel.
+/// Neither throws nor allocates while the links and channels stay the same. Links and channels may be added and removed at any
+/// time except inside a call of an observer or of the tunnel.
 class Forwarder final : private OutboxWatch {
 public:
-    /// Is told of every frame, as long as it is registered. It neither adds nor removes observers in a call.
+    /// Is called for every frame, as long as it is registered. It must not add or remove observers in a call.
     class Observer {
     public:
-        /// Of what it is told. What nobody wants costs a frame nothing.
+        /// Which functions are called. Those that no observer wants cost no time.
         struct Wants {
             bool arrivals = true;      // received()
             bool fates = true;         // passes(), offered(), dropped(), refused()
@@ -51,121 +50,122 @@ public:
             bool operator==(const Wants&) const = default;
         };
 
-        /// A good frame came in, as it was sent.
+        /// A good frame came in; `frame` is as received.
         virtual void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) = 0;
-        /// Nothing keeps it back: it goes to whom it concerns, as these are to see it. True: it is an answer to the gateway itself, so
-        /// it has a taker even when nobody else wants it.
+        /// The frame passed all checks and is routed; `frame` is as the receivers will see it. True: it is an answer to the gateway itself,
+        /// so that it does not count as `no_route` when it has no other receiver.
         virtual bool passes(const Channel& /*from*/, ano::FrameView /*frame*/) { return false; }
-        /// It waits in the outbox of `to`, or in the queue of questions before it, as its receiver will see it. left() or
-        /// gave_up() tell what becomes of it there. `from` may be `ourselves`.
+        /// The frame waits in the outbox of `to`, or in the queue of questions before it; `frame` is as its receiver will see it. left()
+        /// or gave_up() follows. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
-        /// What came in goes no further. A frame that was withheld and whose next never came is counted `looped` without this.
+        /// A received frame was dropped. A withheld frame whose next repeat never came is counted as `looped` without this call.
         virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
-        /// It was to leave by `to` and does not.
+        /// The frame was to leave by `to` and was refused.
         virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
-        /// What was offered left by `to`, or was dropped while it waited. Outboxes tell it: these must not throw.
+        /// An offered frame left by `to`, or was dropped while it waited. Called by outboxes, so they must not throw.
         virtual void left(const Channel& /*to*/, ano::FrameView /*frame*/) noexcept {}
         virtual void gave_up(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
-        /// The link is gone, with its channels.
+        /// The link was removed, with its channels.
         virtual void removed(LinkId /*link*/) {}
 
     protected:
         ~Observer() = default;
     };
 
-    /// What the gateway itself is told, where it is a device.
+    /// Gets the frames for the gateway itself, if it is a device.
     class Own {
     public:
-        /// Nothing kept it back: it is for the gateway's id, or for everybody. `from` may be `ourselves`. Whatever is to be said to it
-        /// is said later, outside the calls of the Forwarder.
+        /// A frame for the gateway's id or for everybody passed all checks. `from` may be `ourselves`. Answers must be sent later, outside
+        /// the calls of the Forwarder.
         virtual void take(const Channel& from, ano::FrameView frame, TimePoint now) = 0;
 
     protected:
         ~Own() = default;
     };
 
-    /// `station` is a number that no other gateway has.
+    /// `station` must be different in every gateway.
     Forwarder(const GatewaySettings& settings, std::uint64_t station);
     ~Forwarder();
 
-    /// The lowest number that is free; there is one.
+    /// Returns the lowest free number; one must be free.
     LinkId add_link(const ForwarderLink& link);
-    /// Closes its channels and forgets all that is known of it: another that gets its number starts anew.
+    /// Closes its channels and forgets all that is known of it, so that another link can get its number.
     void remove_link(LinkId link);
-    /// Other settings from now on; what was learned stays. set_unknown_link() is to be called anew.
+    /// Changes the settings and keeps what was learned. set_unknown_link() must be called again.
     void set(const GatewaySettings& settings) { router_.set(settings); }
     void pin(std::uint8_t first, std::uint8_t last, LinkId link) { router_.pin(first, last, link); }
-    /// But for the aliases of the link, which stay pinned.
+    /// Except for the aliases of the link, which stay pinned.
     void unpin(std::uint8_t first, std::uint8_t last, LinkId link);
-    /// Where `address` was heard, and who claimed it. False: it was nowhere.
+    /// Forgets where `address` was heard, and who claimed it. False: it was not known.
     bool forget(std::uint8_t address) {
         claimants_.erase(address);
         return router_.forget(address);
     }
-    /// As of the Router: what was known of `channel`, which is open, when the program ran before.
+    /// As in Router: restores what was known of the open `channel` when the program ran before.
     void restore(std::uint8_t address, const Channel& channel, TimePoint heard_at) {
         router_.restore(address, channel.id, heard_at);
     }
     void restore_first(std::uint8_t address, const Channel& channel) { router_.restore_first(address, channel.id); }
-    /// What a link of a group brought behind `since`, and the same when the program ran before: a copy by another member is one still.
+    /// What a link of a group brought after `since`, to be restored in the next run of the program, so that copies by other links of the
+    /// group are still detected.
     std::vector<DuplicateGuard::Memory> brought_by(LinkId link, TimePoint since) const {
         return duplicates_.brought_by(link, since);
     }
     void restore(LinkId link, const DuplicateGuard::Memory& brought);
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
-    /// `link`, that was added, is the tunnel; tunnel frames that come by `carried` leave by it. `port` lives until the link is
-    /// removed. Called again, it changes what is carried.
+    /// Makes `link`, which was added, the tunnel; tunnel frames that come by `carried` leave by it. `port` must live until the link
+    /// is removed. Another call changes what is carried.
     void set_tunnel(LinkId link, LinkSet carried, TunnelPort& port);
 
-    /// nullptr: all 64 are in use. It lives until close_channel(), or until its link is removed; its outbox starts closed.
+    /// nullptr: all 64 are in use. The channel lives until close_channel(), or until its link is removed; its outbox starts closed.
     Channel* open_channel(LinkId link, std::string peer, TimePoint now);
     void close_channel(Channel& channel);
-    /// The wire of the link is there: opens the outboxes of its channels. To be called again for a channel that is new.
+    /// The wire of the link is connected: opens the outboxes of its channels. To be called again after a channel was opened.
     void link_up(LinkId link, TimePoint now);
     void link_down(LinkId link);
-    /// What went out by `link` did not arrive: its peer refuses. Another link of its group may do better.
+    /// The peer of `link` refuses what was sent: another link of its group is tried.
     void report_unreachable(LinkId link) { router_.report_unreachable(link); }
-    /// The clock stood still for `time`, though it passed: all that waits is that much older.
+    /// The clock did not count `time` (the machine was suspended): all waiting frames become that much older.
     void grow_older(Duration time);
-    /// The end is near: nothing is asked any more, and no answer awaited.
+    /// The program is about to end: no more questions are sent, and no answers awaited.
     void stop_asking();
 
-    /// A good frame came by `from`, whose `arrived_at` says when.
+    /// Takes a good frame that came by `from`, at its `arrived_at`.
     void receive(Channel& from, ano::FrameView frame, TimePoint now);
-    /// What the gateway itself says to the other end of `to`: it came by no channel and teaches no address. Counted, ruled and
-    /// queued like any other frame.
+    /// Sends a frame of the gateway itself by `to`: no address is learned from it. It is counted, filtered and queued like any other
+    /// frame.
     void say(ChannelId to, ano::FrameView frame, TimePoint now);
 
-    /// What the gateway itself sends to whom it concerns. `from` is none of the channels that were opened, its id is `ourselves`: it
-    /// has the rules and the switches of its link, and counts what is kept back. The frame teaches no address.
+    /// Routes a frame of the gateway itself. `from` is not one of the opened channels, its id is `ourselves`: the rules and switches of
+    /// its link apply, and it counts what is dropped. No address is learned from the frame.
     void send_on(Channel& from, ano::FrameView frame, TimePoint now);
 
-    /// The same for what may come back by any link: an answer to who asked the gateway itself.
+    /// As say(), for an answer of the gateway itself, which may come back by any link.
     void answer(ChannelId to, ano::FrameView frame, TimePoint now);
-    /// What the gateway itself says to hosts, addressed to one: to every channel where that was heard. Nobody who was not heard gets
-    /// it, and it teaches no address.
+    /// Sends a frame of the gateway itself to a host: to every channel where its destination was heard, and to no other. No address is
+    /// learned from it.
     void say_to_heard(ano::FrameView frame, TimePoint now);
-    /// nullptr: nobody is told, as at first. It outlives the Forwarder, or is taken back.
+    /// nullptr, the initial value: nobody is called. `own` must outlive the Forwarder, or be replaced before.
     void set_own(Own* own) noexcept { own_ = own; }
 
-    /// For the tunnel. A tunnel frame came by it: whether it may be opened.
+    /// For the tunnel: whether a tunnel frame that came by it may be opened.
     bool admit(Channel& from, ano::FrameView frame, TimePoint now);
-    /// A frame inside a tunnel frame that came by `from` and leaves by the tunnel takes all steps of receive() that keep one
-    /// back. False: it does not leave, and was counted.
+    /// Takes a frame inside a tunnel frame, which came by `from` and leaves by the tunnel, through all steps of receive() that may drop
+    /// it. False: it was dropped, and counted.
     bool passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now);
-    /// The same for one that came by the tunnel and is to go to the devices of `to` inside a tunnel frame.
+    /// The same for a frame that came by the tunnel and is to go to the devices of `to` inside a tunnel frame.
     bool passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, TimePoint now);
-    /// The source of the frame is behind `from`: answers go there.
+    /// Learns that the source of the frame is behind `from`: answers go there.
     void learn(Channel& from, ano::FrameView frame, TimePoint now);
-    /// To every channel of `to`: a tunnel frame of passes_to_wrap().
+    /// Sends a tunnel frame with frames of passes_to_wrap() to every channel of `to`.
     void send(LinkId to, ano::FrameView frame, TimePoint now);
 
-    /// A channel in whose outbox frames wait since it was flushed last; nullptr: none.
+    /// A channel whose outbox got frames since it was last flushed; nullptr: none.
     Channel* next_to_flush() noexcept;
-    /// When tick() has something to do; nothing: not by itself. It may come too early, never too late.
+    /// When tick() has something to do; std::nullopt: not by itself. The time may be too early, but is never too late.
     std::optional<TimePoint> due() const noexcept;
     void tick(TimePoint now);
-    /// The same for say_hellos(), which may come a little later.
+    /// The same for say_hellos(), which may be called a little later.
     std::optional<TimePoint> hello_due() const noexcept { return hello_due_; }
     void say_hellos(TimePoint now);
 
@@ -175,17 +175,17 @@ public:
         LinkId link{};
         std::string peer;    // Channel::peer
     };
-    /// Who claimed the address last; nullptr: nobody did.
+    /// Who claimed the address last; nullptr: nobody.
     const Claimant* claimant(const Conflict& conflict) const;
 
-    /// While there is none, nothing is told and nothing copied. One that is there already is told of other things from now on.
+    /// Without observers, nothing is copied for them. For an observer that is registered already, this changes `wants`.
     void add_observer(Observer& observer, Observer::Wants wants);
     void add_observer(Observer& observer) { add_observer(observer, Observer::Wants{}); }
     void remove_observer(Observer& observer);
     bool is_observed() const noexcept { return !observers_.empty(); }
-    /// The open channel bears the port id, by itself.
+    /// Gives the port id to the open channel alone.
     void bear(const Channel& channel, std::uint8_t port_id) { router_.bear(channel.id, port_id); }
-    /// Another number whenever a link or a channel has come or gone.
+    /// Changes whenever a link or a channel was added or removed.
     std::uint64_t version() const noexcept { return version_; }
 
     const LinkTraffic& traffic(LinkId link) const;
@@ -194,7 +194,7 @@ public:
     const Router& router() const noexcept { return router_; }
     const SameDevice& same_device() const noexcept { return same_device_; }
     const RingWatch& rings() const noexcept { return loop_guard_.rings(); }
-    /// The switches that keep control frames off.
+    /// The switches that block control frames.
     Inhibit& inhibit() noexcept { return inhibit_; }
 
 private:
@@ -266,7 +266,7 @@ private:
 
     Router router_;
     LoopGuard loop_guard_;
-    Held held_;    // for what the guard waits
+    Held held_;    // frames that wait for a judgement of loop_guard_
     bool releasing_ = false;
     bool hurrying_ = false;
     DuplicateGuard duplicates_;
@@ -281,29 +281,29 @@ private:
     ChannelSet to_flush_;
     TunnelPort* tunnel_ = nullptr;
     LinkId tunnel_link_{};
-    LinkSet carried_;    // whose tunnel frames the tunnel takes
-    LinkSet ruled_;      // that have rules, aliases, another face of hosts, a hello, or devices that take few questions
+    LinkSet carried_;    // the links whose tunnel frames the tunnel takes
+    LinkSet ruled_;      // the links with rules, aliases, present_as, a hello, or devices that take few questions
     std::vector<Observer*> observers_;    // all
     std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_;
     Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
     std::uint64_t version_ = 0;
     TimePoint now_{};
-    TimePoint arrived_at_{};    // what is being received had come then
+    TimePoint arrived_at_{};    // of the frame being received
     TimePoint questions_due_ = TimePoint::max();
     std::optional<TimePoint> hello_due_;
-    bool asks_ = true;    // until the end is near
+    bool asks_ = true;    // until stop_asking()
 };
 
-/// A link and what its frames pass.
+/// A link, and what processes its frames.
 struct Forwarder::LinkEntry {
     ForwarderLink settings;
     LinkTraffic traffic;
     bool up = false;
     std::unique_ptr<Rules> rules;        // nullptr: none
     std::unique_ptr<Aliases> aliases;    // nullptr: none
-    PresentAs* present_as = nullptr;     // nullptr: hosts appear as they are; the links of a group have one in common
-    std::optional<Hello> hello;          // nothing: it never speaks first
+    PresentAs* present_as = nullptr;     // nullptr: hosts keep their addresses; the links of a group share one
+    std::optional<Hello> hello;          // std::nullopt: it never speaks first
 };
 
 inline const LinkTraffic& Forwarder::traffic(LinkId link) const { return entry(link).traffic; }

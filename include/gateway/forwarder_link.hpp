@@ -1,4 +1,4 @@
-// What the Forwarder has to know of a link, and what it counts of it.
+// What the Forwarder must know of a link, and what it counts for it.
 #pragma once
 #include <ano/parser.hpp>
 #include <ano/time.hpp>
@@ -18,25 +18,25 @@ namespace anogate {
 
 struct ForwarderLink {
     Router::LinkRule route;
-    ano::FrameParser::Options parser;    // of each of its channels
-    Outbox::Options outbox;              // as well
+    ano::FrameParser::Options parser;    // for each of its channels
+    Outbox::Options outbox;              // for each of its channels
     RuleSettings rules;
-    bool sends_empty = true;             // frames without DATA leave by it
-    bool takes_few_questions = false;    // its devices: one too many waits before the outbox
-    bool takes_probes = true;            // RingWatch may ask by it
+    bool sends_empty = true;             // whether frames without DATA leave by it
+    bool takes_few_questions = false;    // of its devices: further questions wait before the outbox
+    bool takes_probes = true;            // whether RingWatch may send probes by it
     std::vector<AliasRule> aliases;      // of its devices; each `as` is pinned to the link
-    std::uint8_t present_as = 0;         // the address that every host has for its devices; 0: its own
-    ano::Duration hello{};               // how often to speak first; zero: never
+    std::uint8_t present_as = 0;         // the address under which its devices see every host; 0: the host's own
+    ano::Duration hello{};               // interval between hellos; zero: never
 };
 
-/// What became of the frames of a link, beside what its channels count.
+/// Counters of a link, in addition to those of its channels.
 struct LinkTraffic {
-    ChannelSet channels;              // that are open
-    ReceiveCounters gone_received;    // of channels that are no more
-    SendCounters gone_sent;           // and of frames for a link that had no channel
-    std::uint64_t came_stale = 0;     // of what is `stale`: was so when it was to be sent here
-    Untaken untaken;                  // of what came for hosts
-    std::bitset<256> replayed;        // addresses that spoke in a recording; nothing leads to them
+    ChannelSet channels;              // the open ones
+    ReceiveCounters gone_received;    // of closed channels
+    SendCounters gone_sent;           // of closed channels, and of frames for a link that had no channel
+    std::uint64_t came_stale = 0;     // of those counted `stale`: the ones that were stale before they were queued here
+    Untaken untaken;                  // of frames that came for hosts
+    std::bitset<256> replayed;        // addresses that sent in a recording; no frames are routed to them
 };
 
 }    // namespace anogate

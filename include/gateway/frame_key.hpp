@@ -1,4 +1,4 @@
-// By what a frame is known again.
+// The key by which a frame is recognised again.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -8,9 +8,10 @@
 
 namespace anogate {
 
-/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames share one by a chance of 1 in
-/// 10^19. The checks are no such key: of the pairs of frames with one header 1 in 65,536 shares them, and so does every pair in
-/// which three bytes in a row differ by +1, -2 and +1. The hash does not resist somebody who looks for two frames of one key.
+/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames have the same key with a
+/// probability of 1 in 10^19. The checks are not enough for this: of the pairs of frames with the same header, 1 in 65,536 has the same
+/// checks, as has every pair in which three bytes in a row differ by +1, -2 and +1. The hash is not cryptographic: two frames with the
+/// same key can be constructed.
 inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     const std::uint8_t* bytes = frame.bytes().data();
     const std::size_t size = frame.bytes().size();

@@ -1,4 +1,4 @@
-// A frame that passed, as the watchers of a gateway are told of it (GET /frames?format=binary).
+// A record of a frame that passed, as watchers of a gateway get it (GET /frames?format=binary).
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/counters.hpp>
@@ -15,17 +15,17 @@ namespace anogate {
 enum class Direction : std::uint8_t { in, out, dropped };
 std::string_view text(Direction direction) noexcept;
 
-/// Numbers are little endian: time_ns (8 bytes), boottime_ns (8), link, direction, cause, channel, and the frame, whose LEN says
-/// how long it is. One stands behind the other, without a gap.
+/// Numbers are little-endian: time_ns (8 bytes), boottime_ns (8), link, direction, cause, channel, and the frame, whose LEN gives
+/// its length. Records follow each other without a gap.
 struct FrameRecord {
     static constexpr std::size_t head = 20;             // bytes before the frame
     static constexpr std::uint8_t no_channel = 0xFF;    // it belongs to no channel of its link
 
     std::uint64_t time_ns = 0;        // since 1970
-    std::uint64_t boottime_ns = 0;    // since the computer was started, the time that it slept included
+    std::uint64_t boottime_ns = 0;    // since the computer was started, including the time that it was suspended
     std::uint8_t link = 0;            // LinkId
     Direction direction = Direction::in;
-    std::uint8_t cause = 0;    // why it was dropped: a number of frame_causes(); 0: it was not
+    std::uint8_t cause = 0;    // why it was dropped: an index of frame_causes(); 0: it was not dropped
     std::uint8_t channel = no_channel;
     ano::FrameView frame;
 
@@ -33,14 +33,14 @@ struct FrameRecord {
     std::size_t size() const noexcept { return head + frame.bytes().size(); }
 };
 
-/// To `at`, where there is room for it.
+/// Writes size() bytes to `at`.
 void write(char* at, const FrameRecord& record) noexcept;
-/// Throws std::bad_alloc, and has changed nothing then.
+/// Throws std::bad_alloc; then `records` is unchanged.
 void append(std::string& records, const FrameRecord& record);
-/// The first, taken off the front; nothing: there is none, or `records` are damaged. Valid as long as their memory.
+/// Takes the first record off the front; std::nullopt: there is none, or `records` are damaged. Valid as long as their memory.
 std::optional<FrameRecord> take_record(std::string_view& records) noexcept;
 
-/// The names of the counters that tell why a frame goes no further; the first is empty.
+/// The names of the counters for the causes of drops; the first is empty.
 std::span<const std::string_view> frame_causes() noexcept;
 std::uint8_t number_of(ReceiveCause cause) noexcept;
 std::uint8_t number_of(SendCause cause) noexcept;

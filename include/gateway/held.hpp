@@ -1,4 +1,4 @@
-// Frames that wait for a verdict before they go on.
+// Frames that wait for a judgement of the loop guard before they go on.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -12,15 +12,15 @@
 
 namespace anogate {
 
-/// A few short frames. Those of one channel in the order in which they came: none is due before one that came before it. No
-/// allocation.
+/// A few short frames. Frames of one channel keep their order: none may be due before an earlier one. No allocation.
 class Held {
 public:
-    static constexpr std::size_t most = 32, largest = 64;
+    static constexpr std::size_t max_frames = 32;
+    static constexpr std::size_t max_frame_size = 64;    // bytes
 
-    /// How many of the same bytes its channel may bring while it waits, and until when; 0: as many as it likes.
+    /// How many copies of a waiting frame its channel may bring, and until when; 0: no limit.
     struct Repeats {
-        std::uint32_t most;
+        std::uint32_t max_count;
         ano::TimePoint until;
     };
     /// False: there is no room, or the frame is too long.
@@ -37,20 +37,20 @@ public:
         std::copy(bytes.begin(), bytes.end(), held.bytes.begin());
         return true;
     }
-    /// Whether there is room for it.
-    bool fits(ano::FrameView frame) const noexcept { return count_ < most && frame.bytes().size() <= largest; }
-    /// Whether the channel brings the same once more than it may, so that it need not wait.
+    /// Whether put() has room for `frame`.
+    bool fits(ano::FrameView frame) const noexcept { return count_ < max_frames && frame.bytes().size() <= max_frame_size; }
+    /// Whether the channel brings more copies of `frame` than its `repeats` allow, so that it need not wait any longer.
     bool goes_on(ChannelId from, ano::FrameView frame, ano::TimePoint now) const noexcept {
         Repeats repeats{};
         std::uint32_t same = 0;
         for (const Frame& held : std::span{frames_}.first(count_)) {
             if (held.from != from || !std::ranges::equal(held.view().bytes(), frame.bytes())) continue;
-            if (held.repeats.most > repeats.most) repeats = held.repeats;
+            if (held.repeats.max_count > repeats.max_count) repeats = held.repeats;
             ++same;
         }
-        return repeats.most > 0 && (same >= repeats.most || now > repeats.until);
+        return repeats.max_count > 0 && (same >= repeats.max_count || now > repeats.until);
     }
-    /// When the last of a channel is due; nothing when none waits.
+    /// When the last frame of a channel is due; std::nullopt when none waits.
     std::optional<ano::TimePoint> due(ChannelId from) const noexcept {
         std::optional<ano::TimePoint> last;
         for (const Frame& held : std::span{frames_}.first(count_))
@@ -58,7 +58,7 @@ public:
         return last;
     }
     bool empty() const noexcept { return count_ == 0; }
-    /// When the next is due; nothing when none waits.
+    /// When the next frame is due; std::nullopt when none waits.
     std::optional<ano::TimePoint> due() const noexcept {
         std::optional<ano::TimePoint> next;
         for (const Frame& held : std::span{frames_}.first(count_)) next = std::min(next.value_or(held.due), held.due);
@@ -71,18 +71,18 @@ public:
         Repeats repeats{};
         ano::TimePoint arrived_at{};
         std::size_t size = 0;
-        std::array<std::uint8_t, largest> bytes{};
+        std::array<std::uint8_t, max_frame_size> bytes{};
         ano::FrameView view() const noexcept { return ano::FrameView{std::span{bytes}.first(size)}; }
     };
-    /// The first that is due.
+    /// Removes and returns the first frame that is due.
     std::optional<Frame> take(ano::TimePoint now) noexcept {
         return take_first([now](const Frame& held) { return held.due <= now; });
     }
-    /// The first of the channel.
+    /// Removes and returns the first frame of the channel.
     std::optional<Frame> take(ChannelId from) noexcept {
         return take_first([from](const Frame& held) { return held.from == from; });
     }
-    /// Forgets those of a channel that is no more; how many there were.
+    /// Drops the frames of a closed channel; returns how many there were.
     std::size_t forget(ChannelId from) noexcept {
         std::size_t forgotten = 0;
         while (take(from)) ++forgotten;
@@ -101,7 +101,7 @@ private:
         return frame;
     }
 
-    std::array<Frame, most> frames_{};
+    std::array<Frame, max_frames> frames_{};
     std::size_t count_ = 0;
 };
 

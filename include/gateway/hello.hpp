@@ -22,7 +22,7 @@ public:
     static constexpr ano::Duration min_interval = std::chrono::seconds{1};
     static constexpr ano::Duration update_pause = std::chrono::seconds{60};
 
-    /// `interval` between two of them, at least min_interval.
+    /// `interval` between two hellos, at least min_interval.
     explicit Hello(ano::Duration interval) : interval_{std::max(interval, min_interval)} {}
 
     void came_up(ano::TimePoint now) noexcept {
@@ -34,7 +34,7 @@ public:
     void saw_firmware(ano::TimePoint now) noexcept { firmware_at_ = now; }
     void said(ano::TimePoint now) noexcept { said_at_ = now; }
 
-    /// When the next is due if nothing is heard until then; nothing while the link is down. `heard_at` is the time of
+    /// When the next hello is due if nothing is heard until then; std::nullopt while the link is down. `heard_at` is the time of
     /// the last good frame that the link brought, zero for none.
     std::optional<ano::TimePoint> due(ano::TimePoint heard_at) const noexcept {
         if (!up_at_) return std::nullopt;

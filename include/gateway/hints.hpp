@@ -1,4 +1,4 @@
-// What is wrong with a link, and what to do, told from its counters. README, "Troubleshooting".
+// Finds out from the counters of a link what is wrong with it, and what to do. README, "Troubleshooting".
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/counters.hpp>
@@ -13,30 +13,30 @@
 
 namespace anogate {
 
-/// One sentence for people, and what it is made of for those who say it in another language.
+/// One sentence for people, and its parts for translations.
 struct Hint {
     using Value = std::variant<std::int64_t, bool, std::string>;
 
-    std::string_view id{};    // snake_case, stays as it is; empty: there is nothing to say
+    std::string_view id{};    // snake_case, never changed; empty: no hint
     std::string text{};
-    std::vector<std::pair<std::string_view, Value>> args{};    // what the text has beside its words, by name
+    std::vector<std::pair<std::string_view, Value>> args{};    // the variable parts of the text, by name
 };
 
 /// A source that is heard on this link and on a link of another group, or from two peers of this link.
 enum class SharedSource : std::uint8_t {
     none,
-    one_device,     // on two cables, as far as can be told
+    one_device,     // on two cables, as far as is known
     two_devices,    // with the same id
     two_peers,      // of this link
 };
 
-/// The words for what depends on the kind of a link, with an id of their own.
+/// The texts that depend on the kind of a link, each with its id.
 struct LinkHints {
     struct Words {
         std::string_view id{}, text{};
     };
-    Words nothing_yet{};                // nothing was received; empty: that is as usual as not
-    bool may_wait_for_hello = false;    // who is there may speak only when spoken to
+    Words nothing_yet{};                // nothing was received; empty: this is not unusual
+    bool may_wait_for_hello = false;    // the other end may send only after it has received something
     Words no_frames{"no_frames", "bytes but no frames: is the sender speaking V8?"};
     Words no_frames_any_more{"no_frames_any_more", ": is the sender still speaking V8?"};
 };
@@ -45,33 +45,33 @@ struct LinkHints {
 struct LinkFigures {
     LinkHints words;
     bool up = false;
-    bool is_over = false;          // a recording, and at its end
-    bool listens = false;          // has a channel a peer, and waits for them
-    bool waits_to_hear = false;    // never speaks first, and could be told to
-    bool for_hosts = false;        // a route leads hosts' frames here: who is there may only listen
+    bool is_over = false;          // a recording that is at its end
+    bool listens = false;          // has a channel for each peer, and waits for peers
+    bool waits_to_hear = false;    // sends no hello, but could be configured to
+    bool for_hosts = false;        // a route leads frames for hosts here: the other end may only listen
     std::size_t channels = 0;
-    ReceiveCounters received;    // all channels, and what belongs to none
+    ReceiveCounters received;    // of all channels, and what belongs to no channel
     SendCounters sent;
-    std::uint64_t came_stale = 0;    // of `sent.stale`: had waited elsewhere, while the gateway stood still
+    std::uint64_t came_stale = 0;    // the part of `sent.stale` that had waited before, while the gateway stood still
     std::uint64_t v7_frames = 0;
-    std::string_view ring_out, ring_back;    // names of links: what goes out by one comes back by the other; empty: no ring
-    bool ring_is_certain = true;             // or a device on two links
+    std::string_view ring_out, ring_back;    // names of links: frames sent by the first come back by the second; empty: no ring
+    bool ring_is_certain = true;             // false: may also be a device on two links
     std::uint64_t gateways = 0;              // other gateways' listening ports that were refused
-    std::uint64_t no_place = 0;              // datagrams of strangers that were refused for want of a place
+    std::uint64_t no_place = 0;              // datagrams of strangers that were refused because all places were taken
     ano::Duration up_for{};
-    std::optional<ano::Duration> silent_for;     // since the last good frame; nothing: there was none
-    std::uint64_t skipped_since = 0;             // bytes of no frame, since then
-    std::optional<ano::Duration> bytes_ago;      // since the last byte; nothing: there was none
-    std::optional<ano::Duration> untaken_for;    // frames to hosts have had no taker; nothing: none come, or they have
-    std::string_view hosts_link;                 // where hosts were heard last, when all such links are down; empty: not so
+    std::optional<ano::Duration> silent_for;     // since the last good frame; std::nullopt: there was none
+    std::uint64_t skipped_since = 0;             // bytes that belong to no frame, since then
+    std::optional<ano::Duration> bytes_ago;      // since the last byte; std::nullopt: there was none
+    std::optional<ano::Duration> untaken_for;    // for how long frames to hosts have had no receiver; std::nullopt: not so
+    std::string_view hosts_link;                 // the link where hosts were heard last, when all such links are down; else empty
     SharedSource shared = SharedSource::none;
-    std::uint8_t hidden = 0;    // a device here whose address is the port id of another link; 0: none
+    std::uint8_t hidden = 0;    // address of a device here that is also the port id of another link; 0: none
 };
 
-/// At most one, the most important one; empty when all is well.
+/// The most important hint; empty when there is none.
 Hint find_hint(const LinkFigures& link);
 inline std::string hint(const LinkFigures& link) { return find_hint(link).text; }
-/// The same without hints of silence, which is normal now and then on a good link, and without times, which change with every look.
+/// The same without hints of silence, which may be normal on a good link, and without durations, which change with every call.
 std::string hint_of_trouble(const LinkFigures& link);
 
 }    // namespace anogate

@@ -8,7 +8,7 @@ namespace anogate {
 
 /// A configured link; 0 to 63. The number of a link that was removed is used again.
 enum class LinkId : std::uint8_t {};
-/// What is alive on a link; 0 to 63. The number of a closed channel is used again.
+/// A channel of a link, see Channel; 0 to 63. The number of a closed channel is used again.
 enum class ChannelId : std::uint8_t {};
 
 inline constexpr std::size_t max_links = 64;

@@ -18,7 +18,7 @@ bool may_bring_control(ano::FrameView tunnel_frame) noexcept;
 /// Inhibit switches and the links they block. A switch is on until it is set off: one that can't be read is on.
 class Inhibit {
 public:
-    /// Returns its index, the lowest that is free.
+    /// Returns the index of the switch, the lowest that is free.
     std::size_t add(LinkSet links) {
         std::size_t place = 0;
         while (place < switches_.size() && switches_[place].used) ++place;
@@ -27,12 +27,12 @@ public:
         gather();
         return place;
     }
-    /// There is no such switch any more: it blocks nothing.
+    /// Removes the switch: it blocks no links any more.
     void remove(std::size_t place) noexcept {
         switches_[place] = {};
         gather();
     }
-    /// It blocks other links from now on, if it is on.
+    /// Changes the links that it blocks while it is on.
     void set_links(std::size_t place, LinkSet links) noexcept {
         switches_[place].links = links;
         gather();
@@ -41,7 +41,7 @@ public:
         switches_[place].on = on;
         gather();
     }
-    /// The link is no more: no switch keeps off what gets its number.
+    /// To be called when the link is removed, so that no switch blocks the next link with its number.
     void remove_link(LinkId link) noexcept {
         for (Switch& s : switches_) s.links.erase(link);
         gather();

@@ -19,13 +19,13 @@ struct IpAddress {
     static IpAddress v4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) noexcept {
         return {false, {a, b, c, d}, 0};
     }
-    /// Dotted or colon text, with `%interface` behind a link-local one. Nothing for anything else, host names included.
+    /// Dotted or colon text, with `%interface` after a link-local one. std::nullopt for anything else, such as host names.
     static std::optional<IpAddress> parse(std::string_view text);
     std::string text() const;
 
     bool is_any() const noexcept;
     bool is_loopback() const noexcept;
-    /// 169.254.0.0/16, fe80::/10 and the multicast groups of one link: what needs a scope in IPv6.
+    /// 169.254.0.0/16, fe80::/10 and the multicast groups of one link: in IPv6 they need a scope.
     bool is_link_local() const noexcept;
     bool is_multicast() const noexcept;
     friend bool operator==(const IpAddress&, const IpAddress&) = default;
@@ -41,7 +41,7 @@ struct Endpoint {
     friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
-/// An endpoint as it is configured. The interface of a link-local address is kept by name, for interfaces come and go, and their
+/// An endpoint as it is configured. The interface of a link-local address is kept by name, since interfaces come and go, and their
 /// numbers change. `address.scope` is 0.
 struct EndpointSpec : Endpoint {
     std::string interface {};    // 1 to 15 bytes, or its number; empty for none

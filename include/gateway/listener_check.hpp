@@ -1,10 +1,10 @@
-// Two listening sockets must never become peers of each other: one datagram with a forged source would be enough for it, and the
+// Two listening sockets must never become peers of each other: one datagram with a forged source would be enough for that, and the
 // commands for one vehicle would reach the other. To join gateways on purpose there are `udp` links, which do not answer here.
 //
-// A socket sends a suspect a question with a random number; who repeats the number is a listening gateway. It asks before it sends
-// a peer the first frame of a host, and when a peer sends a frame that is not a host's: a single ground station with a vehicle is
-// never asked. Who is asked asks back, and takes nothing from there until it has the answer or a second has passed, so that a
-// command right behind the question is not forwarded.
+// A socket sends a suspect a question with a random number; a peer that repeats the number is a listening gateway. It asks before it
+// sends a peer the first frame of a host, and when a peer sends a frame that is not a host's: a single ground station with a vehicle
+// is never asked. A gateway that is asked asks back, and takes no frames from there until it has the answer or a second has passed,
+// so that a command right after the question is not forwarded.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ip.hpp>
@@ -20,11 +20,11 @@ namespace anogate {
 using ano::Duration;
 using ano::TimePoint;
 
-/// By endpoint, for peers and strangers. No allocation; it can't be made to grow from outside.
+/// The state of each endpoint, of peers and strangers. No allocation; the table has a fixed size, which an attacker can't exceed.
 class ListenerCheck {
 public:
     static constexpr Duration suspended_for = std::chrono::seconds{1};
-    /// A question makes an endpoint wait at most once in this time: otherwise questions with a forged source could silence it.
+    /// A question suspends an endpoint at most once in this time: otherwise questions with a forged source could silence it.
     static constexpr Duration between_suspensions = std::chrono::minutes{1};
     /// A refused endpoint that does not answer this many questions in a row, one a second, is no longer a listening gateway.
     static constexpr int unanswered_enough = 5;
@@ -33,7 +33,7 @@ public:
     /// `random` gives unpredictable numbers.
     explicit ListenerCheck(std::function<std::uint64_t()> random) : random_{std::move(random)} {}
 
-    /// The question for a suspect, when it is time for one: at once, 1 s and 4 s later, and then once a minute.
+    /// The question for a suspect, if it is due: at once, 1 s and 4 s later, and then once a minute.
     std::optional<ListeningNotice> question(const Endpoint& suspect, TimePoint now);
     /// The question for an endpoint that asked us, or that is refused and goes on sending: one a second.
     std::optional<ListeningNotice> question_back(const Endpoint& there, TimePoint now);
@@ -45,7 +45,7 @@ public:
 
     bool is_suspended(const Endpoint& endpoint, TimePoint now) const noexcept;
     bool is_refused(const Endpoint& endpoint) const noexcept;
-    /// It is no longer a peer or a suspect.
+    /// To be called when it is no longer a peer or a suspect.
     void forget(const Endpoint& endpoint) noexcept;
 
 private:

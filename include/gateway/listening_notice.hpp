@@ -1,5 +1,5 @@
-// The message of a listening socket of a gateway to another: a special frame (0xFB) that is never routed. A device takes it
-// for a special frame of somebody else.
+// The message between listening sockets of gateways: a special frame (0xFB) that is never routed. Devices take it for a
+// special frame that does not concern them.
 #pragma once
 #include <ano/frame.hpp>
 
@@ -13,8 +13,8 @@ namespace anogate {
 /// A question holds a number that only its receiver can repeat.
 struct ListeningNotice {
     enum class Kind : std::uint8_t {
-        question = 1,    // this socket listens: does yours?
-        answer = 2,      // it does, and this was your number
+        question = 1,    // this socket is a listening one; is yours?
+        answer = 2,      // yes; repeats the number of the question
     };
     Kind kind{};
     std::uint64_t number = 0;

@@ -1,4 +1,4 @@
-// What waits to leave by one channel: bounded, whole frames only, every drop counted by cause.
+// The frames that wait to leave by one channel: bounded, whole frames only, every drop counted by cause.
 //
 // Flow:    outbox.push(frame, policy, arrived_at)       // from the router
 //          outbox.gather(pieces, now, budget)              // when the wire can take something
@@ -27,12 +27,12 @@ class InFlight;
 
 /// Urgent frames leave first, then telemetry, then bulk, but each class that waits gets at least a tenth of the bytes.
 /// Within a class, each channel by which frames come has the same share, and within a channel each sender. Frames of one sender
-/// leave in the order in which they came, except that sticks overtake. A frame of which a part has left is dropped by close()
+/// leave in the order in which they came, except that sticks overtake. A frame that has left in part is dropped by close()
 /// only. Neither throws nor allocates after construction; constant time a frame, amortised over its bytes.
 class Outbox {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;    // bound of what waits; at least overhead + max_data, at most 1 GiB
+        std::size_t bytes = 32 * 1024;    // maximum that waits; at least overhead + max_data, at most 1 GiB
         std::size_t max_data = 4096;      // frames with more DATA are counted too_big
         AgeLimits age{};
     };
@@ -41,13 +41,13 @@ public:
     /// Queues a frame that arrived by the channel `from`; its bytes are copied. While closed, it is counted link_down. When
     /// the queue is full, the oldest frame of the sender with the most bytes waiting is dropped, in the lowest class that has more
     /// than is reserved for each class: a tenth of the room, or one frame of up to a quarter. That may be the frame itself.
-    /// nullptr: it waits; otherwise the counter of why it does not.
+    /// nullptr: it waits; otherwise the counter for the reason why it does not.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from = ourselves) noexcept;
     /// The same for a frame of the lowest class that is never dropped as stale.
     SendCause push(ano::FrameView frame) noexcept { return store(frame, {}, ano::TimePoint::max(), ourselves); }
-    /// Whether a frame of this age must not be sent any more.
+    /// Whether a frame of this age may not be sent any more.
     bool is_stale(QueuePolicy policy, ano::Duration age) const noexcept;
-    /// The clock that ages are measured by did not count `time` (the machine was suspended): all that waits is that much older.
+    /// The clock that ages are measured by did not count `time` (the machine was suspended): all waiting frames become that much older.
     void grow_older(ano::Duration time) noexcept;
     /// Counts a frame that was refused before it was queued, for `cause` (limited, denied_out, link_down), and returns the cause.
     SendCause refuse(SendCause cause) noexcept {
@@ -56,39 +56,39 @@ public:
         return cause;
     }
 
-    /// The frame that leaves next: what is left of it, in bytes (0: nothing waits), and whether an urgent one waits.
+    /// The frame that leaves next: the bytes of it that are left (0: nothing waits), and whether an urgent one waits.
     struct Next {
         std::size_t size = 0;
         bool urgent = false;
     };
     Next next(ano::TimePoint now) noexcept;
-    /// The frames that leave next, in order, one piece each; the first piece is the rest of a frame when a part of it has
-    /// left. Drops frames that are stale at `now`. At most `budget` bytes; a frame that has not begun is given whole or not at all. Returns
-    /// how many pieces were filled in; they stay valid until the next call of another member.
+    /// The frames that leave next, in order, one piece each; the first piece is the rest of a frame that has left in part. Drops
+    /// frames that are stale at `now`. At most `budget` bytes; a frame that has not begun is given whole or not at all. Returns how
+    /// many pieces were filled in; they stay valid until the next call of another member.
     std::size_t gather(std::span<std::span<const std::uint8_t>> pieces, ano::TimePoint now = ano::TimePoint::min(),
                        std::size_t budget = SIZE_MAX) noexcept;
-    /// A stream took `bytes` of what gather() gave.
+    /// A stream took the first `bytes` of what gather() gave.
     void sent(std::size_t bytes) noexcept;
     /// A datagram took the first frame of what gather() gave.
     void sent_frame() noexcept;
     /// The first frame of what gather() gave can't be sent, for `cause`. Must not be called for a frame that has begun to leave.
     void drop_frame(SendCause cause) noexcept;
-    /// The wire takes no more for now: until nothing waits, newer frames replace older ones of their kind.
+    /// The wire takes no more for now: from now on, newer frames replace older ones of their kind, until nothing waits.
     void set_congested() noexcept { congested_ = frames_ > 0; }
 
-    /// The wire is there. An outbox starts closed.
+    /// The wire is connected. An outbox starts closed.
     void open() noexcept { open_ = true; }
-    /// The wire is gone: what waits is counted link_down.
+    /// The wire is gone: all waiting frames are dropped and counted link_down.
     void close() noexcept;
 
-    /// `in_flight` is told of every frame that is queued, leaves or is dropped, except by close(). It must live as long.
+    /// `in_flight` is called for every frame that is queued, leaves or is dropped, except by close(). It must outlive this.
     void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
-    /// `watch` is told of what becomes of each frame, as one of `channel`; it must live as long. nullptr: nobody is.
+    /// `watch` is called when a frame leaves or is dropped, with `channel`; it must outlive this. nullptr: nobody is called.
     void watch(OutboxWatch* watch, ChannelId channel) noexcept {
         watch_ = watch;
         watched_as_ = channel;
     }
-    /// For what queues frames before this outbox: tells who watches that `frame` was dropped there.
+    /// For a queue before this outbox: calls the watch for `frame`, which was dropped there.
     void tell_dropped(ano::FrameView frame, SendCause cause) const noexcept {
         if (watch_) [[unlikely]]
             watch_->dropped(watched_as_, frame, cause);
@@ -125,8 +125,8 @@ private:
     void leave_bucket(Index i) noexcept;
     void release(Index i) noexcept;
     void drop(Index i, SendCause cause) noexcept;
-    // When everything that waits leaves in the order in which it came, the queue that holds it, else nullptr. Then nothing has
-    // to be chosen; that is usual where a line keeps up.
+    // The only queue that holds frames, if they leave in the order in which they came, else nullptr. Then no frame has to be chosen;
+    // this is usual when the line keeps up.
     FairQueue* in_order() noexcept {
         const bool one_class = waiting_classes_ != 0 && (waiting_classes_ & (waiting_classes_ - 1)) == 0;
         FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
@@ -144,7 +144,7 @@ private:
     }
 
     Options options_;
-    std::size_t capacity_;    // of the arena: twice the bound, so that compacting is rare
+    std::size_t capacity_;    // of the arena: twice Options::bytes, so that compacting is rare
     ano::Room<std::uint8_t> arena_;
     ano::Room<WaitingFrame> entries_;
     Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
@@ -157,17 +157,17 @@ private:
     FrameList in_arena_ = no_frames;                 // every frame, in the order of its bytes
     std::array<FrameList, bucket_count> buckets_;    // frames that may be replaced, by hash, oldest first
 
-    Index begun_ = none;             // the frame of which a part has left; it is not in a queue
-    std::size_t partly_sent_ = 0;    // and how much of it has
+    Index begun_ = none;             // the frame that has left in part; it is not in a queue
+    std::size_t partly_sent_ = 0;    // how many of its bytes have left
     std::size_t frames_ = 0;
     std::size_t bytes_ = 0;
     std::uint64_t pushed_ = 0;
     bool open_ = false;
     bool congested_ = false;
-    InFlight* in_flight_ = nullptr;    // nullptr: nobody is told
-    OutboxWatch* watch_ = nullptr;     // as well
+    InFlight* in_flight_ = nullptr;    // nullptr: nobody is called
+    OutboxWatch* watch_ = nullptr;     // the same
     ChannelId watched_as_{};
-    ano::TimePoint gathered_at_{};    // the time at which frames leave
+    ano::TimePoint gathered_at_{};    // the time of the last gather(), at which frames leave
     SendCounters counters_;
 };
 

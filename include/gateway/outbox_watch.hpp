@@ -1,4 +1,4 @@
-// Who is told what becomes of the frames that wait in outboxes.
+// The interface by which outboxes report what happens to waiting frames.
 #pragma once
 #include <ano/frame.hpp>
 #include <gateway/counters.hpp>
@@ -6,10 +6,10 @@
 
 namespace anogate {
 
-/// Told of every frame that was queued, once: it left, or was dropped. The frame is valid during the call.
+/// Called once for every frame that was queued: it left, or was dropped. The frame is valid during the call.
 class OutboxWatch {
 public:
-    /// The whole of it left by `channel`.
+    /// The whole frame left by `channel`.
     virtual void left(ChannelId channel, ano::FrameView frame) noexcept = 0;
     virtual void dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept = 0;
 

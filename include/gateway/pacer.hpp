@@ -20,8 +20,8 @@ constexpr std::uint32_t uart_rate(std::uint32_t baud, bool parity, unsigned stop
     return std::max(baud / (9u + (parity ? 1u : 0u) + stop_bits), 1u);
 }
 
-/// Keeps the time when the line will have sent everything that it was given. Serves a UART at its line rate
-/// and any link with a `rate`. Unused time is not saved: after a pause the line is idle, no burst is allowed.
+/// Stores the time when the line will have sent everything that it was given. Serves a UART at its line rate and any
+/// link with a `rate`. Unused time is not saved: after a pause no burst is allowed.
 class Pacer {
 public:
     struct Options {
@@ -30,9 +30,9 @@ public:
     };
     explicit constexpr Pacer(const Options& options) noexcept : options_{options} { assert(options.rate > 0); }
 
-    /// How many bytes may go now: none, or at least the `size` bytes of what leaves next. A whole frame may always go
-    /// to an idle line. When the budget is spent, it comes back by half a `latency` at a time, so that a busy line
-    /// costs few writes; an urgent frame does not wait for that.
+    /// How many bytes may be written now: none, or at least the `size` bytes of what leaves next. A whole frame may always
+    /// be written to an idle line. A spent budget is only renewed when half a `latency` is free, so that a busy line needs
+    /// few writes; an urgent frame does not wait for that.
     constexpr std::size_t allowance(std::size_t size, bool urgent, ano::TimePoint now) noexcept {
         const ano::Duration ahead = ahead_of(now);
         if (spent_ && !urgent && ahead > options_.latency / 2) return 0;
@@ -56,7 +56,7 @@ public:
     constexpr void correct(std::size_t unsent, ano::TimePoint now) noexcept {
         done_at_ = std::max(now + ahead_of(now), now + time_of(unsent));
     }
-    /// The wire is gone, and with it what was given.
+    /// The wire is gone, and all that the line was given is lost.
     constexpr void reset() noexcept {
         done_at_ = seen_ = ano::TimePoint::min();
         spent_ = false;

@@ -1,6 +1,6 @@
 // Who may be a peer of a listening socket, and for how long.
 //
-// Flow:    book.place_for(endpoint, now)           // a stranger: whether there is room, and who gives way
+// Flow:    book.place_for(endpoint, now)           // a stranger: whether there is room, and which peer gives way
 //          book.add(id, endpoint, near, now)       // it is a peer now
 //          book.heard(id, source, now)             // every good frame of it
 //          book.refused(id, now)                   // the network says that nothing listens there
@@ -22,20 +22,20 @@ namespace anogate {
 using ano::Duration;
 using ano::TimePoint;
 
-/// Knows channels by their numbers only, and no sockets. Constant time a frame; no allocation.
+/// Uses no sockets, and channels only by their numbers. Constant time a frame; no allocation.
 class PeerBook {
 public:
     struct Options {
         Duration timeout = std::chrono::seconds{60};    // a peer silent for so long is forgotten, unless it listens
-        std::size_t most = max_channels;
+        std::size_t max_peers = max_channels;
         std::size_t max_of_address = max_channels;    // loopback excepted
     };
 
     /// A host in our own networks may listen this long without sending anything.
     static constexpr Duration listener_stays = std::chrono::hours{1};
-    /// The most silent hosts of one address: a program that starts again has another port, and frames to the old port are lost.
+    /// Maximum of silent hosts of one address: a program that starts again has another port, and frames to the old port are lost.
     static constexpr std::size_t max_silent_of_address = 2;
-    /// After this many refusals with no frame of the peer between them, the first and the last this far apart, nothing listens there.
+    /// A peer is gone after this many refusals without a frame of it in between, if the first and the last are `refused_for` apart.
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
 
@@ -50,25 +50,25 @@ public:
     };
     /// Whether a stranger may become a peer. A stranger that has come once does not take the place of a peer that was heard within
     /// the timeout or came more than once. One that comes again, in a later exchange, takes the place of a silent peer, or of one
-    /// that came once from an address that keeps at least as many places as the stranger's address would have. Of an address that
-    /// has all its places, one of its own peers gives way. Programs of this machine take places from each other, the longest
-    /// silent first.
+    /// that came once from an address that keeps at least as many places as the stranger's address would have. If its address has
+    /// max_of_address places, it takes the place of a peer of that address. Programs of this machine take places from each other,
+    /// the longest silent first.
     Place place_for(const Endpoint& stranger, TimePoint now);
 
-    /// `near`: it is in a network of our interfaces. It counts as heard from now on: its first frame may be reported a little later.
+    /// `near`: it is in a network of our interfaces. It counts as heard at `now`, since its first frame may be reported a little later.
     void add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now);
     void remove(ChannelId id) { used_.erase(id); }
     void clear() { used_.clear(); }
 
     void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
-    /// What is known of a peer beside its endpoint, for the book of a program that goes on with its socket.
+    /// What is known of a peer in addition to its endpoint, for the next run of the program, which continues with its socket.
     struct Memory {
         TimePoint heard_at{};
         bool is_host = false;
         bool came_again = false;
     };
     Memory memory(ChannelId id) const noexcept;
-    /// Of a peer that was added just now.
+    /// Restores the memory of a peer that was just added.
     void remember(ChannelId id, const Memory& memory) noexcept;
 
     /// ICMP reported that nothing listens at the port. Returns whether the peer is overdue now.
@@ -91,10 +91,10 @@ private:
         bool came_again = false;       // more than one exchange
         std::uint32_t refusals = 0;    // since it was last heard
         TimePoint first_refused_at{};
-        bool is_gone = false;    // by its refusals
+        bool is_gone = false;    // concluded from refusals
     };
 
-    // A stranger for whom there was no place.
+    // A stranger for which there was no place.
     struct Knock {
         Endpoint endpoint;
         TimePoint first{};
@@ -118,7 +118,7 @@ private:
     std::array<Knock, max_knocks> knocks_;
 };
 
-/// Whether a source address can't be a peer's: broadcast, multicast, 0.0.0.0, or port 0. `own`: our networks.
+/// Whether a source address can be a peer's: not broadcast, multicast or 0.0.0.0, and not port 0. `own`: our networks.
 bool can_be_peer(const Endpoint& sender, const std::vector<Network>& own) noexcept;
 
 }    // namespace anogate

@@ -1,4 +1,4 @@
-// The messages by which devices are asked, and by which they answer (protocol text, sections 3 and 4).
+// The messages with questions to devices and with their answers (protocol text, sections 3 and 4).
 #pragma once
 #include <ano/messages.hpp>
 

@@ -18,41 +18,41 @@
 namespace anogate {
 
 /// Questions that wait take turns by the channel they came by; those of one channel leave in the order in which they came.
-/// When full, the oldest question of the channel with the most bytes waiting is dropped. They age as in the outbox; what is
-/// dropped here is counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
+/// When full, the oldest question of the channel with the most bytes waiting is dropped. Their age counts as in the outbox; drops
+/// here are counted here. Neither throws nor allocates after construction; constant time a question, amortised over its bytes.
 class QuestionQueue {
 public:
     struct Options {
-        std::size_t bytes = 32 * 1024;                  // bound of what waits here
-        ano::Duration age = std::chrono::seconds{5};    // what waited longer is dropped
+        std::size_t bytes = 32 * 1024;                  // maximum that waits here
+        ano::Duration age = std::chrono::seconds{5};    // questions that waited longer are dropped
     };
-    /// `outbox` must not move while this is used; it reports what happens to its frames.
+    /// `outbox` must not move while this is used; it reports to this what happens to its frames.
     QuestionQueue(Outbox& outbox, const Options& options);
     QuestionQueue(const QuestionQueue&) = delete;
     QuestionQueue& operator=(const QuestionQueue&) = delete;
 
-    /// Passes a frame to the outbox; a question waits here when InFlight::most are unanswered. As Outbox::push() it returns why the
-    /// frame does not wait.
+    /// Passes a frame to the outbox; a question waits here when InFlight::max_questions are unanswered. Like Outbox::push(), it returns
+    /// why the frame does not wait.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from = ourselves) noexcept {
         return push(frame, policy, now, from, now);
     }
     /// The same for a frame that arrived earlier.
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
                    ano::TimePoint arrived_at) noexcept;
-    /// A frame came in by the channel. True: it was an answer, and a question that waited is in the outbox now.
+    /// A frame came in by the channel. True: it was an answer, and a waiting question was passed to the outbox.
     bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
-    /// Passes to the outbox what may be sent and drops what is stale. True: something was passed.
+    /// Passes the questions that may be sent to the outbox and drops stale ones. True: some were passed.
     bool release(ano::TimePoint now) noexcept;
-    /// When release() may do something by itself; nothing while nothing waits.
+    /// When release() may have something to do; std::nullopt while nothing waits.
     std::optional<ano::TimePoint> next_look(ano::TimePoint now) const noexcept;
-    /// As Outbox::grow_older(), of what waits here.
+    /// As Outbox::grow_older(), for the questions that wait here.
     void grow_older(ano::Duration time) noexcept;
-    /// Counts what waits as link_down. Does not close the outbox.
+    /// Drops the waiting questions and counts them as link_down. Does not close the outbox.
     void close() noexcept;
 
     std::size_t waiting() const noexcept { return turns_.count(); }
     std::size_t in_flight() const noexcept { return in_flight_.size(); }
-    /// Counts what waits here or was dropped here; what went to the outbox is counted there.
+    /// Counts the questions that wait or were dropped here; those passed to the outbox are counted there.
     const SendCounters& counters() const noexcept { return counters_; }
 
 private:
@@ -67,12 +67,12 @@ private:
     Outbox& outbox_;
     InFlight in_flight_;
     Options options_;
-    ano::Room<std::uint8_t> room_;    // twice the bound, so that compacting is rare
-    std::size_t end_ = 0;             // where the next one's bytes go
+    ano::Room<std::uint8_t> room_;    // twice Options::bytes, so that compacting is rare
+    std::size_t end_ = 0;             // where the bytes of the next question go
     ano::Room<WaitingFrame> frames_;
     FrameIndex used_ = 0;              // frames_[0, used_) have been used since nothing waited last
     FrameIndex free_ = no_frame;       // of those, the free ones
-    FrameList in_room_ = no_frames;    // all, in the order in which they came and of their bytes
+    FrameList in_room_ = no_frames;    // all questions, in the order in which they came, which is that of their bytes
     FairQueue turns_;
     SendCounters counters_;
 };

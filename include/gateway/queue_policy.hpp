@@ -17,7 +17,7 @@ inline constexpr std::size_t traffic_classes = ano::traffic_class_names.size();
 /// Which waiting frame of the same source and destination a newer one may replace.
 using ano::Replaces;
 
-/// Which age limit holds for it.
+/// Which age limit applies to a frame.
 enum class AgeKind : std::uint8_t {
     control,    // sticks: urgent, and replaced by newer ones
     telemetry,

@@ -1,4 +1,4 @@
-// When a device is reset: on request, or when its link has been silent too long; at most once a minute.
+// When a device is reset: on request, or when its link has been silent too long, but at most once a minute.
 #pragma once
 #include <ano/time.hpp>
 
@@ -11,7 +11,7 @@ class ResetPolicy {
 public:
     static constexpr ano::Duration apart = std::chrono::minutes{1};
 
-    /// `silent_for`: nothing when silence is not a reason. Silence counts from `start`.
+    /// `silent_for`: std::nullopt when silence is not a reason. Silence counts from `start`.
     constexpr ResetPolicy(std::optional<ano::Duration> silent_for, ano::TimePoint start) noexcept
         : silent_for_{silent_for}, heard_{start} {}
 
@@ -24,7 +24,7 @@ public:
     constexpr bool may_pulse(ano::TimePoint now) const noexcept { return !was_pulsed_ || now >= pulsed_ + apart; }
     constexpr ano::TimePoint may_pulse_at() const noexcept { return was_pulsed_ ? pulsed_ + apart : ano::TimePoint{}; }
 
-    /// When the silence will have lasted long enough, if nothing is heard until then; nothing when silence is not a reason.
+    /// When the silence will have lasted long enough, if nothing is heard until then; std::nullopt when silence is not a reason.
     constexpr std::optional<ano::TimePoint> due() const noexcept {
         if (!silent_for_) return std::nullopt;
         return std::max(heard_ + *silent_for_, may_pulse_at());

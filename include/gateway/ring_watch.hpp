@@ -1,5 +1,5 @@
-// Which channels bring back what went out by others: a question of our own that only a ring answers, and where it may not go,
-// what can be told without it.
+// Finds out which channels bring back frames that were sent by others: by a probe of our own that comes back only in a ring, and
+// where no probe may be sent, by the frames that come back.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
@@ -15,10 +15,10 @@
 
 namespace anogate {
 
-/// The probe: 0xFB from 0xFE to 0xFF, so that bridges which forward nothing else forward it. Every anogate knows it.
+/// The probe: 0xFB from 0xFE to 0xFF, so that bridges which forward little else forward it. Every anogate recognises it.
 inline constexpr std::uint8_t probe_id = 0xFB;
 inline constexpr std::array<std::uint8_t, 4> probe_word{'R', 'i', 'n', 'g'};
-inline constexpr std::size_t probe_data = probe_word.size() + 8 + 4 + 1;    // then: who asks, which question, by which channel
+inline constexpr std::size_t probe_data = probe_word.size() + 8 + 4 + 1;    // and: station, question, channel
 
 constexpr bool is_probe(ano::FrameView frame) noexcept {
     if (frame.id() != probe_id || frame.source() != ano::address::host || frame.destination() != ano::address::broadcast)
@@ -36,35 +36,36 @@ public:
     using Duration = ano::Duration;
     using TimePoint = ano::TimePoint;
 
-    /// Where the probe was not answered so long after it left, no ring is; one that comes back later tells all the same. So
-    /// slow may the way round be for a frame to pass no more than twice.
+    /// If the probe has not come back this long after it left, there is taken to be no ring; one that comes back later still shows a
+    /// ring. In a ring that takes no longer, a frame passes at most twice.
     static constexpr Duration patience = std::chrono::milliseconds{600};
-    /// For so long what is said faster than by hand waits all the same: a ring may be fast one way and slow the other.
+    /// During `slowest` after the first probe, what is repeated faster than `by_hand` waits all the same: a ring may be fast one way
+    /// and slow the other.
     static constexpr Duration slowest = std::chrono::seconds{2}, by_hand = std::chrono::milliseconds{100};
-    /// Between two probes by one channel, and where the answer is known.
+    /// Between two probes by one channel: `spacing`, or `calm` where the result is known.
     static constexpr Duration spacing = std::chrono::seconds{1}, calm = std::chrono::seconds{10};
-    /// How long a verdict holds: a ring, or none.
+    /// How long a result, ring or no ring, is valid.
     static constexpr Duration holds = std::chrono::seconds{60};
-    /// So often in a second nobody says what others said: whatever it is made of, it is a ring.
+    /// No sender repeats the frames of others this often in a second: it is a ring, whatever the probe showed.
     static constexpr std::uint32_t storm = 1000;
-    /// Of what is spread by a channel that may not be probed, what did not come back within this time does not come back.
+    /// A frame sent by a channel that may not be probed is taken not to come back if it has not within this time.
     static constexpr Duration ripe = std::chrono::seconds{1};
-    /// So many broadcasts of devices tell that no ring is there, when none of them comes back.
+    /// This many broadcasts of devices show that there is no ring, when none of them comes back.
     static constexpr std::uint32_t telling = 8;
 
-    /// `station` is a number that no other gateway has.
+    /// `station` must be different in every gateway.
     explicit RingWatch(std::uint64_t station = 1) : station_{station} {}
 
-    /// The channel is new, one of `link`. `probed`: a probe may leave by it.
+    /// Opens a new channel of `link`. `probed`: a probe may leave by it.
     void open(ChannelId channel, LinkId link, bool probed) noexcept;
     void close(ChannelId channel) noexcept;
-    /// The link is no more, its channels are closed: no ring is made of it.
+    /// The link is removed and its channels are closed: forgets rings with it.
     void remove_link(LinkId link) noexcept;
 
-    /// By which a probe may leave: ours, and those of others that go on.
+    /// The channels by which probes may leave, our own and those of other gateways that are forwarded.
     ChannelSet probed() const noexcept { return probed_; }
     bool is_probed(ChannelId channel) const noexcept { return probed_.contains(channel); }
-    /// Those that were known to be a ring lately.
+    /// The channels that were known to be in a ring lately.
     ChannelSet rings() const noexcept { return rings_; }
     bool is_ring(ChannelId channel, TimePoint now) noexcept {
         if (!rings_.contains(channel)) return false;
@@ -72,53 +73,54 @@ public:
         rings_.erase(channel);
         return false;
     }
-    /// Since when the channel is known to be a ring; for one that is.
+    /// Since when the channel is known to be in a ring; only if is_ring().
     TimePoint ring_since(ChannelId channel) const noexcept { return facts_[index(channel)].ring_since; }
-    /// It is known to be none: the probe stayed away, or where no probe may go, half of what hosts said or all that devices did.
+    /// Known not to be in a ring: the probe did not come back, or where no probe may be sent, half of what hosts sent or all that devices
+    /// sent did not.
     bool is_clear(ChannelId channel, TimePoint now) noexcept;
-    /// It was asked for the first time so lately that a slow ring may not have answered yet.
+    /// The first probe left so recently that in a slow ring it may not have come back yet.
     bool is_new(ChannelId channel, TimePoint now) const noexcept {
         const Facts& f = facts_[index(channel)];
         return f.first_asked_at != never && now - f.first_asked_at < slowest;
     }
-    /// A probe is out that may yet be answered.
+    /// A probe has left that may still come back.
     bool is_asking(TimePoint now) const noexcept { return now < last_asked_at_ + patience; }
 
-    /// What a ring is made of: what leaves by `out` comes back by `back`; the same where the probe can't tell.
+    /// The links of a ring: frames that leave by `out` come back by `back`; both are the same where the probe can't show it.
     struct Ring {
         LinkId out{}, back{};
-        bool certain = true;    // or a device on two links
+        bool certain = true;    // false: may also be a device on two links
     };
     std::optional<Ring> ring(ChannelId channel, TimePoint now) const noexcept;
 
-    /// A probe should leave by the channel, for the last is `since` ago; spacing at least.
+    /// Whether a probe should leave by the channel: the last one is at least `since` ago, which is `spacing` or more.
     bool is_due(ChannelId channel, TimePoint now, Duration since = spacing) const noexcept {
         const Facts& f = facts_[index(channel)];
         return is_probed(channel) && (f.asked_at == never || now - f.asked_at >= since);
     }
-    /// The next probe to leave by the channel, now. Valid until the next call.
+    /// The next probe, to leave by the channel now. Valid until the next call.
     ano::FrameView ask(ChannelId channel, TimePoint now) noexcept;
-    /// What becomes of a probe, is_probe(), that came in by `from`.
+    /// What to do with a probe, see is_probe(), that came in by `from`.
     enum class Probe : std::uint8_t {
-        ours,     // answered: the channel that it left by and `from` are a ring
-        known,    // goes no further
-        news,     // another gateway's: it goes on, once
+        ours,     // it came back: the channel that it left by and `from` are in a ring
+        known,    // seen before: it is dropped
+        news,     // another gateway's: it is forwarded, once
     };
     Probe take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept;
 
-    /// It brought back what its one sender had said and what had gone out by it. Where no probe may go, that is what tells a
-    /// ring; a device with two cables looks the same.
+    /// The channel brought back a device's frame that had been sent out by it. Where no probe may be sent, this shows a ring; a device
+    /// with two cables looks the same.
     void brought_back_ones_own(ChannelId channel, TimePoint now) noexcept;
-    /// Whatever the probe said, what goes out comes round by it.
+    /// Whatever the probe showed, frames sent by the channel come back by it.
     void came_round(ChannelId channel, TimePoint now) noexcept { note(channel, {of(channel).link, of(channel).link}, now); }
-    /// It brought what a host had said before and what others may say as well; `first`: since that was spread. True: this
-    /// often only a ring does.
+    /// The channel brought a frame that a host had sent before, and that others may send as well; `first`: for the first time since it
+    /// was spread. True: this happens so often that it is a ring.
     bool brought_back(ChannelId channel, bool first, TimePoint spread_at, TimePoint now) noexcept;
-    /// What a host said leaves by `channels`, for the first time.
+    /// A frame of a host leaves by `channels`, for the first time.
     void spread(ChannelSet channels, TimePoint now) noexcept;
-    /// What a device said to everybody leaves by `channels`.
+    /// A broadcast of a device leaves by `channels`.
     void told(ChannelSet channels, TimePoint now) noexcept;
-    /// Every one of them is known to be none.
+    /// None of them is in a ring, see is_clear().
     bool are_clear(ChannelSet channels, TimePoint now) noexcept;
 
 private:
@@ -127,15 +129,15 @@ private:
         LinkId link{};
         TimePoint ring_since = never, ring_until = never, clear_until = never, asked_at = never;
         TimePoint first_asked_at = never;
-        std::array<std::uint32_t, 8> questions{};    // the latest; a slow ring answers when the next is out
+        std::array<std::uint32_t, 8> questions{};    // the latest; in a slow ring one may come back after the next has left
         Ring ring{};
         TimePoint second{};
         std::uint32_t in_second = 0;
-        // What hosts said, spread by it and brought back, in this period and in the one before; where no probe may go.
+        // Frames of hosts, spread by it and brought back, in this period and in the one before; where no probe may be sent.
         TimePoint period{};
         std::uint32_t spread = 0, back = 0, spread_before = 0, back_before = 0;
         std::uint32_t told = 0, told_before = 0,
-                      told_in_vain = 0;    // what devices said, as well, and all that did not come back
+                      told_in_vain = 0;    // the same for devices, and how many did not come back
     };
     Facts& of(ChannelId channel) noexcept { return facts_[index(channel)]; }
 

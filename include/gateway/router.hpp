@@ -1,4 +1,4 @@
-// Who gets a frame. Knows no bytes, no sockets and no clock (protocol text, section 2; config/README.md, "Where frames go").
+// Decides who gets a frame. Uses no bytes, no sockets and no clock (protocol text, section 2; config/README.md, "Where frames go").
 #pragma once
 #include <ano/address.hpp>
 #include <ano/time.hpp>
@@ -19,26 +19,25 @@ namespace anogate {
 enum class Via : std::uint8_t { nobody, own, broadcast, port, pinned, learned, unknown };
 std::string_view text(Via via) noexcept;
 
-/// Where one frame goes: to every channel of `channels`, and to `absent`, links that were meant but have no channel
-/// now.
+/// Where one frame goes: to every channel of `channels`. `absent` are links that were meant but have no channel now.
 struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
-    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() have something
-    bool host_is_down = false;    // a host, heard only where the wire is gone now
-    /// Where a frame that was spread may come back: what the loop guard is to remember. Empty for one that had one
-    /// place, unless that is a host.
+    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() have news
+    bool host_is_down = false;    // the destination is a host, heard only where the wire is gone now
+    /// The channels by which the frame may come back, for the loop guard. Empty for a frame that goes to one place only,
+    /// unless its destination is a host.
     ChannelSet guarded{};
 };
 
-/// Somebody spoke as a source that is alive elsewhere: two devices with one id, one device by two ways, or a thief.
+/// A source speaks in two places: two devices with one id, one device by two ways, or a forged address.
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
-    bool claimed = false;    // Router::take_claimant() knew by whom
+    bool claimed = false;    // Router::take_claimant() has the claimant
     TimePoint last{};
-    std::uint64_t count = 0;    // how often it showed: claims that were refused, and the same frames by two links
+    std::uint64_t count = 0;    // how often it was noticed: refused claims, and the same frames by two links
 };
 
 /// Constant time a frame; no allocation after the links are known.
@@ -48,22 +47,22 @@ public:
         std::uint8_t port_id = 0;    // 0: none
         bool flood = true;
         bool broadcast = true;
-        std::uint8_t group = 0;    // 1 to 64: links of one number lead to the same place; 0: none
-        bool teaches = true;       // who speaks by it is there. False: it says what was said once
+        std::uint8_t group = 0;    // 1 to 64: links with the same number lead to the same place; 0: none
+        bool teaches = true;       // sources that speak by it are learned. False: a replay
     };
 
-    /// Of several channels that have a device, those that heard it this lately get its frames.
+    /// If several channels have heard a device, those that heard it within this time get its frames.
     static constexpr Duration moved_after = std::chrono::seconds{3};
     /// When no link of a group was heard for this long, none is known to work: all of them get its frames.
     static constexpr Duration group_silence = std::chrono::seconds{1};
 
     explicit Router(const GatewaySettings& settings);
-    /// Other settings from now on. The link for unheard addresses is to be told anew.
+    /// Changes the settings. set_unknown_link() must be called again.
     void set(const GatewaySettings& settings);
 
-    /// The lowest number that is free; there is one.
+    /// Returns the lowest free number; one must be free.
     LinkId add_link(const LinkRule& rule);
-    /// Its channels are closed. Forgets what leads to it and every conflict that is none without it.
+    /// Its channels must be closed. Forgets what leads to it and every conflict that does not exist without it.
     void remove_link(LinkId link);
     /// Frames to `first`…`last` go to `link`; to every such link when called for several.
     void pin(std::uint8_t first, std::uint8_t last, LinkId link);
@@ -72,86 +71,86 @@ public:
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
     void open(ChannelId channel, LinkId link);
-    /// Forgets everything that was learned from it. What was held by it alone goes to who claims it.
+    /// Forgets everything that was learned from it. An address that was at home only there goes to its claimant.
     void close(ChannelId channel);
-    /// The channel, by itself, bears the port id until it is closed: as a link of that id, without the other channels of its link.
+    /// Gives the port id to this channel alone, until it is closed, without the other channels of its link.
     void bear(ChannelId channel, std::uint8_t port_id) { port_channels_[port_id].insert(channel); }
-    /// The wire behind it is gone, the channel stays: a device that turns up elsewhere has moved, it is not asked for.
+    /// Its wire is gone, the channel stays open: a device that is heard elsewhere has moved, without a question to the holder.
     void went_down(ChannelId channel);
-    /// The wire behind it is there again.
+    /// Its wire is connected again.
     void came_up(ChannelId channel) { down_.erase(channel); }
     bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
-    /// What was sent by this link did not arrive (a refusal): its group looks for another until it is heard again.
+    /// What was sent by this link was refused: its group uses another link until this one is heard again.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
-    /// Learns `source` as behind `from`, or begins to test its claim, and says who gets the frame; never `from` itself.
+    /// Learns that `source` is behind `from`, or begins to test its claim, and returns who gets the frame; never `from` itself.
     Route route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now);
 
-    /// The other half: who gets what the gateway itself sends, as if it had come by `from` and by none of its channels.
+    /// The part of route() without learning, for frames of the gateway itself: as if it had come by `from` and by none of its channels.
     Route find(LinkId from, std::uint8_t destination, TimePoint now);
 
-    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was nowhere.
+    /// Forgets where `address` was heard, and every claim and conflict about it. False: it was not known.
     bool forget(std::uint8_t address);
 
-    /// The half of route() that a frame has in which the gateway finds something else to do than to route it.
+    /// The learning part of route(), for a frame that is not routed.
     void learn(ChannelId from, std::uint8_t source, TimePoint now);
 
-    /// When `address` was heard by `channel`, where it is at home; nothing: it is not.
+    /// When `address` was heard by `channel`; std::nullopt: it is not at home there.
     std::optional<TimePoint> heard_at(std::uint8_t address, ChannelId channel) const noexcept;
-    /// Whether it was at home there before it moved: when it speaks there, it is back.
+    /// Whether it was at home there before it moved: when it speaks there again, it has come back.
     bool was_first(std::uint8_t source, ChannelId channel) const noexcept;
-    /// `source` was at home there when the program ran before, and was heard at `at`. Not for one that was learned since.
+    /// Restores that `source` was at home there when the program ran before, and was heard at `at`. Ignored if it was learned since.
     void restore(std::uint8_t source, ChannelId channel, TimePoint at);
-    /// It was_first() there.
+    /// Restores was_first().
     void restore_first(std::uint8_t source, ChannelId channel) { first_[source].insert(channel); }
 
-    /// A frame that goes no further is a sign of life all the same, where its source is at home, or was first. True: that is a
+    /// A frame that is dropped still shows that its source is alive, where that is at home or was first. True: there is a new
     /// conflict.
     bool heard_again(ChannelId from, std::uint8_t source, TimePoint now);
 
     /// `source` is at home behind `channel`: pinned to its link, or learned there.
     bool holds(std::uint8_t source, ChannelId channel) const noexcept;
-    /// `source` is at home elsewhere, and that is not known to be down: what comes by `channel` is a claim. Links of one group
-    /// are one place, hosts are at home everywhere.
+    /// A frame of `source` by `channel` is a claim: `source` is at home elsewhere, and that place is not known to be down. Links of
+    /// one group are one place; hosts are at home everywhere.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
 
-    /// What the LoopGuard is to know of a frame, before route() learns from it.
+    /// Where `source` speaks, for the LoopGuard; to be called before route() learns from the frame.
     Speaks speaks(std::uint8_t source, ChannelId channel) const noexcept;
 
-    /// A holder to be asked whether it is still there; only it may answer.
+    /// A question to the holder of an address, whether it is still there. It goes to `channels`; only an answer from there counts.
     struct Question {
         std::uint8_t address = 0;
         ChannelSet channels;
     };
     bool has_question(TimePoint now) const noexcept { return claims_.is_due(now); }
-    /// The questions that are due, one after the other. Where all were met with silence, the address moves.
+    /// The next question that is due; std::nullopt: none. If the holder has answered none of them, the address moves.
     std::optional<Question> take_question(TimePoint now);
-    /// When to look for questions; nothing: nobody is asked.
+    /// When to call take_question(); std::nullopt: no test is under way.
     std::optional<TimePoint> next_question() const noexcept { return claims_.next(); }
 
-    /// `links`, of no common group, have brought the same source, `claimant` one of them. route() finds refused claims by
-    /// itself, but of what it is given.
+    /// Notes that `links`, of no common group, have brought the same source, one of them by `claimant`. route() itself finds only
+    /// the refused claims of the frames that it is given.
     void note_conflict(std::uint8_t source, LinkSet links, std::optional<ChannelId> claimant, TimePoint now);
 
     struct Learned {
         LinkSet links;
         TimePoint last{};
     };
-    /// The status: what is known of `address` at `now`; `links` is empty when nothing is.
+    /// For the status: what is known of `address` at `now`; `links` is empty when it is not known.
     Learned learned(std::uint8_t address, TimePoint now) const;
     LinkSet pinned(std::uint8_t address) const { return pinned_[address]; }
     LinkSet group(std::uint8_t number) const { return groups_[number]; }
-    /// Those that bear the port id, or have a channel that does.
+    /// The links that have the port id, or a channel with it.
     LinkSet port(std::uint8_t address) const {
         return address <= ano::address::last_port_id ? ports_[address] | links_of(port_channels_[address]) : LinkSet{};
     }
-    /// Those seen within forget_after.
+    /// The conflicts seen within forget_after.
     std::vector<Conflict> conflicts(TimePoint now) const;
     struct Claimant {
         std::uint8_t address = 0;
         ChannelId channel{};
     };
-    /// Whose claim was refused last, where that was not taken yet. To be asked before the channel can be closed.
+    /// The next refused claim that was not taken yet. To be called before the channel can be closed.
     bool take_claimant(Claimant& claimant);
     /// The next conflict that began and was not taken yet; for the log.
     bool take_new_conflict(Conflict& conflict);
@@ -163,7 +162,7 @@ private:
     void refuse(std::uint8_t source, TimePoint now);
     void settle();
     void forget_conflict(std::uint8_t address);
-    /// Of the addresses in `untold`, new_conflicts_ or new_claimants_, the first: it counts as told now.
+    /// Removes the first address from `untold`, which is new_conflicts_ or new_claimants_, and returns it.
     std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
     void move(std::uint8_t source, ChannelId to);
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
@@ -210,12 +209,12 @@ private:
     ChannelSet broadcast_;    // channels whose link takes broadcasts
     ChannelSet down_;         // channels whose wire is gone
 
-    // Where an address is at home, and when it was heard there. It stays, however long ago: who is silent may still be there, and
-    // is asked. Exact times rather than generations of sets: no sweep, and a frame touches the word of its two addresses and one
+    // Where an address is at home, and when it was heard there. This is kept however long ago it was: a silent device may still be
+    // there, and is asked. Exact times need no periodic sweep, and a frame touches only the words of its two addresses and one
     // time for each channel that heard them.
     std::array<ChannelSet, 256> known_{};
     std::array<std::array<TimePoint, max_channels>, 256> heard_{};
-    // Where it was at home before it moved, as long as it is elsewhere: when it speaks there, it is back.
+    // Where an address was at home before it moved, as long as it is elsewhere: when it speaks there again, it has come back.
     std::array<ChannelSet, 256> first_{};
 
     Claims claims_;
@@ -223,7 +222,7 @@ private:
     std::bitset<256> new_conflicts_;
     std::array<ChannelId, 256> claimants_{};
     std::bitset<256> new_claimants_;
-    bool untold_ = false;    // any of these two
+    bool untold_ = false;    // new_conflicts_ or new_claimants_ is not empty
     std::uint64_t own_frames_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What tells of a frame whether it may come round.
+// The properties of a frame by which the loop guard judges it.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/frame.hpp>
@@ -11,20 +11,20 @@
 
 namespace anogate {
 
-/// What the guard has to know of a frame.
+/// What the loop guard must know of a frame.
 struct Said {
     std::uint64_t key;        // frame_key()
-    bool by_host;             // others may say the very same
+    bool by_host;             // other hosts may send the same bytes
     bool state = false;       // a newer one of its kind replaces it: sticks, telemetry
-    bool to_all = false;      // everybody is meant
-    bool command = false;     // of a host, or what hosts say
-    bool waited = false;      // it was told to wait, and did,
-    bool hurried = false;     // until the channel brought the next of the same
-    bool replayed = false;    // it was said once: who said it may say the very same now
+    bool to_all = false;      // a broadcast
+    bool command = false;     // not a state; sent by a host, or urgent
+    bool waited = false;      // it was judged `waits`, and has waited
+    bool hurried = false;     // its wait ended because the channel brought more of the same
+    bool replayed = false;    // from a recording: its sender may send the same bytes now
     Speaks speaks = Speaks::somewhere;
-    ano::TimePoint arrived = ano::TimePoint::max();    // where it waited to be read; else it arrived when it is judged
+    ano::TimePoint arrived = ano::TimePoint::max();    // set if it waited to be read; otherwise it arrived when it is judged
 };
-/// `key`: its frame_key().
+/// `key` is frame_key(frame).
 inline Said said_by(ano::FrameView frame, std::uint64_t key) noexcept {
     const QueuePolicy policy = policy_of(frame.id());
     const bool host = ano::address::is_host(frame.source()), state = policy.replaces != Replaces::nothing;

@@ -1,4 +1,4 @@
-// One device on two links, or two devices with one id? The first says the same by both.
+// Distinguishes one device on two links from two devices with one id: one device sends the same frames by both links.
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/ids.hpp>
@@ -10,14 +10,14 @@
 
 namespace anogate {
 
-/// Looks at a sample of what each source says: two frames a second at the most. Constant time, no allocation.
+/// Looks at samples of what each source sends: at most two frames a second. Constant time, no allocation.
 class SameDevice {
 public:
     /// How much later another link may bring the same frame.
     static constexpr ano::Duration window = std::chrono::milliseconds{500};
 
-    /// `source` said the frame `key` (frame_key()) by `link`. The other link that brought it within the window, when it was the
-    /// sample; nothing: it was not, or came by no other.
+    /// `source` sent the frame `key` (frame_key()) by `link`. Returns the other link that brought the same frame within the window;
+    /// std::nullopt: it is not the current sample, or came by no other link.
     std::optional<LinkId> heard(std::uint8_t source, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         Sample& sample = samples_[source];
         sample.links.insert(link);
@@ -31,32 +31,32 @@ public:
         take(sample, link, key, now);
         return std::nullopt;
     }
-    /// The link is no more: whom it brought is looked at anew.
+    /// The link is removed: the sources that it brought are sampled from the beginning.
     void remove_link(LinkId link) noexcept {
         for (Sample& sample : samples_)
             if (sample.links.contains(link)) sample = {};
     }
-    /// Two links bring frames of `source`, and hardly ever the same ones.
+    /// Whether two links bring frames of `source` that are hardly ever the same.
     bool differ(std::uint8_t source) const noexcept {
         const Sample& sample = samples_[source];
         return sample.missed >= enough && sample.met_before * 4 < sample.missed;
     }
 
 private:
-    static constexpr unsigned enough = 4, most = 64;
+    static constexpr unsigned enough = 4, max_counted = 64;
 
     struct Sample {
         std::uint64_t key = 0;
         ano::TimePoint at = ano::TimePoint::min();
-        LinkSet links;    // all that brought any
+        LinkSet links;    // all that brought frames of the source
         LinkId link{};
         bool elsewhere = false;                 // another link brought frames meanwhile
-        bool met = false;                       // and this one
-        unsigned met_before = 0, missed = 0;    // how often, of those where another link spoke
+        bool met = false;                       // and the sample itself
+        unsigned met_before = 0, missed = 0;    // numbers of samples with `elsewhere`
     };
 
-    // The link that is always later brings nothing that another will bring: samples are of one and the other in turn. What a
-    // sensor at rest repeats tells nothing.
+    // What the later of two links brings will not come by the other one any more, so samples are taken from both in turn. A frame
+    // that is repeated, as by a sensor at rest, says nothing.
     static void take(Sample& sample, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         const bool others_turn = sample.elsewhere && link == sample.link && now < sample.at + 2 * window;
         if (others_turn || key == sample.key) return;
@@ -64,7 +64,7 @@ private:
         sample = {key, now, sample.links, link, false, false, sample.met_before, sample.missed};
     }
     static void count(unsigned& counted, unsigned& other) noexcept {
-        if (++counted < most) return;
+        if (++counted < max_counted) return;
         counted /= 2;
         other /= 2;
     }

@@ -1,5 +1,5 @@
-// What can be configured, as plain values with their defaults. How they are written is the key table's business
-// (src/config/keys.cpp); what each one does stands where it is used.
+// What can be configured, as plain values with their defaults. How they are written is in the key table (src/config/keys.cpp);
+// what each one does is documented where it is used.
 #pragma once
 #include <ano/address.hpp>
 #include <ano/flexible.hpp>
@@ -27,18 +27,18 @@ using ano::Clock;
 using ano::Duration;
 using ano::TimePoint;
 
-/// What the devices of a link are known for.
+/// The known properties of the devices of a link.
 enum class Profile : std::uint8_t {
     none,
-    vendor,    // the vendor's newest library: 198 bytes of DATA, no LEN 0, few questions at a time, spoken to first
+    vendor,    // the vendor's newest library: 198 bytes of DATA, no LEN 0, few questions at a time, hello needed
 };
 using ano::ValueType7;
 enum class TextEncoding : std::uint8_t { utf8, gbk };
 
-/// Most DATA that a device of Profile::vendor takes.
+/// Maximum of DATA that a device of Profile::vendor takes, in bytes.
 inline constexpr std::uint16_t vendor_max_data = 198;
 
-/// The settings that only links of one kind have: a struct that this kind alone knows.
+/// The settings that only links of one kind have: a struct whose type only this kind knows.
 class KindSettings {
 public:
     KindSettings() = default;
@@ -48,7 +48,7 @@ public:
               return std::any_cast<const Struct&>(a) == std::any_cast<const Struct&>(b);
           }} {}
 
-    /// Throws std::bad_any_cast when they are of another kind.
+    /// Throws std::bad_any_cast when the struct is of another type.
     template <class Struct>
     Struct& as() {
         return std::any_cast<Struct&>(value_);
@@ -70,28 +70,28 @@ struct LinkSettings {
     const LinkKind* kind = nullptr;
     std::string name;
     std::uint8_t id = 0;                          // port id 1 to 20; 0: none
-    Profile profile = Profile::none;              // gives the defaults of what is not said below
-    std::uint16_t max_data = 4096;                // of what is accepted
-    std::optional<std::uint16_t> max_data_out;    // of what is sent
-    std::optional<Duration> hello;                // how often to speak first; zero: never
+    Profile profile = Profile::none;              // gives the defaults of the settings below that are not set
+    std::uint16_t max_data = 4096;                // bytes of DATA in received frames
+    std::optional<std::uint16_t> max_data_out;    // the same in frames that are sent
+    std::optional<Duration> hello;                // interval between hellos; zero: never
     std::optional<ValueType7> value_type_7;       // for tools that show what the link brings
-    std::optional<TextEncoding> encoding;         // and of the text in it
+    std::optional<TextEncoding> encoding;         // of the texts in it, for the same tools
     std::uint32_t queue = 32 * 1024;              // bytes; at least one frame of effective_max_data_out()
-    bool flood = true;                            // takes frames for addresses nobody has heard of
+    bool flood = true;                            // takes frames for unknown addresses
     bool broadcast = true;                        // takes frames to 0xFF
     std::string group;                            // links of one group lead to the same place; empty: none
-    std::uint8_t present_as = 0;                  // the address that every host has for the devices of this link; 0: its own
-    std::uint32_t rate = 0;                       // bytes/s that it is given at most; 0: what the line carries, or no limit
+    std::uint8_t present_as = 0;    // the address under which the devices of this link see every host; 0: the host's own
+    std::uint32_t rate = 0;         // maximum of bytes/s; 0: what the line carries, or no limit
     Duration latency = std::chrono::milliseconds{20};    // how far the system may be ahead of the line, where it is paced
-    bool pack = true;                                    // datagrams: several frames in one when they wait anyway,
-    std::uint16_t mtu = 1400;                            // and so many bytes
+    bool pack = true;                                    // puts several waiting frames into one datagram
+    std::uint16_t mtu = 1400;                            // maximum bytes of such a datagram
     AgeLimits age;
     RuleSettings rules;
     bool required = false;    // the program ends with 1 when this link is not up within 10 s
-    bool enabled = true;      // no: its wire is not opened
-    bool manage = false;      // who comes by it may change the gateway itself, where that is a device
+    bool enabled = true;      // false: its wire is not opened
+    bool manage = false;      // its peers may change the settings of the gateway, if that is a device
 
-    KindSettings of_kind;    // what links of its kind have beside that
+    KindSettings of_kind;    // the settings of links of its kind
     bool operator==(const LinkSettings&) const = default;
 
     template <class Struct>
@@ -103,7 +103,7 @@ struct LinkSettings {
         return of_kind.as<Struct>();
     }
 
-    /// What holds where nothing was said.
+    /// The effective values, with the defaults of the profile.
     std::uint16_t effective_max_data_out() const noexcept {
         return max_data_out.value_or(profile == Profile::vendor ? std::min(max_data, vendor_max_data) : max_data);
     }
@@ -128,7 +128,7 @@ struct GatewaySettings {
     std::uint8_t id = 0;    // our own hardware id; 0: none
     std::string name = "anogate";
     Unknown unknown = Unknown::flood;
-    std::string unknown_link;    // where Unknown::link sends them
+    std::string unknown_link;    // the link of Unknown::link
     Duration forget_after = std::chrono::seconds{30};
     bool operator==(const GatewaySettings&) const = default;
 };
@@ -141,7 +141,7 @@ struct AliasSettings {
     bool operator==(const AliasSettings&) const = default;
 };
 
-/// What a device is given when plain frames come in from `from`: a tunnel frame.
+/// Plain frames that come in from `from` are given to devices inside a tunnel frame.
 struct WrapSettings {
     Network from;
     std::string link;
@@ -151,20 +151,20 @@ struct WrapSettings {
     bool operator==(const WrapSettings&) const = default;
 };
 
-/// What leaves for a tunnel frame of a device.
+/// What is sent for a tunnel frame of a device.
 enum class Deliver : std::uint8_t {
     frames,    // the frames inside it
     tunnel,    // the tunnel frame, with our ip as its source
 };
 
 struct TunnelSettings {
-    std::vector<std::string> links;    // whose tunnel frames are carried
+    std::vector<std::string> links;    // the links whose tunnel frames are carried
     std::uint8_t address = 0xE6;       // tunnel frames to it, to the gateway's id and to 0xFF are for us
-    IpAddress bind;                    // IPv4: the tunnel frame has no room for more
-    std::uint16_t port = 12333;        // ours, and what port 0 in a tunnel frame means; 0: the kernel chooses
-    std::optional<IpAddress> ip;       // our address as others know it; nothing: as the system has it
+    IpAddress bind;                    // IPv4 only: the tunnel frame has no room for IPv6
+    std::uint16_t port = 12333;        // our port, also meant by port 0 in a tunnel frame; 0: the kernel chooses
+    std::optional<IpAddress> ip;       // our address as others know it; std::nullopt: as the system has it
     Deliver deliver = Deliver::frames;
-    std::vector<WrapSettings> wrap;    // the first that matches counts
+    std::vector<WrapSettings> wrap;    // the first rule that matches applies
     std::vector<Network> allow;        // empty: the networks of our interfaces
     bool relay = false;                // peers of IP links may reach this computer itself, where `allow` lists it
     RuleSettings rules;                // of the link `tunnel`
@@ -187,11 +187,11 @@ struct GpioSettings {
     std::string line;    // its number on the chip in decimal, or its name
     GpioUse use{};
     std::string link;
-    std::vector<std::string> links;    // of an inhibit switch, beside `link`
+    std::vector<std::string> links;    // of an inhibit switch, in addition to `link`
     bool active_low = false;
     GpioBias bias = GpioBias::as_is;
-    std::optional<Duration> pulse;         // nothing: 1 s for power, 100 ms for reset
-    std::optional<Duration> silent_for;    // reset when the link was silent so long
+    std::optional<Duration> pulse;         // std::nullopt: 1 s for power, 100 ms for reset
+    std::optional<Duration> silent_for;    // reset when the link was silent for this long
     bool operator==(const GpioSettings&) const = default;
 };
 
@@ -201,7 +201,7 @@ struct TlsFiles {
     bool operator==(const TlsFiles&) const = default;
 };
 
-/// In which coordinates a map is drawn: as satellites say, or as maps of China must (GB 20263).
+/// The coordinates in which a map is drawn: those of satellites, or those required for maps of China (GB 20263).
 enum class Datum : std::uint8_t { wgs84, gcj02 };
 
 struct MapSettings {
@@ -212,14 +212,14 @@ struct MapSettings {
 
 struct ControlSettings {
     std::string socket;                  // empty: the default for this user; "none": no control socket
-    std::optional<EndpointSpec> http;    // the same interface over TCP; nothing: not
+    std::optional<EndpointSpec> http;    // the same interface over TCP; std::nullopt: none
     std::string token_file;              // empty: the default for this user
-    std::vector<std::string> hosts;      // names of ours beside the host's own
-    std::vector<std::string> origins;    // pages of others that may ask
+    std::vector<std::string> hosts;      // further names of this computer, beside its host name
+    std::vector<std::string> origins;    // web pages of other origins that may send requests
     TlsFiles tls;
-    MapSettings map;                           // under the tracks of the page
-    std::uint8_t host = ano::address::host;    // as whom devices are asked
-    bool manage = true;                        // of the link `control`, as of any other link
+    MapSettings map;                           // shown under the tracks on the page
+    std::uint8_t host = ano::address::host;    // the address from which devices are asked
+    bool manage = true;                        // as LinkSettings::manage, for the link `control`
     RuleSettings rules;                        // of the link `control`
     bool operator==(const ControlSettings&) const = default;
 };
@@ -231,9 +231,9 @@ struct LogSettings {
     bool operator==(const LogSettings&) const = default;
 };
 
-/// The gateway records what passes it.
+/// How the gateway records the frames that pass.
 struct RecordSettings {
-    bool start = true;     // from the start on; no: when it is asked to
+    bool start = true;     // records from the start; false: only on request
     std::string folder;    // empty: "recordings" in the state folder
     std::string format = "pcapng";
     std::string message_encoding = "cdr";    // of decoded messages in MCAP
@@ -245,8 +245,8 @@ struct RecordSettings {
     std::optional<Duration> rotate_time;
     std::uint64_t keep_size = 0;    // bytes of all recordings; 0: no limit
     std::optional<Duration> keep_age;
-    std::uint64_t keep_free = 0;          // for so many free bytes of the disk older recordings go; 0: none does
-    std::uint64_t free = 500'000'000;     // while fewer are free, nothing is written
+    std::uint64_t keep_free = 0;          // older recordings are deleted to keep so many bytes of the disk free; 0: never
+    std::uint64_t free = 500'000'000;     // bytes; while fewer are free, nothing is written
     std::optional<Duration> keep_last;    // in memory
     bool operator==(const RecordSettings&) const = default;
 };
@@ -258,7 +258,7 @@ struct Settings {
     std::vector<AliasSettings> aliases;
     std::optional<TunnelSettings> tunnel;
     std::vector<GpioSettings> gpio;
-    std::vector<ano::FlexibleSpec> flexible;    // for tools: what carries frames does not ask
+    std::vector<ano::FlexibleSpec> flexible;    // for tools; forwarding does not use them
     ControlSettings control;
     std::optional<RecordSettings> record;
     LogSettings log;

@@ -3,7 +3,7 @@
 //
 // Out:    tunnel.takes(frame)                    // came by one of `links`
 //         tunnel.out(frame, …) → Datagram        // to send
-// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with what is inside
+// In:     tunnel.in(frame, sender, …)            // each tunnel frame of a datagram; calls back with the frames inside
 //         tunnel.begin_wrap(rule, …), add(), end_wrap()
 #pragma once
 #include <ano/frame.hpp>
@@ -29,31 +29,31 @@ inline constexpr std::size_t max_datagram = 65507;                              
 
 constexpr bool is_tunnel_frame(ano::FrameView frame) noexcept { return frame.id() == ip_tunnel || frame.id() == ip_tunnel_short; }
 
-/// The part of DATA before the inner frames.
+/// The addresses and the port at the beginning of DATA, before the inner frames.
 struct TunnelHead {
     IpAddress source;
     IpAddress destination;
     std::uint16_t port = 0;
     friend bool operator==(const TunnelHead&, const TunnelHead&) = default;
 };
-/// Its bytes in a frame of this id: 10 or 4.
+/// The size of the head in a frame of this id, in bytes: 10 or 4.
 constexpr std::size_t tunnel_head_size(std::uint8_t id) noexcept { return id == ip_tunnel ? 10 : 4; }
 
 struct TunnelContent {
     TunnelHead head;
     std::span<const std::uint8_t> inner;    // in the frame's memory
 };
-/// Takes a tunnel frame apart; nothing when DATA is shorter than the head. 0xB2 leaves out the first three bytes of both
-/// addresses: they are those of `network`.
+/// Takes a tunnel frame apart; std::nullopt when DATA is shorter than the head. 0xB2 leaves out the first three bytes of both
+/// addresses: they are taken from `network`.
 std::optional<TunnelContent> unwrap(ano::FrameView frame, const IpAddress& network) noexcept;
 
-/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a whole good frame: searching behind it
-/// could open a tunnel frame that stands, damaged, inside.
+/// Reads the frames inside a tunnel frame. It ends at the first byte that does not begin a whole good frame: searching beyond it
+/// could find the frames inside a damaged inner tunnel frame.
 class InnerFrames {
 public:
     explicit InnerFrames(std::span<const std::uint8_t> inner) noexcept : rest_{inner}, empty_{inner.empty()} {}
     std::optional<ano::FrameView> next() noexcept;
-    /// After next() returned nothing: the content was whole good frames only, at least one.
+    /// After next() returned std::nullopt: the content was only whole good frames, at least one.
     bool good() const noexcept { return rest_.empty() && !empty_; }
 
 private:
@@ -68,7 +68,7 @@ public:
 
     /// A frame of `id` from `source` to `destination`, with at most `max_data` bytes of DATA.
     void begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept;
-    /// False: it does not fit.
+    /// False: `inner` does not fit.
     bool add(ano::FrameView inner) noexcept;
     bool empty() const noexcept { return inner().empty(); }
     std::span<const std::uint8_t> inner() const noexcept;
@@ -80,20 +80,20 @@ private:
 
     ano::Room<std::uint8_t> buffer_;
     std::size_t end_ = 0;
-    std::size_t most_ = 0;    // the limit of end_
+    std::size_t max_end_ = 0;
 };
 
-/// The decisions: what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
+/// Decides what is carried, opened, wrapped or refused. Neither throws nor allocates after construction.
 class Tunnel {
 public:
     /// Whether an inner frame may go on: the filters, limits and switches of the link it came by.
     using Passes = std::function<bool(ano::FrameView)>;
     using Take = std::function<void(ano::FrameView)>;
-    /// Questions to the machine.
+    /// What the tunnel needs to know of the machine.
     struct Environment {
-        /// Our address towards `there`, or for 0.0.0.0 the usual one; nothing when no route leads there.
+        /// Our address on the route to `there`, or for 0.0.0.0 the default one; std::nullopt when no route leads there.
         std::function<std::optional<IpAddress>(const IpAddress& there)> our_address;
-        /// The gateway itself listens on this port.
+        /// Whether the gateway itself listens on this port.
         std::function<bool(std::uint16_t port)> is_own_port;
     };
 
@@ -105,14 +105,14 @@ public:
     /// The networks of our interfaces as they are now, loopback included.
     void set_networks(std::vector<Network> networks) { policy_.set_networks(std::move(networks)); }
 
-    /// Whether this is a tunnel frame for us that came by one of `links`: then it is not forwarded, also when it is refused.
+    /// Whether `frame`, which came by one of `links`, is a tunnel frame for us: then it is not forwarded, even when it is refused.
     bool takes(ano::FrameView frame) const noexcept;
 
     struct Datagram {
         Endpoint to;
         std::span<const std::uint8_t> bytes;    // valid until the next call of out()
     };
-    /// What leaves for a tunnel frame of a device; nothing: refused and counted, or nothing in it passed.
+    /// What is sent for a tunnel frame of a device; std::nullopt: refused and counted, or no frame in it passed.
     std::optional<Datagram> out(ano::FrameView frame, const Passes& passes);
     /// The result of sending it.
     void sent() noexcept { ++counters_.out; }
@@ -123,15 +123,15 @@ public:
     /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. The
     /// source address in the frame is not used. True: something was inside.
     bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
-    /// Something of a datagram was taken.
+    /// Counts a datagram of which some frame was taken.
     void came_in() noexcept { ++counters_.in; }
 
     /// The index in the settings of the first rule that matches `sender`, if any.
     std::optional<std::size_t> wrap_rule(const IpAddress& sender) const noexcept;
-    /// Starts a tunnel frame for the frames of one datagram; false: refused and counted, once a datagram. `max_data` is that of
+    /// Starts a tunnel frame for the frames of one datagram; false: refused, and counted once for a datagram. `max_data` is that of
     /// the rule's link.
     bool begin_wrap(std::size_t rule, std::size_t max_data, const Endpoint& sender);
-    /// The rule of begin_wrap() until end_wrap(); nothing: none has begun.
+    /// The rule of begin_wrap(), until end_wrap(); std::nullopt: none has begun.
     std::optional<std::size_t> wrapping() const noexcept { return wrapping_; }
     /// begin_wrap() has not refused this datagram.
     bool can_wrap() const noexcept { return !refused_wrap_; }
@@ -160,7 +160,7 @@ private:
     TunnelWriter out_;
 
     TunnelWriter wrap_;
-    std::optional<std::size_t> wrapping_;    // the rule
+    std::optional<std::size_t> wrapping_;    // index of the rule
     bool refused_wrap_ = false;
     std::size_t wrap_max_data_ = 0;
     TunnelHead wrap_head_;

@@ -1,4 +1,4 @@
-// Who may be reached through the tunnel, and who may come in by it.
+// Which addresses may be reached through the tunnel, and which may send to it.
 #pragma once
 #include <gateway/ip.hpp>
 #include <gateway/settings.hpp>
@@ -8,7 +8,7 @@
 namespace anogate {
 
 /// An ordinary host is allowed by the networks of `allow`, or when there are none, by those of our interfaces. Other addresses
-/// must be listed as such: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
+/// must be listed explicitly: loopback by a network within 127.0.0.0/8, multicast by one within 224.0.0.0/4, a broadcast address
 /// or one of our own as a single address (/32). 0.0.0.0/8 (which on Linux leads to this machine) and 240.0.0.0/4 are never allowed.
 class TunnelPolicy {
 public:

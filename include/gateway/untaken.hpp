@@ -1,4 +1,4 @@
-// For how long nobody has taken what a link brings.
+// For how long frames that a link brings have had no receiver.
 #pragma once
 #include <ano/time.hpp>
 
@@ -8,17 +8,18 @@ namespace anogate {
 
 class Untaken {
 public:
-    /// What is further apart is no flow.
+    /// Frames further apart than this do not belong to the same series.
     static constexpr ano::Duration pause = std::chrono::seconds{3};
 
-    /// One more that had no taker.
+    /// A frame had no receiver.
     void note(ano::TimePoint now) noexcept {
         if (!lasts(now)) since_ = now;
         last_ = now;
     }
-    /// One that had a taker.
+    /// A frame had a receiver.
     void taken() noexcept { last_ = ano::TimePoint::min(); }
-    /// From the first to the last of them that were no pause apart; nothing: there was none lately, or one was taken since.
+    /// The time from the first to the last frame without a receiver in the present series; std::nullopt: there was none lately, or a
+    /// frame had a receiver since.
     std::optional<ano::Duration> duration(ano::TimePoint now) const noexcept {
         return lasts(now) ? std::optional{last_ - since_} : std::nullopt;
     }

@@ -1,4 +1,4 @@
-// A frame that waits in an outbox, and the lists it stands in: numbers of an array in place of pointers.
+// A frame that waits in an outbox, and the lists it is in, which use array indices instead of pointers.
 #pragma once
 #include <ano/time.hpp>
 
@@ -18,15 +18,15 @@ struct WaitingFrame {
     Neighbours in_flow;
     Neighbours in_arena;
     Neighbours in_bucket;
-    std::uint32_t at;      // where its bytes stand
-    std::uint32_t key;     // what a newer one must share to replace it
-    std::uint32_t flow;    // of its FairQueue
+    std::uint32_t at;      // offset of its bytes
+    std::uint32_t key;     // a newer frame with the same key may replace it
+    std::uint32_t flow;    // the node of its sender in FairQueue
     std::uint32_t size : 28;
     std::uint32_t traffic : 2;
-    std::uint32_t replaceable : 1;    // it stands in a bucket
-    std::uint32_t overtakes : 1;      // the other frames of its sender
+    std::uint32_t replaceable : 1;    // it is in a bucket
+    std::uint32_t overtakes : 1;      // it leaves before the other frames of its sender
     std::uint64_t number;             // in the order of push()
-    std::uint64_t turn;               // the number of the first of its kind that it stands for
+    std::uint64_t turn;               // the number of the oldest frame that it has replaced, else its own
     ano::Duration stale_at;           // since the clock's epoch
 };
 static_assert(sizeof(WaitingFrame) == 64);

@@ -11,7 +11,7 @@ namespace ano::host {
 
 using Vector = std::array<double, 3>;    // x, y, z
 
-/// corrected = E · diag(S) · (raw − O), in cm/s². The protocol text names the parameters and no formula; this one is ours.
+/// corrected = E · diag(S) · (raw − O), in cm/s². The protocol text names the parameters but gives no formula; this one is anogate's.
 struct AccelerometerCalibration {
     Vector offset{};
     Vector sensitivity{1, 1, 1};
@@ -23,12 +23,12 @@ struct AccelerometerCalibration {
     static AccelerometerCalibration of(const std::array<float, 15>& values) noexcept;
 };
 
-/// What a fit came to.
+/// The result of a fit.
 template <class Calibration>
 struct Fit {
-    std::optional<Calibration> calibration;    // nothing: rejected, see wrong
+    std::optional<Calibration> calibration;    // std::nullopt: rejected, see `wrong`
     std::string wrong{};
-    double before = 0, after = 0;    // the residuals of the old values and of these
+    double before = 0, after = 0;    // the residuals with the old values and with the new ones
 };
 
 /// By the axis that measures gravity: at rest +x is the face on which x reads +980 cm/s².
@@ -36,31 +36,31 @@ enum class Face : std::uint8_t { x_plus, x_minus, y_plus, y_minus, z_plus, z_min
 inline constexpr std::array<std::string_view, 6> face_names{"+x", "-x", "+y", "-y", "+z", "-z"};
 constexpr std::string_view name_of(Face face) noexcept { return face_names[static_cast<std::size_t>(face)]; }
 
-/// Gathers samples of each face while the device lies still on it. No allocation but for the words of a fit.
+/// Gathers samples of each face while the device lies still on it. Only fit() allocates, for its text.
 class SixFaces {
 public:
     static constexpr double gravity = 980.665;          // cm/s²
-    static constexpr std::size_t enough = 60;           // samples of a face
+    static constexpr std::size_t enough = 60;           // samples that complete a face
     static constexpr std::size_t window = 20;           // samples by which stillness is judged
-    static constexpr double still_acceleration = 15;    // cm/s², the largest standard deviation of an axis
-    static constexpr double still_rotation = 1.5;       // °/s, as well
-    /// A calibration that leaves more than this, cm/s², comes of faces that were not level.
+    static constexpr double still_acceleration = 15;    // cm/s², the maximum standard deviation of an axis
+    static constexpr double still_rotation = 1.5;       // °/s, the same for rotation
+    /// cm/s². A larger residual means that the device did not lie level on its faces.
     static constexpr double max_residual = 0.05 * gravity;
 
     /// One sample, not calibrated: cm/s² and °/s (0x01).
     void take(const Vector& acceleration, const Vector& rotation) noexcept;
 
-    /// How far from still it is: up to 1 is still; nothing before the window is full.
+    /// How much the device moves: up to 1 counts as still; std::nullopt before the window is full.
     std::optional<double> unrest() const noexcept { return unrest_; }
     bool is_still() const noexcept { return unrest_ && *unrest_ <= 1; }
-    /// The face that is up now; nothing where none clearly is.
+    /// The face that is up now; std::nullopt when none clearly is.
     std::optional<Face> face() const noexcept { return face_; }
     std::size_t samples(Face face) const noexcept { return gathered_[static_cast<std::size_t>(face)].count; }
     bool is_enough(Face face) const noexcept { return samples(face) >= enough; }
     std::size_t faces_done() const noexcept;
     bool is_complete() const noexcept { return faces_done() == 6; }
 
-    /// From one half of the samples, judged by the other: rejected when that is no better than with `old`.
+    /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
     Fit<AccelerometerCalibration> fit(const AccelerometerCalibration& old) const;
 
 private:
@@ -69,7 +69,7 @@ private:
     };
     struct Gathered {
         std::size_t count = 0;
-        std::array<Vector, 2> sum{};    // of every other sample
+        std::array<Vector, 2> sum{};    // of the samples of each half: every second one belongs to the other
         Vector mean(std::size_t half) const noexcept;
     };
 

@@ -1,4 +1,5 @@
-// What may not be done to a device now: in the air, to nobody in particular, or while somebody else is at it.
+// What may not be done to a device now: because it is in the air, its address is not that of one known device, or another host
+// is writing to it.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
@@ -16,11 +17,11 @@ enum class Deed : std::uint8_t {
     ground    // upgrade, calibration, restore_defaults: never in the air
 };
 
-/// What the network knows of the address that is meant.
+/// What the router knows about the address.
 struct Whereabouts {
-    bool is_known = false;               // it was heard: a frame to it goes one way, and is not flooded
-    bool in_conflict = false;            // two devices have it
-    bool on_several_channels = false;    // outside one group
+    bool is_known = false;               // it was heard, so that a frame to it is not flooded
+    bool in_conflict = false;            // two devices use it
+    bool on_several_channels = false;    // channels that are not of one group
 };
 
 enum class Refusal : std::uint8_t {
@@ -32,21 +33,21 @@ enum class Refusal : std::uint8_t {
     busy,          // another host writes or upgrades it
 };
 
-/// Hears every frame that passes and that is not of this host itself. No allocation.
+/// Observes the traffic: hear() is called with every frame except those of this host. No allocation.
 class AirGuard {
 public:
-    /// For so long after a write of another host the device is that one's.
+    /// For this long after a write of another host, the device is busy with that host.
     static constexpr Duration busy_for = std::chrono::seconds{2};
 
     void hear(FrameView frame, TimePoint now) noexcept;
 
-    /// Why `deed` may not be done to `address`; nothing: it may. `force` is for `in_the_air` alone.
+    /// Why `deed` may not be done to `address`; std::nullopt: it may. `force` only overrides `in_the_air`.
     std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, TimePoint now,
                                    bool force = false) const noexcept;
 
-    /// By its last 0x06, however long ago: who fell silent in the air may still be there.
+    /// By its last 0x06, however long ago: a device that fell silent in the air may still be flying.
     bool is_in_the_air(std::uint8_t address) const noexcept { return devices_[address].in_the_air; }
-    /// The address of the other host that is at it.
+    /// The address of the other host that is writing to it; std::nullopt: none.
     std::optional<std::uint8_t> busy_with(std::uint8_t address, TimePoint now) const noexcept;
 
 private:

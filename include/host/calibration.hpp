@@ -36,7 +36,7 @@ public:
     void start(TimePoint now);
     Progress progress() const noexcept override { return apply_.progress(); }
     void cancel(TimePoint now) override;
-    void ended(const Ended&, TimePoint) override {}    // its parts ask
+    void ended(const Ended&, TimePoint) override {}    // only its sub-tasks send requests
 
 private:
     void applied(TimePoint now);
@@ -49,9 +49,9 @@ private:
     Parameters again_;
 };
 
-/// The old values are read, and kept by the owner before anything is changed; then the device is told to forget them, so that it sends
-/// what its sensor measures; it is turned; the values are computed, written and read back. When they are rejected, or it is cancelled, or
-/// the device fails, the old values are written back before it ends. After a crash the owner does that with CalibrationWrite.
+/// The old values are read, and stored by the owner before anything is changed; then the device clears them, so that it sends raw
+/// measurements; the user turns it; the new values are computed, written and read back. When they are rejected, the task is cancelled
+/// or the device fails, the old values are written back before the task ends. After a crash the owner does that with CalibrationWrite.
 class Calibration final : public Task {
 public:
     enum class Step : std::uint8_t { read, keep, clear, turn, write, restore, over };
@@ -60,32 +60,32 @@ public:
     Calibration(Device& device, Sensor sensor, DescriptionCache* cache = nullptr);
 
     void start(TimePoint now);
-    /// The owner has kept old_values() where they survive a crash.
+    /// To be called when the owner has stored old_values() where they survive a crash.
     void kept(TimePoint now);
-    /// While it is in Step::keep: what is to be written back is not what it read, which a calibration that never ended has left.
+    /// Only in Step::keep: replaces the values to be written back, when those that were read are left from an unfinished calibration.
     void set_old_values(CalibrationValues values);
-    /// Asked right before the new values are written: why they may not be, in words; empty: they may.
+    /// `refusal` is called right before the new values are written. It returns why they may not be written, as text; empty: they may.
     void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
-    /// Every frame that comes from the device's side, as well as Device::take().
+    /// To be called with every frame that comes from the device's side, in addition to Device::take().
     void hear(FrameView frame, TimePoint now);
-    /// When look() has to be called: the time to turn it is over.
+    /// When look() has to be called, as the time to turn the device is over; std::nullopt outside Step::turn.
     std::optional<TimePoint> due() const noexcept { return step_ == Step::turn ? turn_until_ : std::nullopt; }
     void look(TimePoint now);
-    /// Ends when the old values are back.
+    /// The task ends when the old values are written back.
     void cancel(TimePoint now) override;
-    /// In faces, or in cells of the sphere.
+    /// Counts faces, or cells of the sphere.
     Progress progress() const noexcept override;
-    void ended(const Ended&, TimePoint) override {}    // its parts ask
+    void ended(const Ended&, TimePoint) override {}    // only its sub-tasks send requests
 
     Step step() const noexcept { return end() ? Step::over : step_; }
     const CalibrationValues& old_values() const noexcept { return old_; }
     /// Empty before they are computed.
     const CalibrationValues& new_values() const noexcept { return new_; }
-    /// Nothing was changed, or the old values are back.
+    /// True when nothing was changed, or the old values are written back.
     bool has_old_values() const noexcept;
     const SixFaces& faces() const noexcept { return faces_; }
     const CompassSphere& sphere() const noexcept { return sphere_; }
-    /// Of the old values and of the new ones; see SixFaces::fit() and CompassSphere::fit(). Nothing before they are computed.
+    /// Of the old values and of the new ones, see SixFaces::fit() and CompassSphere::fit(); std::nullopt before they are computed.
     std::optional<std::pair<double, double>> residuals() const noexcept { return residuals_; }
 
 private:
@@ -115,7 +115,7 @@ private:
     std::optional<TimePoint> turn_until_;
     std::optional<std::pair<double, double>> residuals_;
     std::function<std::string()> refusal_;
-    End why_;    // it ends so, when the old values are back
+    End why_;    // how it ends when the old values are written back
 };
 
 }    // namespace ano::host

@@ -1,4 +1,4 @@
-// The commands that a device defines (0xC0 to 0xC2; protocol text, section 4): what there is, and calling one.
+// The commands that a device defines (0xC0 to 0xC2; protocol text, section 4): reads their descriptions, and calls one.
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/schema.hpp>
@@ -20,12 +20,12 @@ struct CommandInfo {
     std::array<std::uint8_t, 3> cid{};
     std::vector<Type> types{};        // of its values
     bool has_unknown_type = false;    // then it can't be called
-    std::string name{};               // as it came, in whatever encoding the device uses; so is info
+    std::string name{};               // as received, in whatever encoding the device uses; so is info
     std::string info{};
     friend bool operator==(const CommandInfo&, const CommandInfo&) = default;
 };
 
-/// The description that `frame` is; nothing when it is no 0xC2, or too short for one.
+/// The description in `frame`; std::nullopt when it is not a 0xC2, or too short for one.
 std::optional<CommandInfo> command_info_in(FrameView frame, ValueType7 seven);
 
 /// Reads the number of commands and every description.
@@ -36,9 +36,9 @@ public:
 
     void read(TimePoint now) { ask(how_many(ask_count), now); }
 
-    /// Those that did not come have no name.
+    /// Descriptions that did not come have no name.
     const std::vector<CommandInfo>& descriptions() const noexcept { return descriptions_; }
-    /// Null: none is called so, or several are.
+    /// Null: no command has this name, or several have it.
     const CommandInfo* find(std::string_view name) const noexcept;
 
 private:
@@ -68,7 +68,7 @@ public:
     void ended(const Ended& ended, TimePoint now) override;
 
 private:
-    /// DATA behind the command's numbers; a clause when the values do not fit.
+    /// Appends the values to `out`. Returns why they do not fit, as a clause; std::nullopt: they fit.
     std::optional<std::string> pack(std::vector<std::uint8_t>& out) const;
 
     CommandInfo command_;

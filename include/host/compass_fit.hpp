@@ -1,4 +1,4 @@
-// The calibration of a compass from samples all round.
+// The calibration of a compass from samples of all directions.
 #pragma once
 #include <host/accelerometer_fit.hpp>
 
@@ -25,10 +25,10 @@ class CompassSphere {
 public:
     /// Cells of equal area: bands of z from -1 to 1, sectors around it from the x axis. Cell = band * sectors + sector.
     static constexpr std::size_t bands = 6, sectors = 12, cells = bands * sectors;
-    static constexpr std::size_t max_in_cell = 12;    // further samples from there say nothing new
-    static constexpr double enough = 0.8;             // of the cells
+    static constexpr std::size_t max_in_cell = 12;    // further samples in a cell are ignored
+    static constexpr double enough = 0.8;             // share of the cells that completes the sphere
     static constexpr std::size_t min_samples = 200;
-    static constexpr double max_residual = 0.15;    // of the field: more is a disturbed place
+    static constexpr double max_residual = 0.15;    // as a share of the field; more means magnetic disturbance
 
     void take(const Vector& raw);
 
@@ -38,8 +38,8 @@ public:
     std::size_t samples() const noexcept { return samples_.size(); }
     bool is_complete() const noexcept { return samples_.size() >= min_samples && coverage() >= enough; }
 
-    /// From one half of the samples, judged by the other: rejected when that is no better than with `old`. Residuals are standard
-    /// deviations of the field's strength, as a share of it.
+    /// Computed from one half of the samples and checked with the other half: rejected when the residual is not below that of `old`.
+    /// Residuals are standard deviations of the field's strength, as a share of it.
     Fit<CompassCalibration> fit(const CompassCalibration& old) const;
 
 private:
@@ -49,7 +49,7 @@ private:
     double residual(const CompassCalibration& calibration) const noexcept;
 
     std::vector<Vector> samples_;
-    Vector least_{}, most_{};
+    Vector min_{}, max_{};
     Vector centre_{};
     std::bitset<cells> covered_;
     std::array<std::size_t, cells> in_cell_{};

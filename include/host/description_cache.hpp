@@ -1,4 +1,4 @@
-// Descriptions of parameters, which do not change while a device is what it says it is.
+// Descriptions of parameters, which do not change as long as the device is the same.
 #pragma once
 #include <host/device.hpp>
 #include <host/parameter_info.hpp>
@@ -10,7 +10,7 @@
 
 namespace ano::host {
 
-/// What makes two devices the same: what it says of itself, how many parameters it has, and that it was not away.
+/// Equal keys mean the same device: same device info, same number of parameters, and it was not away.
 struct DescriptionKey {
     std::uint8_t address = 0;
     std::uint32_t presence = 0;
@@ -19,14 +19,14 @@ struct DescriptionKey {
     friend bool operator==(const DescriptionKey&, const DescriptionKey&) = default;
 };
 
-/// Values are never kept: only the device knows them. Room for the devices used last.
+/// Values are not cached, since they may change in the device. Keeps the `max_devices` devices used last.
 class DescriptionCache {
 public:
     static constexpr std::size_t max_devices = 32;
 
-    /// Null when they are not known; valid until the next call of store() or forget().
+    /// Null when the descriptions are not known; valid until the next call of store() or forget().
     const std::vector<ParameterInfo>* find(const DescriptionKey& key);
-    /// Takes the place of what was known of the same address.
+    /// Replaces what was known of the same address.
     void store(DescriptionKey key, std::vector<ParameterInfo> descriptions);
     void forget(std::uint8_t address);
 

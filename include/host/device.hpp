@@ -1,4 +1,4 @@
-// One device as a host sees it: what it said of itself, and the requests on their way to it.
+// One device as a host sees it: its device info, and the requests on their way to it.
 //
 // Flow:    device.ask(request, asker);                               // tasks do that: parameters.hpp, commands.hpp, ...
 //          device.take(frame, now);                                  // every frame that comes from its side
@@ -23,15 +23,15 @@ namespace ano::host {
 struct DeviceInfo {
     std::uint8_t dev_id = 0;
     std::uint16_t hw_ver = 0, sw_ver = 0, bl_ver = 0, pt_ver = 0;
-    std::string name;    // as it came: in whatever encoding the device uses
+    std::string name;    // as received, in whatever encoding the device uses
     friend bool operator==(const DeviceInfo&, const DeviceInfo&) = default;
 };
 
 /// How a request ended.
 enum class Outcome : std::uint8_t {
-    answered,     // by data, or by the acknowledgement
-    timeout,      // by silence
-    not_there,    // by ourselves: its parameter is beyond the count that the device told meanwhile
+    answered,     // with data, or with the acknowledgement
+    timeout,      // no answer came
+    not_there,    // not sent: its parameter is beyond the count that the device has reported meanwhile
 };
 
 struct Ended {
@@ -39,7 +39,7 @@ struct Ended {
     std::uint32_t tag;                  // of the request
     std::optional<FrameView> answer;    // of `answered`; refers to the frame given to take()
     Evidence evidence;
-    bool device_answers;    // it answered something since this was sent first
+    bool device_answers;    // it answered some request since this one was first sent
 };
 
 class Asker {
@@ -51,9 +51,9 @@ protected:
     ~Asker() = default;
 };
 
-/// What a frame was to this device's requests.
+/// What a frame meant for this device's requests.
 enum class Taken : std::uint8_t {
-    nothing,    // no answer of this device to us
+    nothing,    // not an answer of this device to us
     ended,      // it ended a request
     doubled,    // it would have ended one that is answered already
     late,       // it answers one that was given up or cancelled
@@ -61,15 +61,15 @@ enum class Taken : std::uint8_t {
     foreign,    // an answer to another host
 };
 
-/// Each device has one of these, whoever asks: its window is shared. At most Window::widest requests are on their way, of those that
-/// write, command or upgrade one. Two that the same answer would end go one after the other.
+/// There is one of these for each device, shared by all askers together with its window. At most Window::max_size requests are on
+/// their way, and at most one that writes, commands or upgrades. Two that the same answer would end are sent one after the other.
 ///
-/// An id at or beyond the number of parameters is never sent, and none before that number is known: some firmware crashes on it.
+/// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on it.
 class Device {
 public:
-    /// Silent for so long, it may have become another one: what it said of itself is forgotten.
+    /// After so long a silence it may be another device: its device info is forgotten.
     static constexpr Duration away_after = std::chrono::seconds{30};
-    /// An answer may come so long behind the time in which it was awaited. An equal request that may be sent only once waits for that.
+    /// An answer may come this long after its time-out. An equal request that may be sent only once waits until then.
     static constexpr Duration late_for = RoundTrip::ceiling;
 
     /// `address` is a device's, or a port id; `own` is the host's.
@@ -77,27 +77,28 @@ public:
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
-    /// Queues a request. False, and nothing will be told, when nothing ends such a request, or its parameter is not there.
-    /// `asker` must be there until it was told, or forget() was called.
+    /// Queues a request. False, and `asker` will not be called, when no answer ends such a request, or its parameter does not exist.
+    /// `asker` must live until its ended() or forget() was called.
     [[nodiscard]] bool ask(const Request& request, Asker& asker);
-    /// Nothing is told to `asker` any more; its requests that wait are not sent.
+    /// `asker` is not called any more; its requests that wait are not sent.
     void forget(const Asker& asker) noexcept;
 
-    /// Of one at a port id: its own frames, and those of others only where they came by the links that the port id stands for, and
-    /// ended no request of another Device. Who asks several port ids at once would mix their answers otherwise.
+    /// To be called with every frame of the device. For a port id: also with frames of other sources, but only if they came by the links
+    /// of that port and ended no request of another Device; otherwise the answers of several port ids could be mixed up.
     Taken take(FrameView frame, TimePoint now);
-    /// What is to be sent at `now`, one by one; valid until the next call of any function. Requests that ran out of time end here.
+    /// The next frame to be sent at `now`; std::nullopt: none. It is valid until the next call of any function. Requests that ran out
+    /// of time end here.
     std::optional<FrameView> next_frame(TimePoint now);
-    /// When next_frame() has to be asked again; TimePoint::min(): now. Nothing while nothing is asked.
+    /// When next_frame() has to be called again; TimePoint::min(): now; std::nullopt: no request is open.
     std::optional<TimePoint> due() const noexcept;
 
     std::uint8_t address() const noexcept { return address_; }
     std::uint8_t own() const noexcept { return own_; }
-    /// As last told (0xE3); nothing before, or when it was away since.
+    /// As last reported (0xE3); std::nullopt before that, and when it was away since.
     const std::optional<DeviceInfo>& info() const noexcept { return info_; }
-    /// As last told (0xE0 1).
+    /// As last reported (0xE0 1); std::nullopt as for info().
     std::optional<std::uint16_t> parameter_count() const noexcept { return parameter_count_; }
-    /// Grows each time the device was away: what was known of it before is not to be relied on.
+    /// Grows each time the device was away: what was known of it before may be wrong.
     std::uint32_t presence() const noexcept { return presence_; }
     std::optional<TimePoint> heard_at() const noexcept { return heard_at_; }
     const RoundTrip& round_trip() const noexcept { return round_trip_; }
@@ -106,11 +107,11 @@ public:
     std::size_t waiting() const noexcept { return waiting_.size(); }
 
 private:
-    using Exchanges = std::list<Exchange>;    // those that were sent, the oldest first
+    using Exchanges = std::list<Exchange>;    // in the order in which they were first sent, or queued
     struct Past {
         Expectation expects;
         bool answered;
-        TimePoint late_until;    // of one that may be sent only once
+        TimePoint late_until;    // of a request that may be sent only once
     };
 
     void hear(FrameView frame, TimePoint now);

@@ -8,15 +8,15 @@
 namespace ano::host {
 
 /// Either the check frame (0x00) that repeats the id and both check bytes of the request, or the answer with data that fits by its
-/// content: there is no sequence number. Only from who was asked, and only for who asked.
+/// content: there is no sequence number. It must come from the device that was asked and be addressed to the host that asked.
 class Expectation {
 public:
-    /// What ends `request`; nothing where nothing does: streams, and what is no request.
+    /// What ends `request`; std::nullopt for streams and for frames that are no requests, which nothing ends.
     static std::optional<Expectation> of(FrameView request) noexcept;
 
     /// Whether `frame` ends the request. Answers shorter than their layout do not.
     bool is_met_by(FrameView frame) const noexcept;
-    /// Whether a frame with this id can end any request at all: most of what devices say, as they say it without being asked, can't.
+    /// Whether a frame with this id can end any request at all. Most frames of devices are sent without a request and can't.
     static bool may_be_met_by(std::uint8_t id) noexcept;
     /// A write, a command or a step of an upgrade: a device gets one of these at a time.
     bool is_alone() const noexcept { return kind_ == Kind::acknowledgement || kind_ >= Kind::firmware_info; }
@@ -53,8 +53,8 @@ private:
     Checks checks_{};        // of an acknowledgement
 };
 
-/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for whoever is behind the port. By which
-/// way the frame came is not in it: who knows the links gives Device::take() of a port what comes by the port's own.
+/// Whether a frame from `source` can be of the device that was asked at `asked`: a port id stands for any device behind the port. The
+/// link of the frame is not checked: the caller gives Device::take() of a port id only frames that came by the port's links.
 bool may_be_of(std::uint8_t source, std::uint8_t asked) noexcept;
 
 }    // namespace ano::host

@@ -17,17 +17,17 @@
 namespace ano::host {
 
 struct FirmwareOptions {
-    bool force = false;    // not checked against the hardware that the device says it has
+    bool force = false;    // skips the check against the hardware that the device reports
     std::size_t frame_len =
-        195;    // what device parsers take (198 bytes of DATA) without the number; less where the line takes less
-    std::optional<DeviceInfo> info{};    // of before, for a device that was left in its loader, where it may not say who it is
+        195;    // bytes of image in a frame: device parsers take 198 bytes of DATA; less where the line takes less
+    std::optional<DeviceInfo> info{};    // read earlier, for a device that was left in its loader and may not report it
 };
 
-/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. Erase is sent once and
-/// has 60 s, "all sent" once and 30 s: both write flash for long, and a loader that hears them twice may begin anew.
+/// Device info, info, erase, each frame until it is "written", all sent, and the device's check of the image. "Erase" is sent once
+/// and has 60 s, "all sent" once and 30 s: writing flash takes long, and a loader that gets them twice may start again.
 ///
 /// Done: only after the device said that its check passed. Refused: by the device, before anything was changed. Failed: it could not
-/// erase, write or check. Timeout: it fell silent. Invalid: the image is not for it. The end of all that comes after the erase says
+/// erase, write or check. Timeout: it fell silent. Invalid: the image is not for it. The text of every failure after the erase says
 /// that the device is left in its loader.
 class Firmware final : public Task {
 public:
@@ -37,10 +37,10 @@ public:
     Firmware(Device& device, FirmwareImage image, FirmwareOptions options = {});
 
     void start(TimePoint now);
-    /// In bytes that are written.
+    /// In bytes written.
     Progress progress() const noexcept override;
-    /// One that was begun is not given up soon: the device is left in its loader then.
-    Duration longest() const noexcept override {
+    /// Long, since giving up leaves the device in its loader.
+    Duration max_duration() const noexcept override {
         return std::chrono::minutes{5} + std::chrono::seconds{2} * static_cast<int>(frames());
     }
     void cancel(TimePoint now) override;
@@ -48,13 +48,13 @@ public:
 
     /// The step in words: "erasing".
     std::string_view step() const noexcept;
-    /// Frames that were sent more often than once, for silence or for "frame failed".
+    /// How many times a frame was sent again, after silence or "frame failed".
     std::size_t repeats() const noexcept { return repeats_; }
     /// Since the first frame; 0 before.
     double bytes_a_second(TimePoint now) const noexcept;
-    /// Of the frames; nothing before the first is written.
+    /// Estimate for the remaining frames; std::nullopt before the first is written.
     std::optional<Duration> time_left(TimePoint now) const noexcept;
-    /// Whether the old firmware is gone, and the new one not yet there: begin again.
+    /// Whether the old firmware is erased and the new one is not complete: the upgrade must be started again.
     bool is_left_in_loader() const noexcept { return erasing_ && !(end() && end()->ending == Ending::done); }
 
 private:

@@ -14,10 +14,10 @@
 
 namespace ano::host {
 
-/// Bytes that are read in pieces, wherever they are: a file may be larger than what is to be held in memory.
+/// Bytes in memory or in a file, which are read in pieces: a file may be too large to be held in memory.
 class FirmwareBytes {
 public:
-    /// Fills `into` with what is from `at` on; false: it can't be read. What it reads from lives as long as the function.
+    /// Fills `into` with the bytes from `at` on; false: they can't be read. What it reads from must live as long as the function.
     using Read = std::function<bool(std::size_t at, std::span<std::uint8_t> into)>;
 
     FirmwareBytes() = default;
@@ -26,11 +26,11 @@ public:
 
     std::size_t size() const noexcept { return size_; }
     bool empty() const noexcept { return size_ == 0; }
-    /// False: it can't be read, or ends before.
+    /// False: the bytes can't be read, or there are fewer.
     bool read(std::size_t at, std::span<std::uint8_t> into) const {
         return at <= size_ && into.size() <= size_ - at && (into.empty() || read_(at, into));
     }
-    /// What is behind the first `n`, of which there are as many.
+    /// All bytes but the first `n`; `n` is at most size().
     FirmwareBytes behind(std::size_t n) const;
 
 private:
@@ -44,7 +44,7 @@ struct FirmwareImage {
 
     FirmwareBytes bytes;    // without the header
     std::uint16_t version = 0;
-    std::uint16_t crc = 0;    // of the header as it stands; of a .bin computed
+    std::uint16_t crc = 0;    // from the header; of a .bin: computed
     std::uint8_t hw_type = 0;
     std::uint16_t hw_ver_min = 0, hw_ver_max = 0;
     std::uint32_t cmd = 0;
@@ -52,7 +52,7 @@ struct FirmwareImage {
 
     /// Hardware fields of 0 mean that the image is for any.
     bool is_for_any_hardware() const noexcept { return hw_type == 0 && hw_ver_min == 0 && hw_ver_max == 0; }
-    /// Why it is not for this device, as a clause; nothing when it is.
+    /// Why the image is not for this device, as a clause; std::nullopt when it is.
     std::optional<std::string> misfit(const DeviceInfo& device) const;
 };
 
@@ -61,7 +61,7 @@ struct FirmwareFile {
     std::optional<FirmwareImage> image;
     std::string wrong;
 };
-/// `crc` is for a .bin, which is read once to its end for that; a .bia brings its own.
+/// `crc` is used for a .bin, which is read once to its end for that; a .bia has its CRC in the header.
 FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc = usual_crc16);
 
 }    // namespace ano::host

@@ -1,4 +1,4 @@
-// Many questions of one kind to a device, in any order, and those without an answer again.
+// Asks a device many questions of one kind, in any order, and repeats those without an answer.
 #pragma once
 #include <host/task.hpp>
 
@@ -9,9 +9,9 @@
 
 namespace ano::host {
 
-/// What Parameters, Commands and Waypoints have in common. A question that ran out of sends is asked once more, before those that were
-/// not asked yet. When nothing was answered meanwhile, probe() is asked first: without an answer to that, it ends. It ends as well when
-/// the device leaves too many out.
+/// What Parameters, Commands and WaypointsGet have in common. A question that got no answer to any of its sends is asked once more,
+/// before those that were not asked yet. When nothing was answered meanwhile, probe() is asked first: without an answer to that, the
+/// task ends. It also ends when more than max_missing questions stay without an answer.
 class Gather : public Task {
 public:
     static constexpr std::uint8_t rounds = 2;
@@ -19,7 +19,9 @@ public:
 
     using Task::Task;
     Progress progress() const noexcept override { return {done_, total_}; }
-    Duration longest() const noexcept override { return Task::longest() + std::chrono::seconds{4} * static_cast<int>(total_); }
+    Duration max_duration() const noexcept override {
+        return Task::max_duration() + std::chrono::seconds{4} * static_cast<int>(total_);
+    }
     void ended(const Ended& ended, TimePoint now) final;
 
 protected:
@@ -28,7 +30,7 @@ protected:
 
     /// Asks question(0) to question(n - 1), then calls gathered().
     void gather(std::size_t n, TimePoint now);
-    /// Those that got no answer; of gathered().
+    /// The questions that got no answer; valid in gathered().
     const std::vector<std::uint32_t>& missing() const noexcept { return missing_; }
 
     virtual Request question(std::uint32_t i) = 0;
@@ -43,12 +45,12 @@ protected:
     virtual std::string_view subject() const noexcept = 0;
 
 private:
-    static constexpr std::size_t max_asked = 2 * Window::widest;    // so that the window never waits for us
+    static constexpr std::size_t max_asked = 2 * Window::max_size;    // enough to keep the window full
 
     static constexpr std::uint32_t probing = first_step - 1;
     struct Item {
         std::uint8_t tried = 0;
-        bool is_asked = false;    // now
+        bool is_asked = false;    // on its way or queued
     };
 
     void ask_more(TimePoint now);
@@ -59,7 +61,7 @@ private:
 
     std::size_t total_ = 0;
     std::size_t done_ = 0;
-    std::size_t asked_ = 0;    // now
+    std::size_t asked_ = 0;    // on their way or queued
     std::uint32_t next_ = 0;
     std::vector<Item> items_;
     std::vector<std::uint32_t> again_;

@@ -22,7 +22,7 @@ public:
         }
     }
 
-    /// Nothing when what was added leaves an unknown open.
+    /// std::nullopt when the rows do not determine all unknowns.
     std::optional<Row> solution() const noexcept {
         auto a = normal_;
         Row b = right_;

@@ -1,4 +1,4 @@
-// Writes several parameters by name: only what differs, each read back, and all undone when one fails, where that is wanted.
+// Writes several parameters by name: only those that differ, each read back; optionally all are undone when one fails.
 //
 // Flow:    ParameterApply apply{device, &cache, {{"PID_P", 4.5}, {"NAME", std::string{"mine"}}}, {.rollback = true}};
 //          apply.start(now);                   // then drive the device until apply.end()
@@ -19,15 +19,15 @@ namespace ano::host {
 
 struct ApplyOptions {
     bool rollback = false;
-    bool dry_run = false;          // says what would be written
-    bool also_the_same = false;    // what does not differ is written as well
-    bool goes_on = false;          // behind one that the device refuses; not with `rollback`
+    bool dry_run = false;          // only reports what would be written
+    bool also_the_same = false;    // writes also those that do not differ
+    bool goes_on = false;          // continues after one that the device refuses; not with `rollback`
     TextLimits text{};
 };
 
-/// Nothing is written before every name is found, every value fits its type and every old value is read: where that is not so, every one
-/// that is wrong has failed. Writes go one by one in the order given. The first that fails ends it; where it goes on, only a device that
-/// no longer answers, or became another one.
+/// Nothing is written before every name is found, every value fits its type and every old value is read; otherwise all wrong rows are
+/// `failed`. Writes go one by one in the order given. The first that fails ends the task; with `goes_on`, only a device that no longer
+/// answers or became another one ends it.
 class ParameterApply final : public Task {
 public:
     enum class State : std::uint8_t {
@@ -37,13 +37,13 @@ public:
         clamped,       // stored as another value
         failed,        // see `what`
         undone,        // the old value is back, and was read back
-        not_undone,    // it may be written, and the old value could not be brought back
+        not_undone,    // it may be written, and the old value could not be restored
     };
     struct Row {
         std::string name;
         AnyValue wanted;
         State state = State::waiting;
-        std::string what{};                  // of one that failed: a clause
+        std::string what{};                  // why it failed, as a clause
         std::optional<AnyValue> before{};    // as read first
         std::optional<AnyValue> stored{};    // as read last
     };
@@ -52,14 +52,14 @@ public:
                    ApplyOptions options = {});
 
     void start(TimePoint now);
-    /// In parameters: where it is among them.
+    /// In parameters.
     Progress progress() const noexcept override { return {at_, rows_.size()}; }
     /// With `rollback` what was written is undone first.
     void cancel(TimePoint now) override;
-    void ended(const Ended&, TimePoint) override {}    // its parts ask
+    void ended(const Ended&, TimePoint) override {}    // only its sub-tasks send requests
 
     const std::vector<Row>& rows() const noexcept { return rows_; }
-    /// One failed or it was cancelled, and what was written is brought back.
+    /// One failed or the task was cancelled, and the old values are being restored.
     bool is_undoing() const noexcept { return undoing_; }
 
 private:
@@ -79,11 +79,11 @@ private:
     std::vector<ParameterInfo> infos_;    // of rows_
     Parameters parameters_;
     std::unique_ptr<ParameterWrite> write_;
-    std::unique_ptr<ParameterWrite> last_;    // a task is not destroyed while it tells its end
+    std::unique_ptr<ParameterWrite> last_;    // the task before, which may not be destroyed in its own on_end() call
     std::size_t at_ = 0;
-    std::vector<std::size_t> touched_;    // rows whose old value is to be brought back if one fails
+    std::vector<std::size_t> touched_;    // rows whose old value is to be restored if one fails
     bool undoing_ = false;
-    std::optional<End> why_;    // of the first that failed; after undoing it ends so
+    std::optional<End> why_;    // of the first that failed; how the task ends after undoing
 };
 
 }    // namespace ano::host

@@ -19,24 +19,24 @@ struct ParameterInfo {
     };
 
     std::uint16_t id = 0;
-    std::optional<Type> type{};    // nothing: the device names a type that is not known, and it can't be written
-    std::string name{};            // as it came, in whatever encoding the device uses; so is info
+    std::optional<Type> type{};    // std::nullopt: of unknown type, and it can't be written
+    std::string name{};            // as received, in whatever encoding the device uses; so is info
     std::string info{};
-    std::optional<Limits> limits{};    // of an old device, which has them in the place of the type and sends every value as i32
+    std::optional<Limits> limits{};    // of an old device, which sends them in place of the type, and every value as i32
     friend bool operator==(const ParameterInfo&, const ParameterInfo&) = default;
 };
 
-/// The description that `frame` is; nothing when it is no 0xE2, or too short for one.
+/// The description in `frame`; std::nullopt when it is not a 0xE2, or too short for one.
 std::optional<ParameterInfo> parameter_info_in(FrameView frame);
 
-/// What a name stands for.
+/// The parameter that a name stands for.
 struct Found {
     const ParameterInfo* parameter = nullptr;    // null: none has this name, or several have it
     bool several = false;
 };
 Found find_parameter(std::span<const ParameterInfo> all, std::string_view name) noexcept;
 
-/// 0xE0, whose answer is 0xE3, 0xE0, 0xE1 or 0xE2.
+/// The 0xE0 questions, whose answers are 0xE3, 0xE0, 0xE1 and 0xE2.
 namespace question {
 Request device_info(std::uint32_t tag);
 Request parameter_count(std::uint32_t tag);

@@ -20,14 +20,14 @@ struct TextLimits {
     std::optional<std::size_t> max_bytes{};    // of any text: 29 where the device has the vendor's parser
 };
 
-/// Why a text of `size` bytes may not take the place of one of `had`, as a clause behind the text; empty: it may.
+/// Why a text of `size` bytes may not replace one of `had` bytes, as a clause to follow the text; empty: it may.
 std::string text_misfit(std::size_t size, std::size_t had, const TextLimits& limits);
 
-/// The old value is read first: a text is never longer than it unless asked for, and it tells apart a device that stored less from one
-/// that stored nothing. Then write, acknowledgement, read back; what differs is read once more, as it may be a late answer. A device
-/// that was away meanwhile says first how many parameters it has, and that this one is the same.
+/// The old value is read first: by default a text may not be longer than the old one, and the old value shows whether the device
+/// clamped the new one or stored nothing. Then it is written, acknowledged and read back; a different value is read once more, since
+/// it may be a late answer. If the device was away meanwhile, the parameter count and this description are read again first.
 ///
-/// A write that is not acknowledged is read back all the same.
+/// The value is read back even when the write was not acknowledged.
 ///
 /// Done: as written, or clamped. Refused: the device kept its value, or gives none back. Failed: it became another device. Invalid,
 /// with nothing sent to be written: the value does not fit the type, or the parameter is not there.
@@ -42,14 +42,14 @@ public:
 
     const ParameterInfo& info() const noexcept { return info_; }
     const AnyValue& written() const noexcept { return value_; }
-    /// Nothing as long as they are not known.
+    /// std::nullopt as long as they are not known.
     std::optional<AnyValue> before() const { return before_ ? decoded(*before_) : std::nullopt; }
     std::optional<AnyValue> stored() const { return stored_ ? decoded(*stored_) : std::nullopt; }
     /// The device stored another value than was written: a success.
     bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
     /// Whether the write has left: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
-    /// False of a write that was sent: only reading it back told what became of it.
+    /// If was_sent() and this is false, only reading back shows whether the device stored the value.
     bool was_acknowledged() const noexcept { return was_sent_ && !silence_; }
 
 private:
@@ -76,7 +76,7 @@ private:
     TextLimits limits_;
     Step step_ = read_before;
     bool was_sent_ = false;
-    std::optional<Evidence> silence_;    // the write was not acknowledged
+    std::optional<Evidence> silence_;    // set when the write was not acknowledged
     std::uint32_t presence_ = 0;         // of the device that `info` is of
     Wire wire_;
     std::optional<Wire> before_, stored_;
@@ -91,10 +91,10 @@ enum class Action : std::uint16_t {
     clear_compass_calibration = 0x30,
     store_compass_calibration = 0x31,
 };
-/// It writes flash: 5 s for each send.
+/// Waits 5 s for each send, since the device writes flash.
 Request action(Action action, std::uint32_t tag = 0);
 
-/// Acknowledged, or timeout.
+/// Ends as done when acknowledged, else as timeout.
 class ParameterAction final : public Task {
 public:
     ParameterAction(Device& device, Action action) : Task{device}, action_{action} {}

@@ -1,4 +1,4 @@
-// What parameters a device has, and their values (0xE0 to 0xE3; protocol text, section 4).
+// Reads the parameters of a device and their values (0xE0 to 0xE3; protocol text, section 4).
 //
 // Flow:    Parameters parameters{device, &cache};
 //          parameters.read_all(now);                     // then drive the device until parameters.end()
@@ -19,8 +19,8 @@
 
 namespace ano::host {
 
-/// Reads device info, the number of parameters, every description that the cache does not have, and values; at the end the number
-/// once more: when the device has changed, all is read again, once.
+/// Reads device info, the number of parameters, every description that the cache does not have, and values; at the end it reads the
+/// number again: when the device has changed, everything is read once more.
 class Parameters final : public Gather {
 public:
     enum class Values : std::uint8_t { all, none, named };
@@ -30,27 +30,27 @@ public:
 
     void read(Values values, TimePoint now);
     void read_all(TimePoint now) { read(Values::all, now); }
-    /// The values of these alone; those that are not there, or are called as another one is, are left out.
+    /// Reads the values of these only; names that no parameter or several parameters have are left out.
     void read_named(std::vector<std::string> names, TimePoint now) {
         names_ = std::move(names);
         read(Values::named, now);
     }
 
-    /// The values of these alone, by id; those that are not there are left out.
+    /// Reads the values of these only, by id; ids that do not exist are left out.
     void read_numbered(std::vector<std::uint16_t> ids, TimePoint now) {
         wanted_ = std::move(ids);
         read(Values::named, now);
     }
 
-    /// By id, from 0 without gaps; complete when it is done. Those that did not come have no name and no type.
+    /// By id, from 0 without gaps; complete when the task is done. Descriptions that did not come have no name and no type.
     const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
-    /// The bytes as they came; empty: it did not.
+    /// The bytes of the value as received; empty: it did not come.
     Bytes bytes(std::uint16_t id) const noexcept { return id < values_.size() ? Bytes{values_[id]} : Bytes{}; }
-    /// Nothing when it did not come, is shorter than its type, or its type is not known.
+    /// std::nullopt when it did not come, is shorter than its type, or its type is not known.
     std::optional<AnyValue> value(std::uint16_t id) const;
-    /// The parameter that is called so.
+    /// The parameter with this name.
     Found find(std::string_view name) const noexcept { return find_parameter(descriptions_, name); }
-    /// Whether the descriptions are of the cache.
+    /// Whether the descriptions come from the cache.
     bool from_cache() const noexcept { return from_cache_; }
 
 private:
@@ -71,7 +71,7 @@ private:
     bool took_value(std::uint16_t id, FrameView answer);
     void ask_named(TimePoint now);
 
-    // Where all values are wanted, descriptions and values come in turns, so that each is of use early.
+    // If all values are wanted, descriptions and values are read alternately, so that the first parameters are complete early.
     enum class Asks : std::uint8_t { descriptions, values, both, named_values };
     bool is_description(std::uint32_t i) const noexcept {
         return asks_ == Asks::descriptions || (asks_ == Asks::both && i % 2 == 0);
@@ -88,7 +88,7 @@ private:
     Asks asks_ = Asks::both;
     std::vector<std::string> names_;
     std::vector<std::uint16_t> wanted_;    // by id
-    std::vector<std::uint16_t> named_;     // the ids of both
+    std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
     bool from_cache_ = false;
     bool started_again_ = false;
     std::vector<ParameterInfo> descriptions_;

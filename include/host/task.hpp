@@ -19,10 +19,10 @@ enum class Ending : std::uint8_t {
     timeout,        // the device does not answer
     incomplete,     // it answers, but not everything
     unknown,        // no answer to what may not be repeated: it may have been carried out
-    refused,        // the device does not want it
+    refused,        // the device rejects it
     failed,         // the device tried, and it did not work
-    invalid,        // never sent: it would be wrong
-    unsupported,    // the device does not say what is needed
+    invalid,        // not sent, because the request would be wrong
+    unsupported,    // the device does not provide what is needed
     cancelled,
 };
 inline constexpr std::array<std::string_view, 9> ending_names{"done",   "timeout", "incomplete",  "unknown",  "refused",
@@ -31,17 +31,17 @@ constexpr std::string_view name_of(Ending ending) noexcept { return ending_names
 
 struct End {
     Ending ending = Ending::done;
-    std::string what;    // for people: a clause; empty when done and nothing is to be said
+    std::string what;    // for people: a clause; empty when done and there is nothing to add
     Evidence evidence{};
 };
 
-/// In whatever the task counts: descriptions and values, waypoints, bytes. `total` is 0 as long as it is not known.
+/// In the unit of the task: descriptions and values, waypoints, bytes. `total` is 0 as long as it is not known.
 struct Progress {
     std::size_t done = 0;
     std::size_t total = 0;
 };
 
-/// The device must outlive its tasks. A task runs once from its start(); what it found out stays with it.
+/// The device must outlive its tasks. A task runs once, from its start(); its results can be read after its end.
 class Task : public Asker {
 public:
     explicit Task(Device& device) : device_{device} {}
@@ -49,12 +49,12 @@ public:
     Task(const Task&) = delete;
     Task& operator=(const Task&) = delete;
 
-    /// Nothing until it has ended.
+    /// std::nullopt until it has ended.
     const std::optional<End>& end() const noexcept { return end_; }
     virtual Progress progress() const noexcept { return {}; }
-    /// From its first request on. Who answers always just in time is given up then; a last request may still be waited for.
-    virtual Duration longest() const noexcept { return std::chrono::minutes{2}; }
-    /// Ends it; the end says what is half done. A task that has to put something back first ends when it has.
+    /// Counted from the first request. It limits devices that always answer just in time; the wait for the last request may exceed it.
+    virtual Duration max_duration() const noexcept { return std::chrono::minutes{2}; }
+    /// Ends the task; the end says what is half done. A task that has to restore something first ends after that.
     virtual void cancel(TimePoint now);
     /// Called when it ends, last of all. The task may not be destroyed in it.
     void on_end(std::function<void(TimePoint)> told) { told_ = std::move(told); }
@@ -64,17 +64,17 @@ protected:
     const Device& device() const noexcept { return device_; }
     /// Sends `request`, or ends as invalid.
     void ask(const Request& request, TimePoint now);
-    /// Behind why it was given up: what that leaves undone.
+    /// A clause that follows the reason for giving up: the state in which the device is left.
     virtual std::string_view half_done() const noexcept { return {}; }
-    /// Before a request: true, and it has ended, when it takes longer than it may.
+    /// To be called before a request. True, and the task has ended, when it has taken longer than max_duration().
     bool gives_up(TimePoint now);
-    /// Ends, once; what is on its way is forgotten.
+    /// Ends the task, unless it has ended; its requests are forgotten.
     void finish(End end, TimePoint now);
-    /// Without an answer to the question for `step`. `likely` is what it means of a device that is heard all the same, as a clause.
+    /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device come, as a clause.
     void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
-    /// The same of an order: without an acknowledgement.
+    /// The same for an order, which was not acknowledged.
     void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
-    /// Ends as `other` did.
+    /// Ends in the same way as `other`.
     void finish_as(const Task& other, TimePoint now);
 
 private:

@@ -24,18 +24,18 @@ struct Waypoint {
 
 inline constexpr std::uint8_t last_waypoint = 0xFE;
 
-/// The waypoint that `frame` is; nothing when it is no 0x61, or too short for one.
+/// The waypoint in `frame`; std::nullopt when it is not a 0x61, or too short for one.
 std::optional<Waypoint> waypoint_in(FrameView frame);
-/// The frame that writes it; nothing when a place is not on earth, or the number is beyond last_waypoint.
+/// The request that writes it; std::nullopt when the place is not on earth, or the number is beyond last_waypoint.
 std::optional<Request> waypoint_write(const Waypoint& waypoint, std::uint32_t tag = 0);
 
-/// Reads how many there are, and each of them, from 0.
+/// Reads the number of waypoints, and each of them, from 0.
 class WaypointsGet final : public Gather {
 public:
     using Gather::Gather;
 
     void start(TimePoint now) { ask(how_many(ask_count), now); }
-    /// Complete when it is done.
+    /// Complete when the task is done.
     const std::vector<Waypoint>& waypoints() const noexcept { return waypoints_; }
 
     static Request how_many(std::uint32_t tag);
@@ -54,7 +54,7 @@ private:
     std::vector<Waypoint> waypoints_;
 };
 
-/// Writes waypoints one by one, each read back, and asks at the end how many there are. The protocol has no way to remove one: when
+/// Writes waypoints one by one, reads each back, and asks at the end how many there are. The protocol has no way to remove one: when
 /// the device has more, the end says so.
 class WaypointsPut final : public Task {
 public:
@@ -62,13 +62,13 @@ public:
 
     void start(TimePoint now);
     Progress progress() const noexcept override { return {at_, waypoints_.size()}; }
-    Duration longest() const noexcept override {
-        return Task::longest() + std::chrono::seconds{8} * static_cast<int>(waypoints_.size());
+    Duration max_duration() const noexcept override {
+        return Task::max_duration() + std::chrono::seconds{8} * static_cast<int>(waypoints_.size());
     }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
 
-    /// What the device stored of those written so far.
+    /// The waypoints written so far, as the device stored them.
     const std::vector<Waypoint>& stored() const noexcept { return stored_; }
 
 private:
@@ -81,7 +81,7 @@ private:
     std::vector<Waypoint> stored_;
     std::vector<Request> writes_;
     std::size_t at_ = 0;
-    std::size_t changed_ = 0;    // stored otherwise than written
+    std::size_t changed_ = 0;    // stored with other values than written
 };
 
 }    // namespace ano::host

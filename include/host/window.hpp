@@ -1,4 +1,4 @@
-// How many questions a device has at a time.
+// How many requests may be on their way to a device.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -10,19 +10,19 @@ namespace ano::host {
 /// last 16 sends were lost: on a radio that loses one in ten, a loss says nothing about how much the device can take.
 class Window {
 public:
-    static constexpr std::size_t widest = 8;
+    static constexpr std::size_t max_size = 8;
     static constexpr int remembered = 16;    // sends
 
     std::size_t size() const noexcept { return size_; }
     void answered() noexcept {
         note(0);
-        if (size_ < widest) ++size_;
+        if (size_ < max_size) ++size_;
     }
     void lost() noexcept {
         note(1);
         if (2 * std::popcount(losses_) <= remembered) return;
         size_ = size_ > 1 ? size_ / 2 : 1;
-        losses_ = 0;    // what was lost before says nothing about the narrower window
+        losses_ = 0;    // earlier losses say nothing about the smaller window
     }
 
 private:

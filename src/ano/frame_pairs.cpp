@@ -11,14 +11,14 @@ namespace {
 // them and one behind.
 constexpr std::size_t shorter_at_least = overhead + 2;
 
-// Most places hold nothing: they are skipped a machine word at a time.
+// Most places are empty: they are skipped a machine word at a time.
 std::uint64_t load_word(const void* from) noexcept {
     std::uint64_t word;
     std::memcpy(&word, from, sizeof word);
     return word;
 }
 
-// Of eight bytes, the highest bit of each that is HEAD; the first byte is the lowest.
+// The highest bit of each of the eight bytes that is HEAD; the first byte is the lowest byte of the result.
 std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
     constexpr std::uint64_t ones = 0x0101010101010101;
     constexpr std::uint64_t low = 0x7F * ones;
@@ -29,7 +29,7 @@ std::uint64_t heads_among(const std::uint8_t* eight) noexcept {
 
 }    // namespace
 
-// A search covers less than one largest frame, and its candidates end less than one largest frame behind that.
+// A search covers less than the size of the largest frame, and its candidates end less than that size behind it.
 FramePairs::FramePairs(std::size_t max_data)
     : mask_{std::bit_ceil(std::max<std::size_t>(1, 2 * std::min(max_data, max_len))) - 1},
       ends_{mask_ + 1},
@@ -40,7 +40,7 @@ bool FramePairs::stand_behind(std::size_t at, std::span<const std::uint8_t> byte
                               const Heard& heard) noexcept {
     const Place place = origin_ + at;
     const Place end = origin_ + bytes.size();
-    if (judged_until_ != end) {    // else nothing has come since
+    if (judged_until_ != end) {    // otherwise no byte has come since the last search
         forget_until(place);
         headers_until_ = std::max(headers_until_, place + 1);
         judged_until_ = std::max(judged_until_, place);
@@ -63,10 +63,10 @@ void FramePairs::forget_until(Place place) noexcept {
     }
 }
 
-// False: the credit does not suffice. No candidate may be checked before all headers are noted.
+// False: there is not enough credit. No candidate may be checked before all headers are noted.
 bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t> bytes, const PrefixSums& sums,
                               const Heard& heard) noexcept {
-    const std::size_t longest = data_length(bytes.data() + waiting);
+    const std::size_t max_length = data_length(bytes.data() + waiting);
     const std::size_t whole = bytes.size() - (header_size - 1);    // no whole header begins there or behind
     auto at = static_cast<std::size_t>(headers_until_ - origin_);
     for (; at < whole; at += 8) {
@@ -81,7 +81,8 @@ bool FramePairs::note_headers(std::size_t waiting, std::span<const std::uint8_t>
             credit_ -= a_look;
             const std::uint8_t* const header = bytes.data() + begin;
             const std::size_t length = data_length(header);
-            if (!heard.source(header[1]) || length + shorter_at_least > longest || begin + length >= waiting + longest) continue;
+            if (!heard.source(header[1]) || length + shorter_at_least > max_length || begin + length >= waiting + max_length)
+                continue;
             const std::size_t sum_place = begin + header_size + length;
             if (sum_place + 2 <= bytes.size() && !sums.sum_holds(begin, sum_place)) continue;    // bad already
             const Place place = origin_ + begin;

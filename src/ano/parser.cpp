@@ -175,7 +175,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     const std::uint8_t* const gaps = sums_.gaps();
     const std::size_t max_data = options_.max_data;
     const std::size_t whole = end_ - std::min(end_, header_size - 1);    // no whole header begins there or behind
-    const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // where SC must stand before
+    const std::size_t sums_end = std::min(sums_.end(), end_ - 1);        // SC must stand before this place
     const std::size_t last = sums_end - std::min(sums_end, header_size);
     const std::uint8_t* const gaps_behind = gaps + std::min(sums_end, header_size);
     std::uint64_t passed = 0;    // counted a block at a time, so that the common case costs nothing per candidate
@@ -192,7 +192,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
             from = find_head(bytes, std::min(from + block, whole), end_);
             continue;
         }
-        // Those whose LEN is two HEADs: most of them where HEADs are dense.
+        // Candidates whose LEN consists of two HEADs: the majority where HEADs are dense.
         std::uint64_t refused = heads & heads >> 4 & heads >> 5;
         if (refused != 0) [[unlikely]]
             refused = refused_together(refused, from, sums_end);
@@ -218,8 +218,9 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
     return stop_at(find_head(bytes, from, end_));
 }
 
-// The next three functions are not inlined into the loop above, which they would slow down. Of `candidates` in the block at
-// `from`, whose LEN is two HEADs, those that are refused; none where one by one is cheaper or where the sums end too early.
+// The next three functions are not inlined, since they would slow down the loop above. This one returns the refused ones of
+// `candidates`, which are in the block at `from` and have a LEN of two HEADs; 0 where checking them one by one is cheaper or
+// where the sums end too early.
 [[gnu::noinline]] std::uint64_t FrameParser::refused_together(std::uint64_t candidates, std::size_t from,
                                                               std::size_t sums_end) const noexcept {
     if (std::popcount(candidates) < worth_a_block) return 0;
@@ -280,7 +281,7 @@ void FrameParser::sum_up_from(std::size_t at) noexcept {
     sums_until_ = end_;
 }
 
-// 0: there is none.
+// 0: there is no good frame.
 std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     sum_up_from(at);
     while ((at = find_head(buffer_.get(), at + 1, end_)) < end_)
@@ -288,8 +289,8 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     return 0;
 }
 
-// The next candidate behind the waiting one, where there is no good frame. It came at last_arrival_ at the latest; more is not
-// known of its time.
+// The next candidate behind the waiting one that is not overdue. Only the latest possible time of its arrival is known:
+// last_arrival_.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
     std::size_t at = pos_;
     do at = find_head(buffer_.get(), at + 1, end_);

@@ -1,4 +1,5 @@
-// The names of calibration parameters (protocol text, section 4): a host finds the first and the last by name, and counts.
+// The names of calibration parameters (protocol text, section 4). A host finds the first and the last by name, and counts the
+// ids between them.
 #include <device/parameters.hpp>
 
 namespace ano::device {

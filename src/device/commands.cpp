@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint8_t query_count = 0;
 constexpr std::uint8_t query_describe = 1;
 
-/// The number that stands for `type` in 0xC2; nothing when none does.
+/// The number that stands for `type` in 0xC2; std::nullopt when there is none.
 std::optional<std::uint8_t> val_type_of(Type type, ValueType7 seven) noexcept {
     for (std::uint8_t number = 1; number <= 10; ++number)
         if (command_value_type(number, seven) == type) return number;
@@ -45,7 +45,7 @@ Outcome Commands::take(const View<"command">& command, Reply& reply) {
     return row->run(values_) ? reply.acknowledge() : Outcome::refused;
 }
 
-// What is longer than the types say is a host that always sends all that there may be.
+// More bytes than the types need are accepted: some hosts always send the maximum.
 bool Commands::values_of(const Command& row, Bytes bytes, FrameView frame) {
     std::size_t needed = 0;
     for (const Type type : row.types) needed += width(type);
@@ -73,7 +73,7 @@ Outcome Commands::take(const View<"command_query">& question, Reply& reply) {
     }
 }
 
-// As with parameters: the answer looks like the question, and must not be one to another device.
+// As with parameters: the answer looks like the question, and another device must not take it for one.
 Outcome Commands::tell_count(const View<"command_query">& question, Reply& reply) const {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t cmd_info = 0;    // of 0xE0
 
-// What a frame may do: a message that is not laid out so is malformed.
+// Calls `f` with the message; a frame that does not have its layout is malformed.
 template <Name M, Name Label = "", class F>
 Outcome with(FrameView frame, F&& f) {
     const auto view = as<M, Label>(frame);
@@ -45,7 +45,7 @@ void Device::enqueue(FrameView frame, TimePoint now, Link link) {
     queue_.push_back({{frame.bytes().begin(), frame.bytes().end()}, link, begin + profile_.handling});
 }
 
-// In the order in which it is due, however late it is called.
+// Work is done in the order in which it is due, however late run() is called.
 void Device::run(TimePoint now) {
     for (auto at = due(); at && *at <= now; at = due()) {
         if (firmware_.due() == at) end_firmware_step(*at);
@@ -88,12 +88,12 @@ Outcome Device::dispatch(FrameView frame, TimePoint now, Reply& reply) {
     }
 }
 
-// Nobody means every device when it erases one.
+// A firmware frame to all devices is refused: it would erase every device.
 Outcome Device::firmware_step(FrameView frame, TimePoint now, Reply& reply) {
     if (frame.destination() == address::broadcast) return Outcome::refused;
     if (const auto info = as<"firmware", "info">(frame)) return firmware_.take(*info, reply);
     if (const auto image = as<"firmware", "image">(frame)) return firmware_.take(*image, reply);
-    if (as<"firmware", "written">(frame)) return Outcome::unanswered;    // the answer of a loader
+    if (as<"firmware", "written">(frame)) return Outcome::unanswered;    // an answer of another device's loader
     return with<"firmware">(frame, [&](const auto& code) { return firmware_.take(code, now, reply); });
 }
 

@@ -49,7 +49,7 @@ bool Firmware::is_ours(const ImageInfo& info) const {
     return !flash_.accept || flash_.accept(info);
 }
 
-// A host that begins anew takes the place of one that went away. An image that is refused leaves what is under way as it is.
+// A host that begins again replaces one that went away. Refusing an image does not change the upgrade under way.
 Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     if (due_) return Outcome::refused;
@@ -99,8 +99,8 @@ Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
     return fits ? reply.send(answer) : Outcome::unknown;
 }
 
-// The same frame again is no fault: its "written" was lost. What differs from it is: flash is written once.
-// The last frame is as long as what is left, or filled up.
+// The same frame again is no error: its "written" was lost. A different frame of the same number is one, since flash is written
+// once. The last frame is as long as the rest of the image, or filled up.
 bool Firmware::store(std::size_t number, Bytes bytes) {
     if (number >= has_.size()) return false;
     if (profile_.frames_in_order && number > written_) return false;

@@ -13,7 +13,7 @@ constexpr std::uint8_t cmd_value = 2;
 constexpr std::uint8_t cmd_describe = 3;
 
 constexpr std::uint8_t par_type_text = 10;
-constexpr std::size_t largest_count = UINT16_MAX;    // both an id and the count are u16
+constexpr std::size_t max_parameters = UINT16_MAX;    // both an id and the count are u16
 
 std::uint8_t par_type_of(Type type) noexcept { return type == Type::text ? par_type_text : static_cast<std::uint8_t>(type); }
 
@@ -37,7 +37,7 @@ void refuse_unless(bool sensible, const Parameter& row, const char* why) {
 std::uint16_t Parameters::add(Parameter row) {
     refuse_unless(!row.name.empty() && row.name.size() <= max_name, row, "a name has 1 to 20 bytes");
     refuse_unless(!find(row.name), row, "there is one of this name");
-    refuse_unless(rows_.size() < largest_count, row, "there are 65535 already");
+    refuse_unless(rows_.size() < max_parameters, row, "there are 65535 already");
     refuse_unless(is_number(row.type) || row.type == Type::text, row, "its type is neither a number nor text");
     refuse_unless(!row.name.starts_with("CAL_") || row.type == Type::f32, row, "a calibration parameter is f32");
     refuse_unless(static_cast<bool>(row.get), row, "without get it has no value");
@@ -74,7 +74,7 @@ bool Parameters::restore_defaults(std::string_view beginning) {
     return done;
 }
 
-// A number that is none stays within no limits.
+// NaN is refused, since it can't be compared with limits.
 bool Parameters::assign(const Parameter& row, const Value& value) const {
     if (!row.set || is_nan(value)) return false;
     Value allowed = clamped(row, value);
@@ -97,8 +97,8 @@ Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply
     }
 }
 
-// The answer looks like the question: two devices would go on answering each other. Only a host asks with any val (the text: it has
-// no meaning), and only a host is told that there are none.
+// The answer looks like the question, so two devices would answer each other for ever. Therefore only a host may ask with any val
+// (in the protocol text it has no meaning), and only a host is told that there are no parameters.
 Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply& reply) {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;
@@ -110,13 +110,13 @@ Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply&
 Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
     const Parameter& row = rows_[id];
     const Value value = row.get();
-    if (value.index() != row.initial.index()) return Outcome::refused;    // no value of its type
+    if (value.index() != row.initial.index()) return Outcome::refused;    // `get` returned another type
     bytes_.clear();
     if (profile_.old_layouts) append_value(bytes_, Type::i32, std::int64_t{as_i32(value)});
     else append_value(bytes_, row.type, value);
     Draft<"parameter_value"> answer;
-    const std::size_t most = max_sent - answer.data_size();
-    if (!answer.set<"par_id">(id) || !answer.set<"value">(Bytes{bytes_}.first(std::min(bytes_.size(), most))))
+    const std::size_t max_size = max_sent - answer.data_size();
+    if (!answer.set<"par_id">(id) || !answer.set<"value">(Bytes{bytes_}.first(std::min(bytes_.size(), max_size))))
         return Outcome::unknown;
     return reply.send(answer);
 }
@@ -192,7 +192,7 @@ bool Parameters::act(std::uint16_t action, bool& known) {
     case Action::store_accelerometer: return of_calibration("CAL_A", save);
     case Action::clear_compass: return of_calibration("CAL_M", clear);
     case Action::store_compass: return of_calibration("CAL_M", save);
-    default: known = false; return false;    // saving too: without a function of the user there is nowhere to save to
+    default: known = false; return false;    // also Action::save, which only a function of the user can do
     }
 }
 

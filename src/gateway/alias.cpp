@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t check_id = ano::id_of<"check">;    // DATA: the id and both checks of the frame that is acknowledged
 constexpr std::uint8_t device_info_id = ano::id_of<"device_info">;    // DATA: the device's id first
 
-// By whom, to or from which alias, which frame.
+// Identifies a rewritten frame: requester, alias, and the id and checks of the frame.
 std::uint64_t memory_key(std::uint8_t requester, std::uint8_t alias, std::uint8_t id, ano::Checks checks) noexcept {
     return std::uint64_t{requester} | std::uint64_t{alias} << 8 | std::uint64_t{id} << 16 | std::uint64_t{checks.sum} << 24 |
            std::uint64_t{checks.add} << 32;
@@ -58,7 +58,7 @@ void Aliases::restore_checks(std::span<std::uint8_t> acknowledgement, std::uint8
     if (acknowledgement.size() < ano::overhead + 3) return;
     const auto data = acknowledgement.subspan(ano::header_size, 3);
     const ano::Checks* original = sent_as_.find(memory_key(requester, alias, data[0], {data[1], data[2]}), now);
-    if (!original) return;    // of a broadcast, which is not rewritten, or too late
+    if (!original) return;    // it acknowledges a broadcast, which is not rewritten, or comes too late
     data[1] = original->sum;
     data[2] = original->add;
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t last_standard_id = 0x7FF;
 constexpr std::uint32_t last_extended_id = 0x1FFF'FFFF;
-constexpr std::uint32_t standard_range = 0x100;    // of ids that one base spans
+constexpr std::uint32_t standard_range = 0x100;    // number of ids from one base on
 constexpr std::uint32_t extended_range = 0x4'0000;
 constexpr auto last_class = static_cast<std::uint32_t>(ano::TrafficClass::bulk);
 
@@ -21,7 +21,7 @@ std::string hex(std::uint32_t number) {
     return text;
 }
 
-/// In hex; in decimal with a suggestion where the 0x seems to have been forgotten.
+/// The base in hex; in decimal with a suggestion if the 0x seems to have been forgotten.
 std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
     const std::string digits = std::to_string(base);
     const std::uint64_t meant = std::stoull(digits, nullptr, 16);
@@ -74,10 +74,10 @@ std::vector<CanIds::Filter> CanIds::filters() const {
 std::span<const CanCutter::Piece> CanCutter::cut(std::span<const std::span<const std::uint8_t>> frames) noexcept {
     const std::size_t room = fd_ ? 64 : 8;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < frames.size() && count < most; ++i) {
+    for (std::size_t i = 0; i < frames.size() && count < max_pieces; ++i) {
         std::span<const std::uint8_t> rest = frames[i];
         const std::uint32_t id = i == 0 && rest_id_ ? *rest_id_ : ids_.of(rest);
-        while (!rest.empty() && count < most) {
+        while (!rest.empty() && count < max_pieces) {
             const auto bytes = rest.first(std::min(room, rest.size()));
             rest = rest.subspan(bytes.size());
             pieces_[count++] = {id, bytes, can_fd_size(bytes.size()), rest.empty()};

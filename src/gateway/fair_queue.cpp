@@ -51,7 +51,7 @@ FairQueue::Number FairQueue::new_flow(std::uint32_t key) noexcept {
     return n;
 }
 
-// A new flow gets its turn behind the others of its channel, a new channel before all others: a channel that sends now and then
+// A new flow gets its turn after the others of its channel, a new channel before all others: a channel that sends now and then
 // does not wait for those that always send.
 void FairQueue::enrol(Number flow) noexcept {
     const std::uint32_t from = nodes_[flow].key >> 8;
@@ -111,7 +111,7 @@ void FairQueue::retire(Number flow) noexcept {
     if (flow != sole) nodes_[flow].chained = std::exchange(free_, flow);
 }
 
-// Behind all others.
+// The turn of `n` is after all others of the ring.
 void FairQueue::join(Number ring, Number n) noexcept {
     nodes_[n].parent = ring;
     Number& turn = nodes_[ring].now.turn;

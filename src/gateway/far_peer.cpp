@@ -10,7 +10,7 @@ constexpr std::uint8_t first_address = ano::address::last_port_id + 1, last_addr
 
 bool is_user_address(std::uint8_t a) noexcept { return a >= first_address && a <= last_address; }
 
-// Protocol text, section 3: what is written or done, not what is asked.
+// Protocol text, section 3: writes and actions are acknowledged, questions are not.
 bool is_acknowledged(ano::FrameView frame) noexcept { return ano::may_be_acknowledged(frame.id()) && ano::is_control(frame); }
 
 }    // namespace

@@ -7,7 +7,7 @@
 namespace anogate {
 namespace {
 
-// The address was rewritten, or not.
+// Whether the frame was not rewritten.
 bool is_same(ano::FrameView a, ano::FrameView b) noexcept { return a.bytes().data() == b.bytes().data(); }
 
 }    // namespace
@@ -16,8 +16,8 @@ Forwarder::Forwarder(const GatewaySettings& settings, std::uint64_t station) : r
 
 Forwarder::~Forwarder() = default;
 
-// Every frame takes these steps: as calls they would be a tenth of what a frame of a stream costs, so those of receive() alone are
-// inline.
+// Every frame takes these steps: as calls they would take a tenth of the time of a frame of a stream, so those that only receive()
+// uses are inline.
 void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     begin(from, brought, now);
     LinkEntry& link = entry(from.link);
@@ -33,7 +33,7 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     std::uint32_t copies = 1;
     if (goes_round(from, frame, brought, said, copies) || is_duplicate(from, brought, key, policy)) return;
     compare(from, frame, said.key);
-    if (link.present_as) {    // not of a copy
+    if (link.present_as) {    // after the guards: a copy must not end a question
         const ano::FrameView before = frame;
         frame = link.present_as->inbound(frame, now_);
         if (!is_same(frame, before)) said.key = frame_key(frame);
@@ -62,11 +62,11 @@ Said Forwarder::said_at(const Channel& from, ano::FrameView frame, std::uint64_t
     return said;
 }
 
-// True: our own, come back by another way, or it waits until that is known. It waits as it was `brought`, before its alias.
-// `copies`: those of it that were withheld leave with it.
+// True: a copy that came back by another way, or it waits until that is known. It waits as `brought`, without its alias.
+// `copies`: how often it is to be sent, including the withheld ones.
 [[gnu::always_inline]] inline bool Forwarder::goes_round(Channel& from, ano::FrameView frame, ano::FrameView brought,
                                                          const Said& said, std::uint32_t& copies) {
-    if (!held_.empty() && !releasing_ && keeps_order(frame))    // what a host says stays in its order
+    if (!held_.empty() && !releasing_ && keeps_order(frame))    // frames of a host keep their order
         if (const auto due = held_.due(from.id); due && hold(from, brought, *due)) return true;
     from.routed.looped += loop_guard_.take_lost(from.id, now_);
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);
@@ -83,13 +83,13 @@ Said Forwarder::said_at(const Channel& from, ano::FrameView frame, std::uint64_t
     return judgement.fate == LoopGuard::Fate::withheld;
 }
 
-// The answer is for its host as well, unless nothing but a ring says that there is one.
+// The address of a host is learned all the same, so that answers reach it here too; but not from a known ring.
 void Forwarder::end_loop(Channel& from, ano::FrameView frame) {
     drop(from, frame, &ReceiveCounters::looped);
     if (ano::address::is_host(frame.source()) && !loop_guard_.rings().is_ring(from.id, now_)) learn(from, frame);
 }
 
-// A copy of one that another link of the group brought: that is told by what was `brought`.
+// Whether another link of the group brought the frame already: compared as `brought`, before any rewriting.
 [[gnu::always_inline]] inline bool Forwarder::is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key,
                                                            QueuePolicy policy) {
     const std::uint8_t group = entry(from.link).settings.route.group;
@@ -98,7 +98,7 @@ void Forwarder::end_loop(Channel& from, ano::FrameView frame) {
     return true;
 }
 
-// A source on two links is a conflict, whatever becomes of its copies.
+// A source on two links is a conflict, even when its copies are dropped.
 void Forwarder::compare(const Channel& from, ano::FrameView frame, std::uint64_t key) {
     const std::uint8_t source = frame.source();
     if (ano::address::is_host(source)) return;
@@ -119,7 +119,7 @@ bool Forwarder::admit(Channel& from, ano::FrameView frame) {
     return true;
 }
 
-// What is inside a tunnel frame that goes on as it is passes nowhere else.
+// The content of a tunnel frame that is forwarded unopened is checked nowhere else.
 bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     if (!inhibit_.links().contains(from.link) || !may_bring_control(frame)) return true;
     drop(from, frame, &ReceiveCounters::inhibited);
@@ -143,7 +143,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     if (router_.has_question(now_)) ask_holders();
 }
 
-// A tunnel frame that came inside another one: the next gateway would open it, and the one after that what is in it.
+// Keeps a tunnel frame that came inside another one from the tunnel: the next gateway would open it, and the one after that its
+// content.
 void Forwarder::keep_from_tunnel(Route& route) {
     const ChannelSet kept = route.channels & entry(tunnel_link_).traffic.channels;
     if (kept.empty()) return;
@@ -171,7 +172,7 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
     bool takes_few = false;
     if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(policy, now_ - arrived_at)) {
         ++entry(channel.link).traffic.came_stale;
-        cause = &SendCounters::stale;    // it counts for no limit, and awaits no answer
+        cause = &SendCounters::stale;    // it does not count for limits, and no answer is awaited
     } else {
         channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
         if (ruled_.contains(channel.link)) {
@@ -194,10 +195,10 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
         }
 }
 
-// As the link's devices are to see it; else the cause that keeps it back.
+// Rewrites the frame as the link's devices are to see it; otherwise returns the cause of the refusal.
 SendCause Forwarder::rewrite(LinkEntry& link, ano::FrameView& frame) {
     if (const SendCause cause = link.rules ? link.rules->refusal(frame, frame_number_, now_) : nullptr) return cause;
-    if (!is_probe(frame)) {    // or nobody would know it again
+    if (!is_probe(frame)) {    // a rewritten probe would not be recognised
         if (link.present_as) frame = link.present_as->outbound(frame, frame_number_, now_);
         const auto seen = link.aliases ? link.aliases->outbound(frame, now_) : std::optional{frame};
         if (!seen) return &SendCounters::denied_out;
@@ -213,7 +214,7 @@ void Forwarder::drop(Channel& from, ano::FrameView frame, ReceiveCause cause) {
         for (Observer* observer : hear_fates_) observer->dropped(from, frame, cause);
 }
 
-// A frame that was for the link and for none of its channels.
+// Counts a frame that was for the link but for none of its channels.
 void Forwarder::refuse(LinkId to, ano::FrameView frame, SendCause cause) {
     SendCounters& gone = entry(to).traffic.gone_sent;
     ++gone.offered;

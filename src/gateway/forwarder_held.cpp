@@ -1,4 +1,4 @@
-// The frames that wait for a verdict of the loop guard.
+// The frames that wait for a judgement of the loop guard.
 #include <ano/address.hpp>
 #include <gateway/forwarder.hpp>
 
@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-// Of what hosts say, sticks alone overtake.
+// Frames of hosts keep their order, except sticks, which overtake.
 bool Forwarder::keeps_order(ano::FrameView frame) noexcept {
     return ano::address::is_host(frame.source()) && policy_of(frame.id()).replaces == Replaces::nothing && !is_probe(frame);
 }
@@ -15,8 +15,8 @@ bool Forwarder::hold(Channel& from, ano::FrameView brought, TimePoint due, Held:
     return held_.put(from.id, brought, due, repeats, arrived_at_);
 }
 
-// A host whose frames wait says more than there is room for: what waits goes first, it must not be overtaken. Or what waits for
-// the next of the same bytes has it here.
+// Waiting frames go first when the next copy that they wait for has come, or when there is no room for another frame of a host,
+// which must not overtake them.
 void Forwarder::make_room_for(const Channel& from, ano::FrameView frame) {
     if (!releasing_ && held_.goes_on(from.id, frame, now_)) hurry(from.id);
     if (!releasing_ && keeps_order(frame) && held_.due(from.id) && !held_.fits(frame)) release_held_until(TimePoint::max());

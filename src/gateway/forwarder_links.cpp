@@ -1,4 +1,4 @@
-// Links and channels of the Forwarder come and go.
+// Adding and removing links and channels of the Forwarder.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -19,14 +19,14 @@ LinkId Forwarder::add_link(const ForwarderLink& settings) {
     if (!settings.aliases.empty()) {
         const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);
         link.aliases = std::make_unique<Aliases>(settings.aliases, max_data);
-        for (const AliasRule& rule : settings.aliases) router_.pin(rule.as, rule.as, id);    // it is nowhere else
+        for (const AliasRule& rule : settings.aliases) router_.pin(rule.as, rule.as, id);    // the alias exists only here
     }
     if (settings.present_as != 0) present(link);
     if (link.rules || link.hello || link.aliases || link.present_as || settings.takes_few_questions) ruled_.insert(id);
     return id;
 }
 
-// An answer may come by another link of the group than the question went.
+// The links of a group share one PresentAs: an answer may come by another link than the question left by.
 void Forwarder::present(LinkEntry& link) {
     const ForwarderLink& settings = link.settings;
     const std::size_t max_data = std::max(settings.parser.max_data, settings.outbox.max_data);

@@ -1,4 +1,4 @@
-// What the gateway says by itself: probes, hellos, questions to those whose address is claimed; and when.
+// The frames that the gateway sends by itself: probes, hellos, questions to holders of claimed addresses; and their times.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -43,14 +43,14 @@ void Forwarder::say(ChannelId to, ano::FrameView frame) {
     offer(ourselves, to, frame, policy_of(frame.id()), now_);
 }
 
-// No alias, no guard and no group: it came by no wire.
+// Without alias, loop guard and group, since the frame came by no wire.
 void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
     ++frame_number_;
     note_arrival(from);
     if (!hear_arrivals_.empty()) [[unlikely]]
         for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
-    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for one of ours
+    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a probe of ours
     if (!admit(from, frame) || !admit_unopened(from, frame)) return;
     const Route route = router_.find(from.link, frame.destination(), now_);
     if (!route.guarded.empty()) loop_guard_.remember(said_by(frame), *route.guarded.begin(), route.guarded, now_);
@@ -75,20 +75,20 @@ void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
     for (const ChannelId to : heard) offer(ourselves, to, frame, policy_of(frame.id()), now_);
 }
 
-// It may come back by any link.
+// The frame may come back by any link.
 void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
     say(to, frame);
     loop_guard_.remember(said_by(frame), to, to, now_);
 }
 
-// Ahead of the frame that it is about: in a ring it is back before that.
+// The probe is sent before the frame that caused it: in a ring it comes back before that.
 void Forwarder::send_probe(ChannelId channel) {
     ++frame_number_;
     offer(ourselves, channel, loop_guard_.rings().ask(channel, now_), probe_policy, now_);
     ++frame_number_;
 }
 
-// Nobody's word, whoever may have passed it on: it teaches no address.
+// No address is learned from a probe, whoever forwarded it.
 void Forwarder::take_probe(Channel& from, ano::FrameView probe) {
     if (loop_guard_.rings().take(probe, from.id, now_) != RingWatch::Probe::news)
         return drop(from, probe, &ReceiveCounters::looped);
@@ -106,7 +106,7 @@ SendCause Forwarder::ask(ChannelId from, Channel& channel, ano::FrameView frame,
     return cause;
 }
 
-// What was not answered in time makes room for what waits.
+// Questions that were not answered in time make room for waiting ones.
 void Forwarder::release_questions() {
     questions_due_ = TimePoint::max();
     for (const ChannelId id : used_) {
@@ -117,7 +117,7 @@ void Forwarder::release_questions() {
     }
 }
 
-// Those whose address is claimed by others.
+// Asks the holders of claimed addresses.
 void Forwarder::ask_holders() {
     while (const auto question = router_.take_question(now_)) {
         const auto bytes = device_info_question(question->address);
@@ -126,7 +126,7 @@ void Forwarder::ask_holders() {
     }
 }
 
-// Speaks first where nothing is heard.
+// Sends a hello by links on which nothing is heard.
 void Forwarder::say_hellos(TimePoint now) {
     now_ = now;
     for (const LinkId id : added_) {
@@ -139,7 +139,7 @@ void Forwarder::say_hellos(TimePoint now) {
     await_hellos();
 }
 
-// Until the first moment at which one can be due: frames that come meanwhile change nothing.
+// Computes the first time at which a hello can be due: frames that come meanwhile can only make it later.
 void Forwarder::await_hellos() {
     hello_due_.reset();
     if (!asks_) return;
@@ -156,7 +156,7 @@ TimePoint Forwarder::heard_at(const LinkEntry& link) const {
     return latest;
 }
 
-// Before the channel of the claimant can be closed.
+// Called before the channel of the claimant can be closed.
 void Forwarder::note_claimants() {
     Router::Claimant claims;
     while (router_.take_claimant(claims)) {

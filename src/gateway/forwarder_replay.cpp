@@ -1,19 +1,18 @@
-// What was said once and is said again: nobody's word of now.
+// Frames of a recording that are sent again.
 #include <gateway/forwarder.hpp>
 #include <gateway/tunnel.hpp>
 
 namespace anogate {
 
-// It comes from no wire, so no guard judges it, but it may come back by one. It teaches no
-// address, is compared with nothing that is said now and answers no question of the gateway: whoever it is of may be alive
-// elsewhere.
+// The frame comes from no wire, so the loop guard does not judge it, but it may come back by one. No address is learned from it,
+// it is not compared with present frames, and it answers no question of the gateway: its source may be alive elsewhere.
 void Forwarder::replay(Channel& from, ano::FrameView brought) {
     const LinkEntry& link = entry(from.link);
     const ano::FrameView frame = link.aliases ? link.aliases->inbound(brought, now_) : brought;
     if (!admit(from, frame)) return;
     if (carried_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
-    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a question of now
+    if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be taken for a present probe
     entry(from.link).traffic.replayed.set(frame.source());
     Route route = router_.find(from.link, frame.destination(), now_);
     route.channels.erase(from.id);

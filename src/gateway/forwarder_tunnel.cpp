@@ -1,4 +1,4 @@
-// What a frame passes that a tunnel frame brings, or that leaves in one.
+// The steps for frames that come or leave inside a tunnel frame.
 #include <gateway/forwarder.hpp>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
     return admit(from, frame);
 }
 
-// A switch is not to be passed inside a tunnel frame.
+// An inhibit switch also blocks control frames inside a tunnel frame.
 bool Forwarder::passes_into_tunnel(Channel& from, ano::FrameView inner, TimePoint now) {
     now_ = now;
     note_arrival(from);
@@ -26,7 +26,7 @@ bool Forwarder::passes_to_wrap(Channel& from, ano::FrameView frame, LinkId to, T
     return admit(from, frame, now) && admit_unopened(from, frame) && passes_loop_guard(from, frame, to) && may_leave(to, frame);
 }
 
-// What leaves without Router::route() is kept from going round all the same.
+// The loop guard for frames that leave without Router::route().
 bool Forwarder::passes_loop_guard(Channel& from, ano::FrameView frame, LinkId to) {
     const Said said = said_at(from, frame, frame_key(frame));
     const LoopGuard::Judgement judgement = loop_guard_.judge(said, from.id, now_);

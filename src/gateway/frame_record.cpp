@@ -7,7 +7,7 @@
 namespace anogate {
 namespace {
 
-// Counters of what is no whole frame, or goes on.
+// Counters that are no cause of dropping a whole frame.
 constexpr ReceiveCause not_dropped_in[] = {&ReceiveCounters::frames_in,     &ReceiveCounters::bytes_in,
                                            &ReceiveCounters::bad_check,     &ReceiveCounters::bad_length,
                                            &ReceiveCounters::skipped_bytes, &ReceiveCounters::expired};

@@ -9,16 +9,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t enough_bytes = 64;     // so many without a frame are enough for a hint
-constexpr std::uint64_t enough_frames = 20;    // so many are enough for a share of them
+constexpr std::uint64_t enough_bytes = 64;     // without a frame, before a hint is given
+constexpr std::uint64_t enough_frames = 20;    // before a share of them is judged
 constexpr std::uint64_t enough_long = 5;       // among good frames: noise would damage others as well
 constexpr ano::Duration patience = 3s;         // shorter silences are normal
-constexpr ano::Duration still = 2s;            // bytes younger than that still come
+constexpr ano::Duration still = 2s;            // a link on which bytes came within this time is still receiving
 
 std::int64_t in_whole_seconds(ano::Duration d) { return std::chrono::duration_cast<std::chrono::seconds>(d).count(); }
 std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)) + " s"; }
 
-// For a link to a device that may itself wait to be spoken to.
+// Adds the advice to set `hello`, if the device may wait until it receives something.
 Hint or_hello(const LinkFigures& link, Hint hint) {
     const bool try_hello = link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts;
     if (hint.id.empty() || !try_hello) return hint;
@@ -32,7 +32,7 @@ Hint nothing_at_all(const LinkFigures& link) {
     return {link.words.nothing_yet.id, std::string{link.words.nothing_yet.text}};
 }
 
-/// For how long bytes have come without frames, on a link that had frames before; nothing: that is not so.
+/// For how long bytes have come without frames, on a link that had frames before; std::nullopt: not so.
 std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     if (link.received.frames_in == 0 || link.skipped_since < enough_bytes) return std::nullopt;
     if (!link.bytes_ago || *link.bytes_ago >= still) return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
     return without >= patience ? std::optional{without} : std::nullopt;
 }
 
-// The time changes with every look: a hint that is reported once is written without it.
+// The time changes with every call: a hint that is reported once is written without it.
 Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
     std::string text = "bytes but no frames ";
     text += with_time ? "for " : "any more";
@@ -89,7 +89,7 @@ Hint no_taker(std::string_view hosts_link) {
             {{"link", link}}};
 }
 
-// What keeps frames from being found, or from being let in.
+// Why no frames are found, or why they are refused.
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
     if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)

@@ -9,7 +9,7 @@ namespace {
 
 using namespace questions;
 
-constexpr std::uint8_t how_many = 0xFF;    // of waypoints
+constexpr std::uint8_t how_many = 0xFF;    // in place of the number of a waypoint
 
 // The number that begins at `at` of DATA, which is long enough.
 std::uint16_t number_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
@@ -76,8 +76,8 @@ bool InFlight::has_room(ano::TimePoint now) noexcept {
 }
 
 std::size_t InFlight::size() const noexcept {
-    return most - static_cast<std::size_t>(
-                      std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::free; }));
+    return max_questions - static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(),
+                                                                  [](const Slot& slot) { return slot.state == State::free; }));
 }
 
 std::optional<ano::TimePoint> InFlight::next_given_up() const noexcept {

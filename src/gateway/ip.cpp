@@ -18,14 +18,14 @@ std::uint32_t value_of(const IpAddress& v4) noexcept {
 }
 
 template <class Number>
-std::optional<Number> number(std::string_view text, Number most) {
+std::optional<Number> number(std::string_view text, Number max) {
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || value > most) return std::nullopt;
+    if (error != std::errc{} || end != text.data() + text.size() || value > max) return std::nullopt;
     return value;
 }
 
-// In the form of the kernel.
+// Whether `text` has the form of an interface name of the kernel.
 bool names_interface(std::string_view text) noexcept {
     return !text.empty() && text.size() < IF_NAMESIZE && text != "." && text != ".." &&
            std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' ' || c == '/' || c == ':' || c == 0x7F; });
@@ -126,9 +126,9 @@ std::optional<Network> Network::parse(std::string_view text) {
     const std::size_t slash = text.find('/');
     const auto address = IpAddress::parse(text.substr(0, slash));
     if (!address) return std::nullopt;
-    const std::uint8_t most = address->v6 ? 128 : 32;
-    if (slash == std::string_view::npos) return Network{*address, most};
-    const auto prefix = number<std::uint8_t>(text.substr(slash + 1), most);
+    const std::uint8_t max_prefix = address->v6 ? 128 : 32;
+    if (slash == std::string_view::npos) return Network{*address, max_prefix};
+    const auto prefix = number<std::uint8_t>(text.substr(slash + 1), max_prefix);
     if (!prefix) return std::nullopt;
     return Network{*address, *prefix};
 }

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration between_questions_back = 1s;
 
-// The shortest time from the last question of `asks` to the next.
+// The minimum time from the last of `asks` questions to the next.
 Duration pause_after(std::uint32_t asks) { return asks == 1 ? 1s : asks == 2 ? 3s : 60s; }
 
 }    // namespace
@@ -40,7 +40,7 @@ ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
 
 std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::uint64_t number, TimePoint now) {
     Suspect& s = row(from, now);
-    if (s.number != 0 && s.number == number) return std::nullopt;    // an echo of ours
+    if (s.number != 0 && s.number == number) return std::nullopt;    // our own question, sent back
     if (!s.suspended_at || now - *s.suspended_at >= between_suspensions) s.suspended_at = now;
     if (now - answers_since_ >= 1s) {
         answers_since_ = now;
@@ -57,7 +57,7 @@ bool ListenerCheck::answered(const Endpoint& from, std::uint64_t number, TimePoi
     s->seen_at = now;
     s->refused = true;
     s->unanswered = 0;
-    s->number = 0;    // each counts once
+    s->number = 0;    // each number counts once
     return true;
 }
 

@@ -33,7 +33,7 @@ LoopGuard::Judgement LoopGuard::look_up(const Said& said, ChannelId from, TimePo
     Sent* known = sent_.find(said.key, arrived);
     if (!known) return {};
     const Judgement judgement = judge(*known, said, from, now);
-    if (judgement.fate == Fate::withheld || now < known->withheld_until) {    // its next is awaited as long as another
+    if (judgement.fate == Fate::withheld || now < known->withheld_until) {    // its next repeat is awaited for another window
         sent_.put(said.key, *known, now);
         quiet_at_ = now + window_;
     }
@@ -87,7 +87,7 @@ LoopGuard::Judgement LoopGuard::judge(Sent& known, const Said& said, ChannelId f
             .elsewhere = !rings_.is_probed(from) || rings_.is_clear(from, now)};
 }
 
-// By the channel that brought it first.
+// The frame came again by the channel that brought it first.
 LoopGuard::Judgement LoopGuard::repeated(Sent& known, const Said& said, ChannelId from, TimePoint sent_at,
                                          TimePoint now) noexcept {
     if (!said.by_host) {
@@ -109,7 +109,7 @@ LoopGuard::Judgement LoopGuard::repeated(Sent& known, const Said& said, ChannelI
     return undecided ? Judgement{Fate::ends} : with_probe(paced(known, said, from, sent_at, now), probe);
 }
 
-// By another, and who says it may be another host.
+// The frame of a host came by another channel: another host may have sent it.
 LoopGuard::Judgement LoopGuard::said_again(Sent& known, const Said& said, ChannelId from, TimePoint sent_at,
                                            TimePoint now) noexcept {
     if (rings_.is_ring(from, now)) return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
@@ -130,30 +130,31 @@ LoopGuard::Judgement LoopGuard::said_again(Sent& known, const Said& said, Channe
     return rings_.is_probed(from) ? waiting(said, sent_at, probe, now) : blindly(said, now);
 }
 
-// By its device, which is there as well, or by a ring.
+// A frame of a replay came again: from its device, which is connected as well, or by a ring.
 LoopGuard::Judgement LoopGuard::said_beside_replay(ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
     if (rings_.is_ring(from, now) || rings_.brought_back(from, false, sent_at, now))
         return {Fate::ends, rings_.is_due(from, now, RingWatch::calm)};
     return {Fate::passes, rings_.is_due(from, now, knows(from, now) ? RingWatch::calm : RingWatch::spacing)};
 }
 
-// Nobody knows, and nobody can ask; unless somebody just did, by a way that it may have left by.
+// It is not known whether there is a ring, and no probe can be sent here. The frame waits only if a probe has just left by another
+// channel, by which the frame may have left too.
 LoopGuard::Judgement LoopGuard::blindly(const Said& said, TimePoint now) const noexcept {
     if (!said.command || said.waited || !rings_.is_asking(now)) return {Fate::ends};
     return {.fate = Fate::waits, .wait = RingWatch::patience};
 }
 
-// It passes, unless it was repeated so often that it is time to see whether it comes without us as well.
+// The frame passes, unless it was repeated so often that it is withheld to see whether it still comes.
 LoopGuard::Judgement LoopGuard::paced(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
     known.times += !said.waited;
     if (const Judgement judgement = tested(known, said, from, sent_at, now); judgement.fate != Fate::passes) return judgement;
     Withheld& withheld = withheld_[index(known.from)];
     const std::uint32_t turns = known.times / repeats;
     if (turns > 0 && !said.waited && known.withheld < max_withheld_frames) {
-        const std::uint32_t most = std::bit_floor(turns);
+        const std::uint32_t max_in_row = std::bit_floor(turns);
         if (known.withheld == 0) withheld.since = now;
         const bool in_time = now - withheld.since < (said.state ? max_state_withheld : max_withheld);
-        if (in_time && known.times - most * repeats < most) {
+        if (in_time && known.times - max_in_row * repeats < max_in_row) {
             ++known.withheld;
             ++withheld.frames;
             withheld.at = now;
@@ -165,7 +166,8 @@ LoopGuard::Judgement LoopGuard::paced(Sent& known, const Said& said, ChannelId f
     return {Fate::passes, false, 1u + std::exchange(known.withheld, std::uint8_t{0})};
 }
 
-// Sent late, the next of a sender comes by its own clock; in a ring nothing comes before, and always as long after.
+// After a delayed send, a sender's next frame comes by its own clock; in a ring no frame comes before, and the next always comes
+// after the same delay.
 LoopGuard::Judgement LoopGuard::tested(Sent& known, const Said& said, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
     Test& test = known.test;
     if (said.waited) {
@@ -178,12 +180,13 @@ LoopGuard::Judgement LoopGuard::tested(Sent& known, const Said& said, ChannelId 
         const bool steady = std::abs(way - test.way) <= std::min(20 + way / 8, 60);
         test.way = way;
         if (test.sent_late == 0) {
-            const std::uint32_t turns = (known.times / first_test) >> test.number;    // of several that go round none is steady
+            // If several copies circulate, the delay is not steady.
+            const std::uint32_t turns = (known.times / first_test) >> test.number;
             if (!said.command || test.number == max_tests || turns < (steady ? 1u : 2u)) return {};
         } else if (steady) {
             if (++test.steady >= enough) return came_round(known, from, now);
         } else {
-            const bool ended = test.steady == enough;    // and yet it goes on
+            const bool ended = test.steady == enough;    // it was taken for a ring, but frames still come
             test.steady = 0;
             if (ended || ++test.strays > 1) return end_test(known), Judgement{};
         }
@@ -192,7 +195,7 @@ LoopGuard::Judgement LoopGuard::tested(Sent& known, const Said& said, ChannelId 
     return {.fate = Fate::waits, .wait = known.withheld_until - now, .repeats = std::max(known.times / first_test, 1u)};
 }
 
-// Others that go round with it end as well.
+// Other frames that circulate in the same ring end as well.
 LoopGuard::Judgement LoopGuard::came_round(Sent& known, ChannelId from, TimePoint now) noexcept {
     known.test.steady = enough;
     if (known.from != from) rings_.came_round(from, now);
@@ -204,20 +207,21 @@ void LoopGuard::end_test(Sent& known) noexcept {
     known.withheld_until = TimePoint::min();
 }
 
-// Of states the newest counts, so they wait only where a ring turns fast, and not for long.
+// Only the newest state matters, so states wait only in a fast ring, and for a short time.
 LoopGuard::Judgement LoopGuard::waiting(const Said& said, TimePoint sent_at, bool probe, TimePoint now) noexcept {
     const bool waits = !said.state || now - sent_at < faster_than_senders;
     return {
         .fate = waits ? Fate::waits : Fate::passes, .probe = probe, .wait = said.state ? max_state_wait : RingWatch::patience};
 }
 
-// Of a ring by bridges that keep what devices say: there a probe tells, by its other end.
+// Whether `from` may be the other end of a ring whose bridges do not forward frames of devices: there only a probe by the other end
+// shows the ring.
 bool LoopGuard::may_be_its_other_end(const Sent& known, ChannelId from, TimePoint sent_at, TimePoint now) noexcept {
     if (rings_.is_probed(from) || known.times == 0) return false;
     return rings_.is_asking(now) || (now - sent_at < RingWatch::by_hand && !rings_.are_clear(known.channels - from, now));
 }
 
-// No ring that it can have come by.
+// There is no ring by which the frame can have come.
 bool LoopGuard::is_clear(const Sent& known, ChannelId from, TimePoint now) noexcept {
     return rings_.is_clear(from, now) || (!rings_.is_probed(from) && rings_.are_clear(known.channels - from, now));
 }

@@ -13,7 +13,7 @@ constexpr std::size_t urgent = static_cast<std::size_t>(TrafficClass::urgent);
 // The bytes of a turn, by class. Urgent frames take turns one by one: their number is below the smallest frame.
 constexpr std::array<std::int32_t, traffic_classes> quanta{ano::overhead, 32, 256};
 
-// How many frames of one bucket are looked at: addresses chosen by an attacker must not make push() slow.
+// Maximum number of frames of one bucket that are searched: addresses chosen by an attacker must not make push() slow.
 constexpr int max_entries_searched = 16;
 
 std::uint32_t replacement_key(ano::FrameView frame, Replaces replaces) noexcept {
@@ -51,7 +51,7 @@ SendCause Outbox::store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint
     if (!open_) return refuse(&SendCounters::link_down);
     if (bytes.size() > ano::overhead + options_.max_data) return refuse(&SendCounters::too_big);
 
-    const bool congested = congested_;    // even if, for a moment, nothing waits
+    const bool congested = congested_;    // also if the outbox is empty for a moment below
     const std::uint64_t number = ++pushed_;
     std::uint64_t turn = number;
     const bool replaceable = policy.replaces == Replaces::same_id ||
@@ -216,8 +216,8 @@ bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     return true;
 }
 
-// The class that drops a frame for one of the class `own`: the lowest that has more than is reserved for it. `entitled`: what
-// is reserved for `own` is not used up, so that higher classes give way as well.
+// The class that drops a frame to make room for one of the class `own`: the lowest that has more than is reserved for it.
+// `entitled`: `own` has not used up its reserve, so that higher classes give way as well.
 std::size_t Outbox::gives_way(std::size_t own, bool entitled) const noexcept {
     for (std::size_t t = traffic_classes; t-- > (entitled ? 0 : own);)
         if (t == own ? !entitled && !queues_[t].empty() : has_more(queues_[t])) return t;

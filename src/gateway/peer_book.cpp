@@ -10,7 +10,7 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now) {
     const bool local = address.is_loopback();
     const std::size_t of_address = places_of(address);
     const bool address_full = !local && of_address >= options_.max_of_address;
-    if (!address_full && used_.size() < options_.most) return {true, std::nullopt};
+    if (!address_full && used_.size() < options_.max_peers) return {true, std::nullopt};
 
     const bool again = knocks_again(stranger, now);
     std::optional<ChannelId> longest_silent;
@@ -32,7 +32,7 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
     return count;
 }
 
-// An address has few rows here too, so that one address can't take the places of all others.
+// One address gets only a few rows here too, so that it can't take the places of all others.
 bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
     Knock* oldest = knocks_.data();
     Knock* oldest_of_address = nullptr;

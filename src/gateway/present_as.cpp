@@ -16,7 +16,7 @@ namespace address = ano::address;
 using namespace questions;
 constexpr std::uint8_t check = ano::id_of<"check">, firmware = ano::id_of<"firmware">;
 
-// What both a question and its answer lead to: the id of the answer, and what the answer repeats of the question.
+// The same for a question and its answer: the id of the answer, and what the answer repeats of the question.
 constexpr std::uint32_t key(std::uint8_t id, std::uint32_t repeats = 0) noexcept { return id | repeats << 8; }
 
 constexpr std::uint32_t acknowledgement_key(std::uint8_t id, ano::Checks checks) noexcept {
@@ -28,7 +28,7 @@ constexpr std::uint32_t u16_at(std::span<const std::uint8_t> data, std::size_t i
     return std::uint32_t{u8_at(data, i)} | std::uint32_t{u8_at(data, i + 1)} << 8;
 }
 
-// What answers this frame (protocol text, sections 3 and 4); nothing: nothing does, as far as is known.
+// The key of the answer to this frame (protocol text, sections 3 and 4); std::nullopt: no answer is known.
 std::optional<std::uint32_t> answer_to(ano::FrameView frame) noexcept {
     const auto data = frame.data();
     switch (frame.id()) {
@@ -49,7 +49,7 @@ std::optional<std::uint32_t> answer_to(ano::FrameView frame) noexcept {
     return acknowledgement_key(frame.id(), frame.checks());
 }
 
-// What this frame answers, if anything.
+// The key of the question that this frame answers; std::nullopt: none.
 std::optional<std::uint32_t> answered_by(ano::FrameView frame) noexcept {
     const auto data = frame.data();
     switch (frame.id()) {
@@ -69,7 +69,7 @@ std::optional<std::uint32_t> answered_by(ano::FrameView frame) noexcept {
     }
 }
 
-// Anybody who says it is a host.
+// Whether only hosts send such frames.
 bool only_hosts_say(ano::FrameView frame) noexcept {
     return is_control(frame) || frame.id() == waypoint_read || frame.id() == command_query || frame.id() == parameter_command;
 }
@@ -144,10 +144,10 @@ void PresentAs::remember(ano::FrameView sent, ano::FrameView original, ano::Time
     questions_[place] = {now, {}, original.source(), original.destination(), original.checks()};
 }
 
-// The question that a frame of `device` answers, which is answered by it then.
+// Finds the question that a frame of `device` answers, and marks it as answered by `device`.
 const PresentAs::Question* PresentAs::asked(std::uint32_t key, std::uint8_t device, ano::TimePoint now) noexcept {
     while (first_ != end_ && now - questions_[first_ % capacity].at >= memory) ++first_;
-    Addresses served;    // askers that had an answer to this
+    Addresses served;    // askers that have an answer of this device to this question already
     const auto each = [&](auto visit) {
         for (std::size_t n = first_; n != end_; ++n)
             if (keys_[n % capacity] == key && reaches(questions_[n % capacity].to, device)) visit(questions_[n % capacity]);
@@ -157,20 +157,20 @@ const PresentAs::Question* PresentAs::asked(std::uint32_t key, std::uint8_t devi
         latest = &question;
         if (question.answered_by[device]) served.set(question.asker);
     });
-    Question *unserved = nullptr, *open = nullptr;    // the oldest
+    Question *unserved = nullptr, *open = nullptr;    // the oldest of each
     each([&](Question& question) {
         if (question.answered_by[device]) return;
         if (!open) open = &question;
         if (!unserved && !served[question.asker]) unserved = &question;
     });
-    // The steps of a firmware update differ, in what this does not read: each answer is for the oldest.
+    // The steps of a firmware update differ in bytes that are not part of the key: each answer is for the oldest question.
     Question* const chosen = unserved && static_cast<std::uint8_t>(key) != firmware ? unserved : open;
     if (chosen) chosen->answered_by.set(device);
-    // A device may acknowledge twice what was sent once, and nothing else has these checks.
+    // A device may acknowledge a frame twice, and no other frame has these checks.
     return chosen || static_cast<std::uint8_t>(key) != check ? chosen : latest;
 }
 
-// Who sent firmware there last: an answer in several steps is for that one.
+// The host that sent firmware to the device last: it gets answers that come in several steps.
 std::optional<std::uint8_t> PresentAs::updater(std::uint8_t device, ano::TimePoint now) const noexcept {
     const Session* last = nullptr;
     for (unsigned to = 1; to <= address::broadcast; ++to)

@@ -7,7 +7,7 @@ namespace anogate {
 
 namespace {
 
-constexpr std::int32_t one_by_one = ano::overhead;    // bytes of a turn of a channel: fewer than any question has
+constexpr std::int32_t one_by_one = ano::overhead;    // bytes of a turn: fewer than a question has, so that each sends one
 
 std::size_t max_frames(const QuestionQueue::Options& options) noexcept { return options.bytes / ano::overhead + 1; }
 
@@ -25,7 +25,7 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
 SendCause QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
                               ano::TimePoint arrived_at) noexcept {
     if (!outbox_.is_open() || !question_in(frame)) return outbox_.push(frame, policy, arrived_at, from);
-    release(now);    // what waits goes first
+    release(now);    // waiting questions go first
     if (in_flight_.has_room(now)) return outbox_.push(frame, policy, arrived_at, from);
     return store(frame, arrived_at, from);
 }
@@ -81,13 +81,13 @@ SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, 
     std::memcpy(room_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     append<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
-    turns_.push(i, from, 0);    // all askers of a channel are one
+    turns_.push(i, from, 0);    // all askers of a channel share its turn
     return nullptr;
 }
 
 void QuestionQueue::hand_over(FrameIndex i) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
-    --counters_.offered;    // the outbox counts it from here on
+    --counters_.offered;    // from now on, the outbox counts the question
     const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, turns_.channel_of(i));
     if (cause) outbox_.tell_dropped(frame, cause);
     turns_.take();
@@ -101,7 +101,7 @@ void QuestionQueue::drop(FrameIndex i, SendCause cause) noexcept {
     forget(i);
 }
 
-// It has no turn any more.
+// Frees the entry of a question, which must have been removed from turns_.
 void QuestionQueue::forget(FrameIndex i) noexcept {
     unlink<&WaitingFrame::in_arena>(frames_.get(), in_room_, i);
     frames_[i].in_flow.behind = free_;

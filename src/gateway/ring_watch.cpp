@@ -42,7 +42,7 @@ std::optional<RingWatch::Ring> RingWatch::ring(ChannelId channel, TimePoint now)
 ano::FrameView RingWatch::ask(ChannelId channel, TimePoint now) noexcept {
     Facts& f = of(channel);
     if (f.asked_at != never && !rings_.contains(channel) && now - f.asked_at >= patience && now - f.asked_at < holds)
-        f.clear_until = now + holds;    // the one before was not answered
+        f.clear_until = now + holds;    // the previous probe did not come back
     if (now >= f.clear_until) last_asked_at_ = now;
     if (f.asked_at == never || now - f.asked_at >= holds) f.first_asked_at = now;
     f.asked_at = now;
@@ -136,7 +136,7 @@ void RingWatch::answered(ChannelId out, std::uint32_t question, ChannelId back, 
 void RingWatch::roll(Facts& f, TimePoint now) noexcept {
     const Duration age = now - f.period;
     if (age < ripe) return;
-    const bool ripened = age >= 2 * ripe;    // what was spread in this period as well
+    const bool ripened = age >= 2 * ripe;    // then the frames spread in this period count as well
     weigh(f, f.spread_before, f.back_before, now);
     if (ripened) weigh(f, f.spread, f.back, now);
     const std::uint32_t in_vain = f.told_before + (ripened ? f.told : 0);

@@ -105,7 +105,7 @@ void Router::went_down(ChannelId channel) {
     if (claims_.next()) settle();
 }
 
-// Whose holder has no channel that is up is not asked for long.
+// Ends the tests of addresses whose holder has no channel that is up: the claimant gets the address.
 void Router::settle() {
     for (unsigned a = 0; a < known_.size(); ++a) {
         const auto address = static_cast<std::uint8_t>(a);
@@ -115,7 +115,7 @@ void Router::settle() {
     }
 }
 
-// Who was silent or had no wire is believed when it speaks again: else who took its place meanwhile would keep it.
+// The first home is remembered: when the device speaks there again, it gets the address back from the one that took it meanwhile.
 void Router::move(std::uint8_t source, ChannelId to) {
     ChannelSet& first = first_[source];
     if (was_first(source, to)) first.clear();
@@ -149,14 +149,15 @@ Route Router::find(LinkId from, std::uint8_t destination, TimePoint now) {
     return route;
 }
 
-// Hosts may be on several sides of a ring, and are never forgotten: each gateway may know them by another way.
+// A frame to a host is guarded too: hosts may be on several sides of a ring and are never forgotten, so each gateway may know them
+// by another way.
 void Router::guard(Route& route, std::uint8_t destination) const noexcept {
     const bool spread = route.via == Via::broadcast || route.via == Via::unknown || route.channels.has_several() ||
                         (address::is_host(destination) && open_ > 2);
     route.guarded = spread ? route.guarded | route.channels : ChannelSet{};
 }
 
-// Who gets it, wherever it came from.
+// Decides who gets the frame, without regard to where it came from.
 void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
     if (destination == address::broadcast) {
         route.via = Via::broadcast;
@@ -177,13 +178,13 @@ void Router::decide(Route& route, std::uint8_t destination, TimePoint now) {
         route.via = Via::learned;
         route.channels = heard;
         route.host_is_down = address::is_host(destination) && is_cut_off(heard);
-        if (route.host_is_down) add_unknown(route);    // it may be elsewhere now, and listen
+        if (route.host_is_down) add_unknown(route);    // the host may listen elsewhere now
     } else {
         add_unknown(route);
     }
 }
 
-// Where those go that were never heard, beside where it goes already.
+// Adds to the route the channels for frames to addresses that were never heard.
 void Router::add_unknown(Route& route) const {
     if (unknown_ == Unknown::drop) return;
     route.via = Via::unknown;
@@ -265,7 +266,8 @@ void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
     heard_link = std::max(heard_link, at);
 }
 
-// Where it was first, or nobody else is. Who spoke elsewhere just now took its place, and is a conflict.
+// The source speaks again where it was first, or where no other channel is up. If another channel brought it just now, that is a
+// conflict.
 void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
     std::optional<ChannelId> other;
     for (const ChannelId channel : known_[source] - down_)
@@ -303,13 +305,13 @@ bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
     return !leads_to(known, channel);
 }
 
-// What is pinned asks nobody.
+// A claim of a pinned address is refused without a question.
 void Router::claim(std::uint8_t source, ChannelId from, TimePoint now) {
     if (!claims_.is_under_way(source) || claims_.claimant(source) == from) heard(source, from) = now;
     const bool begins = claims_.begin(source, from, now);
     if (begins && !pinned_[source].empty()) return refuse(source, now);
     Conflict& c = conflicts_[source];
-    if (!begins && c.count > 0 && now - c.last < forget_after_) c.last = now;    // it goes on
+    if (!begins && c.count > 0 && now - c.last < forget_after_) c.last = now;    // the conflict continues
 }
 
 void Router::refuse(std::uint8_t source, TimePoint now) {
@@ -348,7 +350,7 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, std::optional<Cha
     ++c.count;
 }
 
-// Where frames to `a` go by what was heard: every channel that heard it lately, else every one that has not forgotten.
+// The channels for frames to `a`: every channel that heard it lately, else every one that has not forgotten it.
 ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
     const ChannelSet known = known_[a];
     if (address::is_host(a)) return known;
@@ -361,13 +363,13 @@ ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
     return lately.empty() ? remembered : lately;
 }
 
-// Links of one group are one place; else each channel is, for anybody may be another peer of a link.
+// Links of one group are one place; otherwise each channel is a place of its own, since peers of a link are independent.
 bool Router::leads_to(ChannelSet known, ChannelId channel) const noexcept {
     const std::uint8_t group = links_[index(link_of_[index(channel)])].group;
     return group != 0 && !(links_of(known) & groups_[group]).empty();
 }
 
-// No wire is there that leads to any of these places.
+// Whether no connected wire leads to any of these places.
 bool Router::is_cut_off(ChannelSet known) const noexcept {
     if (!are_all_down(known)) return false;
     for (const LinkId link : links_of(known))
@@ -393,7 +395,7 @@ void Router::to_links(Route& route, LinkSet links) const {
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
 }
 
-// The other links of its group.
+// The other links of the group of `link`.
 LinkSet Router::mates(LinkId link) const noexcept { return groups_[links_[index(link)].group] - link; }
 
 // A frame leaves a group by one link, and never the group it came from but by the link itself (to its other peers). A

@@ -43,12 +43,12 @@ std::optional<ano::FrameView> InnerFrames::next() noexcept {
 void TunnelWriter::begin(std::uint8_t id, std::uint8_t source, std::uint8_t destination, std::size_t max_data) noexcept {
     ano::write_header({buffer_.get(), ano::header_size}, source, destination, id, 0);
     end_ = inner_at();
-    most_ = ano::header_size + std::min(max_data, ano::max_len);
+    max_end_ = ano::header_size + std::min(max_data, ano::max_len);
 }
 
 bool TunnelWriter::add(ano::FrameView inner) noexcept {
     const auto bytes = inner.bytes();
-    if (end_ > most_ || bytes.size() > most_ - end_) return false;
+    if (end_ > max_end_ || bytes.size() > max_end_ - end_) return false;
     std::memcpy(buffer_.get() + end_, bytes.data(), bytes.size());
     end_ += bytes.size();
     return true;

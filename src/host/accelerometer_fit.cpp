@@ -13,13 +13,13 @@ constexpr Vector direction(std::size_t face) noexcept {
     return d;
 }
 
-// What is written for people: 3.2.
+// Text for people: "3.2".
 std::string with_one_decimal(double number) {
     const auto tenths = static_cast<long long>(std::llround(number * 10));
     return std::to_string(tenths / 10) + '.' + std::to_string(std::abs(tenths) % 10);
 }
 
-// Out of these bounds it is not a misaligned sensor, but a mistake of the one who turned it.
+// Values outside these bounds are not due to a misaligned sensor but to a mistake in turning the device.
 bool is_plausible(const AccelerometerCalibration& c) noexcept {
     for (std::size_t i = 0; i < 3; ++i) {
         if (!(std::abs(c.offset[i]) < SixFaces::gravity / 2 && c.sensitivity[i] > 0.5 && c.sensitivity[i] < 2)) return false;
@@ -106,8 +106,8 @@ Vector SixFaces::Gathered::mean(std::size_t half) const noexcept {
     return {sum[half][0] / n, sum[half][1] / n, sum[half][2] / n};
 }
 
-// Each axis of what is wanted is linear in the raw vector and a constant: M · raw + c, where M = E · diag(S) and c = −M · O. The
-// diagonal of E is 1.
+// Each axis of the corrected vector is linear in the raw vector: M · raw + c, where M = E · diag(S) and c = −M · O. The diagonal of
+// E is 1.
 std::optional<AccelerometerCalibration> SixFaces::solve() const noexcept {
     std::array<Vector, 3> m{};
     Vector c{};

@@ -13,7 +13,7 @@ bool writes(FrameView frame) noexcept {
 
 }    // namespace
 
-// To a host, the same frames are answers.
+// Frames with the same ids to a host are answers, not writes.
 void AirGuard::hear(FrameView frame, TimePoint now) noexcept {
     if (const auto mode = as<"mode">(frame)) devices_[frame.source()].in_the_air = mode->get<"sflag">() != locked;
     if (!writes(frame) || address::is_host(frame.destination())) return;

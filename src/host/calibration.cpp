@@ -96,7 +96,7 @@ void Calibration::read_old(TimePoint now) {
     step_ = Step::keep;
 }
 
-// One behind the other, each an f32.
+// Whether the parameters have consecutive ids and each is an f32.
 bool Calibration::order_is_right() const {
     std::optional<std::size_t> next;
     for (const std::string& name : calibration_names(sensor_)) {

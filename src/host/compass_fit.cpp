@@ -8,7 +8,7 @@
 namespace ano::host {
 namespace {
 
-// What is written for people: 3.2 %.
+// Text for people: "3.2 %".
 std::string percent(double share) {
     const auto tenths = static_cast<long long>(std::llround(share * 1000));
     return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " %";
@@ -50,14 +50,14 @@ std::size_t CompassSphere::cell_of(const Vector& v) noexcept {
 
 void CompassSphere::take(const Vector& raw) {
     bool moved = samples_.empty();
-    if (moved) least_ = most_ = raw;
+    if (moved) min_ = max_ = raw;
     for (std::size_t i = 0; i < 3; ++i) {
-        moved = moved || raw[i] < least_[i] || raw[i] > most_[i];
-        least_[i] = std::min(least_[i], raw[i]);
-        most_[i] = std::max(most_[i], raw[i]);
+        moved = moved || raw[i] < min_[i] || raw[i] > max_[i];
+        min_[i] = std::min(min_[i], raw[i]);
+        max_[i] = std::max(max_[i], raw[i]);
     }
     if (moved) {
-        for (std::size_t i = 0; i < 3; ++i) centre_[i] = (least_[i] + most_[i]) / 2;
+        for (std::size_t i = 0; i < 3; ++i) centre_[i] = (min_[i] + max_[i]) / 2;
         cover_again();
     }
     const std::size_t cell = cell_of({raw[0] - centre_[0], raw[1] - centre_[1], raw[2] - centre_[2]});
@@ -80,7 +80,7 @@ void CompassSphere::cover_again() {
 
 // A x² + B y² + C z² + D x + E y + F z = 1 about the centre, in units of the half width, so that all unknowns are of one size.
 std::optional<CompassCalibration> CompassSphere::solve() const noexcept {
-    const double unit = std::max({most_[0] - least_[0], most_[1] - least_[1], most_[2] - least_[2]}) / 2;
+    const double unit = std::max({max_[0] - min_[0], max_[1] - min_[1], max_[2] - min_[2]}) / 2;
     if (!(unit > 0)) return std::nullopt;
     LeastSquares<6> squares;
     for (std::size_t i = 0; i < samples_.size(); i += 2) {

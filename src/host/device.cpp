@@ -50,7 +50,7 @@ Taken Device::take(FrameView frame, TimePoint now) {
     return Taken::ended;
 }
 
-// What it says of itself counts, whoever asked for it.
+// Device info and parameter count are taken from every frame, whichever host asked for it.
 void Device::hear(FrameView frame, TimePoint now) {
     const auto forget_it = [&] {
         info_.reset();
@@ -83,7 +83,7 @@ void Device::remember(const Exchange& exchange, bool answered) noexcept {
     next_past_ = (next_past_ + 1) % past_.size();
 }
 
-// Out of the list before it is told: the asker may ask again at once.
+// The exchange is taken off the list before the asker is called, since that may ask again at once.
 void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now) {
     Exchanges over;
     over.splice(over.end(), from, which);
@@ -123,7 +123,7 @@ const Exchange* Device::lost() const noexcept {
     return found == sent_.end() ? nullptr : &*found;
 }
 
-// What was lost goes first.
+// Lost requests are sent first.
 const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     if (on_their_way() >= window_.size()) return nullptr;
     if (const Exchange* again = lost()) return again;
@@ -134,7 +134,7 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
     return fresh == waiting_.end() ? nullptr : &*fresh;
 }
 
-// Nothing: not before one that was sent has ended.
+// std::nullopt: not before a request that was sent has ended.
 std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const noexcept {
     const bool is_blocked = std::any_of(sent_.begin(), sent_.end(), [&](const Exchange& e) {
         return e.expects() == exchange.expects() || (e.expects().is_alone() && exchange.expects().is_alone());

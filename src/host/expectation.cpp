@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t how_many_waypoints = 0xFF;
 
-// As a host sends it: what is acknowledged as a write is one.
+// Frames of a host only: a message that is acknowledged "as a write" is a write then.
 bool is_acknowledged(FrameView request) noexcept {
     const Message* row = select_layout(layouts_of(request.id()), request.data());
     return row != nullptr && row->acknowledged != Acknowledged::no;

@@ -58,7 +58,7 @@ void Gather::question_ended(const Ended& ended, TimePoint now) {
     ask(request, now);
 }
 
-// It does not count against those that are on their way that somebody else's silence ends them.
+// Questions on their way end because another one got no answer: this does not count as one of their rounds.
 void Gather::take_back() {
     device().forget(*this);
     for (std::uint32_t i = 0; i < next_; ++i) {
@@ -70,7 +70,7 @@ void Gather::take_back() {
     asked_ = 0;
 }
 
-// The device has become smaller than what is gathered: no more is asked.
+// The device has fewer items now than are being read: no more questions are asked.
 void Gather::stop_at(std::uint32_t i) {
     missing_.push_back(i);
     again_.clear();

@@ -3,7 +3,7 @@
 namespace ano::host {
 namespace {
 
-// The device is there and did not take this one: others it may take.
+// The device answers and did not accept this value: it may accept others.
 bool is_refusal(const ParameterWrite& write) {
     const Ending ending = write.end()->ending;
     return ending == Ending::refused || ending == Ending::invalid || ending == Ending::unsupported ||
@@ -34,7 +34,7 @@ void ParameterApply::described(TimePoint now) {
     next(now);
 }
 
-// Why it can't be written, as far as that is known before; empty: it can.
+// Why the row can't be written, as far as is known before writing; empty: it can.
 std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     if (found.several) return "several parameters are called " + row.name;
     if (found.parameter == nullptr) return "no parameter is called " + row.name;
@@ -48,7 +48,7 @@ std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     return misfit.empty() ? misfit : row.name + ": " + words_of(row.wanted) + ' ' + misfit;
 }
 
-// Which of them differ, and whether all of them can be written.
+// Finds out which rows differ, and whether all rows can be written.
 bool ParameterApply::check(TimePoint now) {
     infos_.clear();
     bool all_can = true;
@@ -71,7 +71,7 @@ bool ParameterApply::check(TimePoint now) {
     return false;
 }
 
-// Of one that failed what is wrong with it, of several their names: each has its own words.
+// For one failed row its reason, for several their names: each row has its reason in `what`.
 End ParameterApply::failure(const char* deed) const {
     constexpr std::size_t max_names = 5;
     std::size_t number = 0;
@@ -129,7 +129,7 @@ void ParameterApply::fail(const End& end, TimePoint now) {
     undo_next(now);
 }
 
-// Backwards: parameters may depend on those before them.
+// In reverse order, since parameters may depend on those before them.
 void ParameterApply::undo_next(TimePoint now) {
     if (touched_.empty()) return finish(*why_, now);
     at_ = touched_.back();
@@ -143,7 +143,7 @@ void ParameterApply::undone(TimePoint now) {
     if (const auto stored = write_->stored()) rows_[at_].stored = stored;
     rows_[at_].state = back ? State::undone : State::not_undone;
     if (!back) why_->what += "; " + rows_[at_].name + " could not be undone";
-    if (!write_->before())    // it does not even answer questions: nor can the others be
+    if (!write_->before())    // the device does not answer questions either, so the others can't be undone
         for (; !touched_.empty(); touched_.pop_back()) rows_[touched_.back()].state = State::not_undone;
     undo_next(now);
 }

@@ -38,7 +38,7 @@ void ParameterWrite::start(TimePoint now) {
     go_on(now);
 }
 
-// Asks what the step is; of a device that was silent for long first what else must be known.
+// Sends the request of the step; if the device was away, first those for its parameter count and the description.
 void ParameterWrite::go_on(TimePoint now) {
     const auto count = device().parameter_count();
     if (!count) return ask(question::parameter_count(ask_count), now);
@@ -72,7 +72,7 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     }
 }
 
-// Whether an acknowledgement that never came, or never fitted, was one is known by the device's value.
+// Without a fitting acknowledgement, the value that is read back shows whether the write was carried out.
 void ParameterWrite::written(const Ended& ended, TimePoint now) {
     if (ended.outcome != Outcome::answered) silence_ = ended.evidence;
     ask_value(read_back, now);
@@ -126,7 +126,7 @@ void ParameterWrite::compare(TimePoint now) {
     finish({Ending::done, info_.name + " is " + words_of(stored().value_or(value_)) + ": the device clamped it", {}}, now);
 }
 
-// Behind its type, or behind the NUL of a text, bytes mean nothing.
+// Bytes beyond the size of the type, or after the NUL of a text, have no meaning.
 bool ParameterWrite::same(const Wire& a, const Wire& b) const {
     if (*info_.type == Type::text) return decoded(a) == decoded(b);
     const auto n = static_cast<std::ptrdiff_t>(width(*info_.type));

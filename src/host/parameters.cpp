@@ -9,7 +9,7 @@
 namespace ano::host {
 namespace {
 
-// Shorter than its type, a value would be read with bytes that are not its own. A text may be empty.
+// A value that is shorter than its type is not usable. A text may be empty.
 bool is_usable(std::size_t size, std::optional<Type> type) noexcept {
     return !type || *type == Type::text || is_whole_value(size, type);
 }
@@ -41,7 +41,7 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     }
 }
 
-// The device may have been away between the two: then it is asked who it is once more.
+// The device may have been away since it sent its device info: then that is read again.
 void Parameters::counted(TimePoint now) {
     if (!device().info()) return start(now);
     count_ = device().parameter_count();
@@ -60,7 +60,7 @@ void Parameters::counted(TimePoint now) {
     gather(asks_ == Asks::both ? 2u * *count_ : *count_, now);
 }
 
-// Descriptions are there: which of them are wanted?
+// Called when the descriptions are there: selects the values to be read.
 void Parameters::ask_named(TimePoint now) {
     asks_ = Asks::named_values;
     named_.clear();
@@ -88,7 +88,7 @@ bool Parameters::took_description(std::uint16_t id, FrameView answer) {
     return true;
 }
 
-// Where the type is not known yet, is_usable() is asked again at the end.
+// If the type is not known yet, is_usable() is called again at the end.
 bool Parameters::took_value(std::uint16_t id, FrameView answer) {
     const auto said = as<"parameter_value">(answer);
     if (!said || !is_usable(said->get<"value">().size(), descriptions_[id].type)) return false;
@@ -107,7 +107,7 @@ void Parameters::gathered(TimePoint now) {
     ask(question::parameter_count(ask_count_again), now);
 }
 
-// What was read of a device that became another one meanwhile, or that the cache describes wrongly, is read again.
+// Everything is read again when the device became another one meanwhile, or when the cached descriptions are wrong.
 void Parameters::counted_again(TimePoint now) {
     const auto lacking = first_lacking();
     const bool changed = device().parameter_count() != count_ || !device().info() || device().presence() != presence_;

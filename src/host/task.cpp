@@ -11,8 +11,8 @@ std::string hex_of(std::uint8_t address) {
 
 bool Task::gives_up(TimePoint now) {
     if (!begun_at_) begun_at_ = now;
-    if (now - *begun_at_ <= longest()) return false;
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(longest()).count();
+    if (now - *begun_at_ <= max_duration()) return false;
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(max_duration()).count();
     std::string what = hex_of(device_.address()) + " answers too slowly: given up after " + std::to_string(seconds) + " s";
     finish({Ending::timeout, what.append(half_done()), {}}, now);
     return true;

@@ -8,7 +8,7 @@
 namespace ano::host {
 namespace {
 
-constexpr std::uint8_t all_of_them = 0xFF;    // asked for: how many there are
+constexpr std::uint8_t all_of_them = 0xFF;    // in a question: how many there are
 
 bool is_on_earth(const Waypoint& w) noexcept { return std::abs(w.lat) <= 90 && std::abs(w.lng) <= 180; }
 

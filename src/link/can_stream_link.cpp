@@ -13,7 +13,7 @@
 namespace anogate {
 
 struct CanStreamLink::Batch {
-    static constexpr std::size_t most = CanCutter::most;
+    static constexpr std::size_t most = CanCutter::max_pieces;
 
     int receive(int fd) noexcept {
         prepare(sizeof(canfd_frame));

@@ -56,7 +56,7 @@ void GatewayDevice::configure(const Settings& of_file, WrittenValues written) {
     make_device();
 }
 
-// What its listeners and those who wait for the disk were promised stays.
+// Listeners and saves that wait for the disk are kept.
 void GatewayDevice::make_device() {
     if (device_) former_ = former_ + device_->counters();
     device_.reset();
@@ -78,9 +78,9 @@ void GatewayDevice::add_parameters() {
         parameter.name = row.name;
         parameter.type = row.type;
         parameter.info = row.info;
-        parameter.min = value_of(row.type, row.least);
-        parameter.max = value_of(row.type, row.most);
-        parameter.initial = value_of(row.type, std::clamp(value_in(of_file_, row), row.least, row.most));
+        parameter.min = value_of(row.type, row.min);
+        parameter.max = value_of(row.type, row.max);
+        parameter.initial = value_of(row.type, std::clamp(value_in(of_file_, row), row.min, row.max));
         parameter.get = [this, i] { return value_of(rows_[i].type, written_.effective(rows_[i], of_file_).first); };
         parameter.set = [this, i](const Value& value) { return write(i, value); };
         device_->parameters().add(std::move(parameter));
@@ -135,19 +135,19 @@ void GatewayDevice::take(ano::FrameView frame, const Asker& asker, ano::TimePoin
     asker_ = nullptr;
 }
 
-// True: the device is to do it.
+// True: the frame is to be given to the device.
 bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
     if (frame.destination() != of_file_.gateway.id) return ++counters_.to_everybody, false;
     if (frame.source() == ano::address::unassigned || frame.source() == ano::address::broadcast ||
         frame.source() == of_file_.gateway.id)
-        return true;    // the device has a counter for these, and no answer
+        return true;    // the device counts these and does not answer
     if (!asker.may_manage)
         return refuse(&GatewayDeviceCounters::not_managed, "it came by " + asker.name + ", which has no manage=yes"), false;
     const auto action = ano::as<"parameter_command", "action">(frame);
     return !(action && action->get<"val">() == action_save && begin_save(frame));
 }
 
-// Acknowledged when it is on the disk.
+// The acknowledgement is sent when the values are on the disk.
 bool GatewayDevice::begin_save(ano::FrameView frame) {
     const std::string why = saves_.size() < max_saves ? deeds_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
@@ -191,7 +191,8 @@ bool GatewayDevice::change(WrittenValues written) {
     return true;
 }
 
-// Neither may one whose link somebody else has closed a moment ago close another: two could close each other's, and nobody would be left.
+// Whether the asker would lose its own link. An asker whose link was just closed by another may not close any link either: otherwise
+// two could close each other's link, and no link would be left.
 bool GatewayDevice::locks_out(const WrittenValues& written) const {
     if (!asker_) return false;
     const Settings before = written_.applied(of_file_), after = written.applied(of_file_);
@@ -209,7 +210,7 @@ bool GatewayDevice::done(const std::string& refusal, std::string_view what) {
     return refusal.empty();
 }
 
-// In words: the protocol has no negative answer.
+// The reason is sent as a line of the log, since the protocol has no negative answer.
 void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const std::string& why) {
     ++(counters_.*cause);
     if (asker_ && asker_->is_ourselves) deeds_.refuse_ourselves(why);
@@ -227,7 +228,7 @@ void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const st
         device_->send(told, asker_address_, asker_->link);
 }
 
-// To who asked; from the control interface, to all hosts.
+// Summaries go to the asker; if that is the control interface, to all hosts.
 bool GatewayDevice::summarise(std::uint8_t flexible) {
     if (flexible > last_flexible - first_flexible + 1) return done("a flexible frame has a number from 1 to 10", "SUMMARY");
     const Link link = asker_->is_ourselves ? ano::device::every_link : asker_->link;
@@ -289,7 +290,7 @@ void GatewayDevice::run(ano::TimePoint now) {
     if (!device_) return;
     if (lines_left_out_ > 0 && now >= lines_until_) tell_left_out();
     if (!summary_due_ || now < *summary_due_) return;
-    summary_due_ = std::max(*summary_due_ + between_summaries, now);    // none is made up for
+    summary_due_ = std::max(*summary_due_ + between_summaries, now);    // missed summaries are not sent later
     send_summaries();
 }
 

@@ -38,7 +38,7 @@ std::string words_of_memory(const Settings& s, const LinkSettings& link) {
     return std::to_string(static_cast<std::int64_t>(memory_of(s, link))) + "ms";
 }
 
-// The link, if any, is that of the file.
+// The link of Unknown::link is the one in the file.
 double unknown_of(const Settings& s, const LinkSettings&) { return static_cast<double>(s.gateway.unknown); }
 void put_unknown_choice(Settings& s, LinkSettings&, double value) {
     s.gateway.unknown = static_cast<Unknown>(static_cast<std::uint8_t>(value));
@@ -55,7 +55,7 @@ std::string words_of_enabled(const Settings&, const LinkSettings& link) { return
 
 bool is_telemetry(std::uint8_t id) { return ano::traffic_class_of(id) == ano::TrafficClass::telemetry; }
 
-// 0: what the file says, message by message. Above it, no message of telemetry has more.
+// 0: the limits of the file for each message apply. Above 0: the maximum for every message of telemetry.
 double no_limit_of_its_own(const Settings&, const LinkSettings&) { return 0; }
 void put_limit(Settings&, LinkSettings& link, double value) {
     if (value <= 0) return;
@@ -77,7 +77,7 @@ std::string words_of_limit(const Settings&, const LinkSettings& link) {
     return words;
 }
 
-/// At most 20 bytes, whole letters, and unlike all in `taken`.
+/// A name of at most 20 bytes, without a cut letter, that is not in `taken`.
 std::string short_name(const std::string& beginning, const std::string& link, std::set<std::string>& taken) {
     std::string name = cut_text(beginning + link, max_name);
     for (int n = 2; !taken.insert(name).second; ++n) {
@@ -93,7 +93,7 @@ const LinkSettings* link_of(const Settings& settings, const std::string& name) {
     return found == settings.links.end() ? nullptr : &*found;
 }
 
-/// Nothing: there is no such link.
+/// std::nullopt: there is no such link.
 std::optional<std::string> words_in(const Settings& settings, const ManagedParameter& row) {
     const LinkSettings none;
     if (row.link.empty()) return row.words(settings, none);
@@ -185,12 +185,12 @@ void WrittenValues::write(const ManagedParameter& row, double value, const Setti
     else values_[row.key] = {value, *words};
 }
 
-// What stands in a file may be anything.
+// The values of a file are checked, since they may be anything.
 std::optional<double> WrittenValues::value(const ManagedParameter& row, const Settings& of_file) const {
     const auto found = values_.find(row.key);
     if (found == values_.end() || words_in(of_file, row) != found->second.file) return std::nullopt;
     const double value = found->second.value;
-    if (!(value >= row.least && value <= row.most)) return std::nullopt;
+    if (!(value >= row.min && value <= row.max)) return std::nullopt;
     return row.type == Type::f32 ? value : std::floor(value);
 }
 

@@ -1,5 +1,5 @@
-// What of the configuration is a parameter of the gateway as a device, and the values that were written: they hold behind the
-// configuration, until the file says something else.
+// The settings that are parameters of the gateway as a device, and the values that hosts wrote: they take precedence over the
+// configuration file until it is changed there.
 //
 // Flow:    const auto rows = managed_parameters(of_file);
 //          written.write(rows[3], 1, of_file);
@@ -16,56 +16,56 @@
 
 namespace anogate {
 
-/// One row of 0xE2. Every value is a number that a double has exactly.
+/// One row of 0xE2. Every value is a number that a double represents exactly.
 struct ManagedParameter {
-    std::string key;     // where it stands in the configuration: "log/level", "links/fc/enabled"
-    std::string name;    // as hosts read it: 1 to 20 bytes, unlike all others
-    std::string info;    // what it is, with its unit
+    std::string key;     // its place in the configuration: "log/level", "links/fc/enabled"
+    std::string name;    // as hosts read it: 1 to 20 bytes, unique
+    std::string info;    // description with the unit, for people
     ano::Type type{};
-    double least = 0, most = 0;
-    std::string link{};    // whose it is; empty: the gateway's
+    double min = 0, max = 0;
+    std::string link{};    // the link that it belongs to; empty: the gateway
     double (*get)(const Settings& settings, const LinkSettings& link) = nullptr;
     void (*put)(Settings& settings, LinkSettings& link, double value) = nullptr;
-    /// What a change in the file is noticed by.
+    /// The setting as text; if it differs, the file was changed.
     std::string (*words)(const Settings& settings, const LinkSettings& link) = nullptr;
 
     bool operator==(const ManagedParameter&) const = default;
 };
 
-/// Whether it has an id that a device may have: not that of hosts.
+/// Whether the gateway has an id that a device may have, which is not that of hosts.
 bool is_device(const GatewaySettings& gateway) noexcept;
 
-/// The beginning of `text` in at most so many bytes, without half a letter.
+/// The beginning of `text`, at most `max_bytes`, without cutting a letter.
 std::string cut_text(const std::string& text, std::size_t max_bytes);
 
-/// Those of the gateway, then those of each link in its order. An id of a parameter is its place here.
+/// The parameters of the gateway, then those of each link in order. The id of a parameter is its index.
 std::vector<ManagedParameter> managed_parameters(const Settings& of_file);
 
-/// What the file says; 0 where there is no such link.
+/// The value in `settings`; 0 when there is no such link.
 double value_in(const Settings& settings, const ManagedParameter& row);
 
-/// Where a value comes from. A file that says the default is not told from one that says nothing.
+/// Where a value comes from. A default value that is written in the file counts as `defaults`.
 enum class ValueFrom : std::uint8_t { defaults, file, parameter };
 std::string_view text(ValueFrom from) noexcept;
 
-/// Values that hosts wrote, each with what the file said then.
+/// Values that hosts wrote, each with the value in the file at that time.
 class WrittenValues {
 public:
-    /// What the file says anyway is not kept.
+    /// A value that is the same as in the file is not stored.
     void write(const ManagedParameter& row, double value, const Settings& of_file);
-    /// Nothing: the file's holds, since none was written or the file was changed since.
+    /// std::nullopt: the value of the file applies, since none was written or the file was changed since.
     std::optional<double> value(const ManagedParameter& row, const Settings& of_file) const;
-    /// The one that holds, and whose it is.
+    /// The value that applies, and where it comes from.
     std::pair<double, ValueFrom> effective(const ManagedParameter& row, const Settings& of_file) const;
-    /// The configuration with what was written. Without an id the gateway is no device, and nothing was.
+    /// The configuration with the written values. Without an id the gateway is no device, and no values apply.
     Settings applied(Settings of_file) const;
-    /// Those whose value in the file was changed since, or whose link is gone, count no more. Their keys.
+    /// Drops the values whose value in the file was changed since, or whose link is gone. Returns their keys.
     std::vector<std::string> forget_stale(const Settings& of_file);
     bool empty() const noexcept { return values_.empty(); }
 
     /// As JSON, for a file.
     std::string text() const;
-    /// Nothing: it is no such text.
+    /// std::nullopt: `text` was not made by text().
     static std::optional<WrittenValues> parse(std::string_view text);
 
     bool operator==(const WrittenValues&) const = default;
@@ -73,7 +73,7 @@ public:
 private:
     struct Written {
         double value = 0;
-        std::string file;    // ManagedParameter::words() then
+        std::string file;    // ManagedParameter::words() when it was written
         bool operator==(const Written&) const = default;
     };
     std::map<std::string, Written> values_;    // by key

@@ -1,4 +1,4 @@
-// Three cells that sink while they are used.
+// A battery of three cells whose voltage sinks while they are used.
 #pragma once
 #include <algorithm>
 
@@ -9,7 +9,7 @@ public:
     static constexpr double full = 12.6, empty = 10.8;    // V, without load
     static constexpr double hover = 14;                   // A
 
-    /// `load`: of what a hover needs. With that of a hover it is empty after `flight_time` seconds.
+    /// `load` is a multiple of the load of a hover, with which the battery is empty after `flight_time` seconds.
     void step(double dt, double load, double flight_time) noexcept {
         current_ = 0.4 + hover * load;
         charge_ = std::max(charge_ - dt * load / flight_time, 0.0);

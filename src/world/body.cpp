@@ -31,7 +31,7 @@ void Body::step(double dt, const Motors& wanted, Vector wind) noexcept {
     if (on_ground_) touch_ground(stood ? before : position_);
 }
 
-// It lands on its feet, and stays there.
+// The vehicle lands upright, and stays there.
 void Body::touch_ground(Vector where) noexcept {
     position_ = {where.x, where.y, 0};
     velocity_ = rates_ = {};
@@ -43,7 +43,7 @@ void Body::hold(Attitude attitude, double dt) noexcept {
     const Attitude back = attitude_.inverse();
     const Vector there{attitude.x, attitude.y, attitude.z}, from{back.x, back.y, back.z};
     const double w = back.w * attitude.w - (from.x * there.x + from.y * there.y + from.z * there.z);
-    const Vector v = back.w * there + attitude.w * from + cross(from, there);    // the turn between both
+    const Vector v = back.w * there + attitude.w * from + cross(from, there);    // the rotation between the two attitudes
     rates_ = (w < 0 ? -2 : 2) / dt * v;
     attitude_ = attitude;
     felt_ = attitude_.inverse().turn({0, 0, gravity});

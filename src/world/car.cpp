@@ -95,7 +95,7 @@ void Car::heard(FrameView frame) {
     }
 }
 
-// Who steers it has it; then where it was told to go; else it stops.
+// Sticks and 0x41 have priority, then the target of a command; otherwise it stops.
 Car::Aim Car::aim() noexcept {
     if (is_locked_ || battery_.charge() <= 0) return {};
     if (steered_age_ < input_lasts) {
@@ -120,8 +120,8 @@ void Car::advance() {
     steered_age_ += dt;
     held_ = hand_.holds() ? hand_.next(dt) : Attitude{};
     const Aim wanted = aim();
-    const double top = top_speed_ / 100.0, most = acceleration_ / 100.0, turn = turn_ * degree;
-    gain_ = std::clamp((std::clamp(wanted.speed, -top, top) - speed_) / dt, -most, most);
+    const double top = top_speed_ / 100.0, max_gain = acceleration_ / 100.0, turn = turn_ * degree;
+    gain_ = std::clamp((std::clamp(wanted.speed, -top, top) - speed_) / dt, -max_gain, max_gain);
     speed_ += dt * gain_;
     yaw_rate_ = std::clamp(wanted.yaw_rate, -turn, turn);
     yaw_ = wrapped(yaw_ + dt * yaw_rate_);

@@ -15,7 +15,7 @@ void FaultyLine::take(FrameView frame, TimePoint now, const Send& send) {
     run(now, send);
 }
 
-// In the order of time, however late it is called.
+// Frames are handled in the order of time, however late run() is called.
 void FaultyLine::run(TimePoint now, const Send& send) {
     device_->notice_pause(now);
     for (;;) {
@@ -37,7 +37,7 @@ TimePoint FaultyLine::due() const noexcept {
     return passing_.empty() ? said : std::min(said, passing_.begin()->first);
 }
 
-// For each frame the same number of choices, so that what becomes of one does not change the next one's.
+// For each frame the same number of random numbers is drawn, so that faults of one frame do not change those of the next.
 void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
     const auto happens = [&](unsigned percent) { return chance.share() * 100 < percent; };
     const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
@@ -77,7 +77,7 @@ void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
     passing_.emplace(busy_until_, Passing{Way::to_slow_device, passing.bytes});
 }
 
-// A damaged frame is none.
+// The device gets no damaged frames.
 void FaultyLine::hear(Bytes bytes, TimePoint at) {
     const bool is_deaf = faults_.deaf_after && at - start_ >= *faults_.deaf_after;
     counters_.unheard += is_deaf;

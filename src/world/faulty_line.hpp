@@ -1,5 +1,5 @@
-// A bad day on demand: what is lost, late, doubled or damaged between a simulated device and who talks to it, and a device that is
-// slow or deaf. The same seed, the same faults.
+// Simulates faults: frames that are lost, late, doubled or damaged between a simulated device and its peers, and a device that is slow
+// or deaf. The same seed gives the same faults.
 #pragma once
 #include "noise.hpp"
 #include "simulated_device.hpp"
@@ -17,15 +17,15 @@
 
 namespace ano::world {
 
-/// Of each frame, both ways; the last two of what the device hears alone.
+/// For each frame in both directions; the last two apply only to frames to the device.
 struct Faults {
     unsigned loss = 0;         // %
     unsigned duplicate = 0;    // %
-    unsigned corrupt = 0;      // %, of which one bit is another one
+    unsigned corrupt = 0;      // %, with one wrong bit
     Duration delay{};
-    Duration jitter{};                       // up to so much more, so that one may overtake another
-    std::optional<Duration> deaf_after{};    // since the start: from then on it hears nothing
-    Duration slow{};                         // it takes so long over each frame; further ones wait, 20 of them
+    Duration jitter{};                       // maximum of a random additional delay, so that frames may overtake each other
+    std::optional<Duration> deaf_after{};    // since the start: from then on it receives nothing
+    Duration slow{};                         // time that it needs for each frame; up to 20 further ones wait
 
     bool is_none() const noexcept {
         return !(loss || duplicate || corrupt || delay.count() || jitter.count() || deaf_after || slow.count());
@@ -34,13 +34,13 @@ struct Faults {
 
 struct FaultCounters {
     std::uint64_t lost = 0, doubled = 0, damaged = 0;
-    std::uint64_t unheard = 0;    // for `deaf_after`, or because too many waited for a slow device
+    std::uint64_t unheard = 0;    // lost because of `deaf_after`, or because too many waited for a slow device
 };
 
-/// A simulated device behind such a line. As the device: the same bytes, however often run() is called.
+/// A simulated device behind such a line. Like the device, it sends the same bytes however often run() is called.
 class FaultyLine {
 public:
-    /// Bytes that arrive, a frame as a rule: damaged ones are none. And when.
+    /// Gets bytes that arrive, and the time. They are a frame, unless they are damaged.
     using Send = std::function<void(Bytes, TimePoint)>;
     static constexpr std::size_t max_waiting = 20;        // as devices in the field queue
     static constexpr std::size_t max_passing = 20'000;    // frames under way; further ones are lost
@@ -68,7 +68,7 @@ private:
 
     std::unique_ptr<SimulatedDevice> device_;
     Faults faults_;
-    Noise there_, back_;    // of each way, so that one does not depend on the other
+    Noise there_, back_;    // one for each direction, so that they are independent
     TimePoint start_;
     std::multimap<TimePoint, Passing> passing_;
     TimePoint busy_until_{};

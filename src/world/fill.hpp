@@ -1,4 +1,4 @@
-// What a simulated device says is as much as its message can carry.
+// Fills in the fields of messages of simulated devices, limited to what the wire can carry.
 #pragma once
 #include <ano/typed.hpp>
 #include <ano/wire.hpp>
@@ -17,7 +17,7 @@ consteval const Field& field_of() {
     return Draft::message().fields().front();
 }
 
-/// The nearest number that the field can carry; 0 for what is none.
+/// The nearest number that the field can carry; 0 for NaN.
 template <Name F, class Draft>
 void fill(Draft& draft, double value) noexcept {
     constexpr const Field& field = field_of<Draft, F>();

@@ -10,7 +10,7 @@ constexpr double near = 0.15;    // m
 constexpr Motors idle{0.05, 0.05, 0.05, 0.05};
 
 bool is_within_reach(Vector there) noexcept {
-    return std::hypot(there.x, there.y) <= Flight::furthest && there.z >= Flight::lowest && there.z <= Flight::highest;
+    return std::hypot(there.x, there.y) <= Flight::max_distance && there.z >= Flight::min_height && there.z <= Flight::max_height;
 }
 
 }    // namespace
@@ -46,7 +46,7 @@ bool Flight::begin(Task task) {
 }
 
 bool Flight::take_off(double height) {
-    if (height < lowest || height > highest || !unlock()) return false;
+    if (height < min_height || height > max_height || !unlock()) return false;
     if (body_.on_ground()) pilot_.reset(body_);
     place_ = body_.position();
     place_.z = height;
@@ -92,7 +92,7 @@ bool Flight::fly(std::vector<RoutePoint> route) {
     return true;
 }
 
-// Whoever moves the sticks has it.
+// Moving the sticks takes over control.
 void Flight::hear(const Sticks& sticks) noexcept {
     sticks_ = sticks;
     sticks_age_ = 0;
@@ -172,7 +172,8 @@ Motors Flight::by_task(double dt) {
     return pilot_.go(body_, place_, speed, settings_.gains, dt);
 }
 
-// Whether it looks where it is to look. Beside the point the direction to it says nothing: there it keeps its own.
+// Whether the vehicle faces in the wanted direction. Close to the point, the direction to it is not defined: there the vehicle keeps
+// its own.
 bool Flight::faces(const RoutePoint& point, double dt) noexcept {
     constexpr double beside = 1;    // m
     const Vector way = place_ - body_.position();
@@ -195,7 +196,7 @@ Motors Flight::on_route(double dt) {
     return motors;
 }
 
-// In a hover: what the sticks and 0x41 say, as far as the mode lets them.
+// While hovering: follows the sticks and 0x41, as far as the mode allows.
 Motors Flight::by_hand(double dt) {
     constexpr double stick_rate = 60 * degree, stick_climb = 2;
     const bool moved = has_sticks() && !sticks_.centred();

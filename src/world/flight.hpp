@@ -1,4 +1,4 @@
-// How the simulated flight controller flies: what it was told, and what it does about it. Metres, seconds, radians.
+// How the simulated flight controller flies: its tasks, and how it carries them out. Metres, seconds, radians.
 #pragma once
 #include "battery.hpp"
 #include "body.hpp"
@@ -15,10 +15,10 @@
 
 namespace ano::world {
 
-/// What hosts set of it. See the information of the parameters.
+/// What hosts can set. See the `info` of the parameters.
 struct FlightSettings {
     std::uint8_t mode = 2;
-    std::int8_t turn = 0;          // °/s, in a hover
+    std::int8_t turn = 0;          // °/s, while it hovers
     std::uint16_t height = 120;    // cm
     std::uint16_t speed = 300;     // cm/s
     std::uint32_t flight_time = 900;
@@ -28,7 +28,7 @@ struct FlightSettings {
     Gains gains;
 };
 
-/// 0x40: -1 to 1 each, the throttle 0 to 1.
+/// The sticks of 0x40: -1 to 1 each, the throttle 0 to 1.
 struct Sticks {
     double roll = 0, pitch = 0, throttle = 0, yaw = 0;
     bool centred() const noexcept;
@@ -44,9 +44,9 @@ struct Steering {
 /// One point of a route.
 struct RoutePoint {
     Vector there;                   // from home
-    double speed = 0;               // m/s; 0: as set
-    std::optional<double> yaw{};    // to the left of north; none: towards the point
-    double stay = 0;                // s, once it is there
+    double speed = 0;               // m/s; 0: FlightSettings::speed
+    std::optional<double> yaw{};    // to the left of north; std::nullopt: towards the point
+    double stay = 0;                // s, after it has arrived
 };
 
 class Flight {
@@ -54,15 +54,15 @@ public:
     enum class Mode : std::uint8_t { attitude, height, position, programmed };
     enum class Task : std::uint8_t { hover, take_off, land, go_to, yaw, return_home, route };
     enum class Safety : std::uint8_t { locked, unlocked, airborne };
-    static constexpr double lowest = 0.2, highest = 100, furthest = 1000;    // m
+    static constexpr double min_height = 0.2, max_height = 100, max_distance = 1000;    // m
     static constexpr double low_battery = 0.2, last_battery = 0.1;
-    static constexpr double input_lasts = 1;    // s, what a stick said
+    static constexpr double input_lasts = 1;    // s, that an input of the sticks is used
 
-    /// `tell` says a line to the hosts; `is_bad`: one that people should see.
+    /// `tell` sends a line to the log of the hosts; `is_bad`: a warning.
     explicit Flight(const FlightSettings& settings, std::function<void(std::string_view, bool is_bad)> tell)
         : settings_{settings}, tell_{std::move(tell)} {}
 
-    // Each is false when it can't be done now.
+    // Each returns false when it can't be done now.
     bool unlock();
     bool lock();
     bool take_off(double height);
@@ -72,7 +72,7 @@ public:
     bool yaw(double yaw);
     bool return_home();
     bool fly(std::vector<RoutePoint> route);
-    /// On the ground, where it is locked, somebody takes it into his hand.
+    /// Whether it may be turned by hand for a calibration: on the ground and locked.
     bool may_be_turned() const noexcept { return safety() == Safety::locked; }
 
     void hear(const Sticks& sticks) noexcept;
@@ -89,7 +89,7 @@ public:
     const Battery& battery() const noexcept { return battery_; }
     Vector wind() const noexcept { return weather_.wind(); }
     Hand& hand() noexcept { return hand_; }
-    /// From where it took off last.
+    /// The position relative to the last place of take-off.
     Vector offset() const noexcept { return body_.position() - from_; }
 
 private:
@@ -125,7 +125,7 @@ private:
     double aimed_yaw_ = 0;
     std::vector<RoutePoint> route_;
     std::size_t next_ = 0;
-    double stayed_ = 0;    // s, at the point that is next
+    double stayed_ = 0;    // s, at the next point
     Sticks sticks_;
     Steering steering_;
     double sticks_age_ = input_lasts, steering_age_ = input_lasts;

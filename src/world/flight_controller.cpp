@@ -1,4 +1,4 @@
-// What the simulated flight controller says.
+// The messages of the simulated flight controller.
 #include "flight_controller.hpp"
 #include "room.hpp"
 #include "say_attitude.hpp"
@@ -148,7 +148,7 @@ void FlightController::flexible() {
     say_flexible(id_of<"flexible9">, data);
 }
 
-// 1000 to 2000 each; 0: no link.
+// The sticks are 1000 to 2000 each; 0: no link.
 void FlightController::heard(FrameView frame) {
     if (const auto m = as<"remote_control">(frame)) {
         const auto stick = [](int wire) { return std::clamp((wire - 1500) / 500.0, -1.0, 1.0); };

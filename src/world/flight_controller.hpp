@@ -1,4 +1,4 @@
-// sim:fc. A flight controller that flies, as its commands, its waypoints, 0x40 and 0x41 tell it.
+// sim:fc. A flight controller that flies by its commands, its waypoints, 0x40 and 0x41.
 #pragma once
 #include "flight.hpp"
 #include "inertial_unit.hpp"
@@ -12,7 +12,7 @@
 
 namespace ano::world {
 
-/// The command that begins it (0xC0), which 0x06 tells while it is carried out.
+/// The command (0xC0) that begins the task; 0x06 reports it while the task is carried out.
 constexpr device::CommandId command_of(Flight::Task task) noexcept {
     constexpr std::array<std::uint8_t, 7> numbers{4, 1, 2, 8, 9, 10, 12};
     return {0x10, 0, numbers[static_cast<std::size_t>(task)]};
@@ -27,7 +27,7 @@ public:
     const Flight& flight() const noexcept { return flight_; }
 
 private:
-    struct Other {    // of what is only kept
+    struct Other {    // parameters that are only stored
         std::uint64_t serial = 0xA0'0000'0001;
         std::int64_t born = 0;
         std::string note = "simulated";

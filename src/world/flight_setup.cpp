@@ -1,4 +1,4 @@
-// What hosts can set and command of the simulated flight controller.
+// The parameters and commands of the simulated flight controller.
 #include "flight_controller.hpp"
 
 #include <utility>
@@ -20,7 +20,7 @@ void FlightController::add_parameters() {
     add_own_parameters();
     inertial_.add_calibrations(device().parameters(), flight_.hand(), hz(), [this] { return flight_.may_be_turned(); });
     add_user_parameters();
-    device().parameters().on_save([] { return true; });    // it has no other memory than this
+    device().parameters().on_save([] { return true; });    // values are kept in memory only
 }
 
 void FlightController::add_own_parameters() {
@@ -61,7 +61,7 @@ void FlightController::add_own_parameters() {
     parameters.add(charge);
 }
 
-// So many that a host has something to read; of every type in turn.
+// Fills the list up to `parameter_count`, so that hosts have many parameters to read; of every type in turn.
 void FlightController::add_user_parameters() {
     auto& parameters = device().parameters();
     other_.user.reserve(parameter_count);
@@ -95,7 +95,7 @@ void FlightController::add_commands() {
     });
 }
 
-// Those that take a while stand in 0x06 until they are done.
+// Commands that take a while are reported in 0x06 until they are done.
 void FlightController::add_flights() {
     auto& commands = device().commands();
     commands.add(command_of(Flight::Task::take_off), "TAKE_OFF", "height in cm; 0: SIM_HEIGHT",
@@ -129,7 +129,7 @@ Vector FlightController::place_of(const device::Waypoint& w) const noexcept {
     return from_home({w.lng, w.lat}, home_) + Vector{0, 0, w.alt / 100.0};
 }
 
-// What a function does is the device's own matter (protocol text, section 4): here 1 stays cmd1 seconds, any other passes by.
+// The protocol text (section 4) leaves the meaning of `fun` to the device: here 1 stays for cmd1 seconds, any other passes by.
 RoutePoint FlightController::route_point(const device::Waypoint& w) const noexcept {
     constexpr std::uint16_t to_the_target = 400;
     constexpr std::uint8_t stay = 1;

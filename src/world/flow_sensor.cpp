@@ -3,7 +3,7 @@
 namespace ano::world {
 namespace {
 
-// Of an i16 that begins anew behind its end.
+// `number` as an i16 that wraps around.
 double wrapped_i16(double number) noexcept { return static_cast<std::int16_t>(static_cast<std::int64_t>(number) & 0xFFFF); }
 
 }    // namespace
@@ -28,11 +28,11 @@ void FlowSensor::advance() {
     way_ = way_ + dt * velocity_;
 }
 
-// It sees well up to four metres.
+// The quality is full up to four metres.
 double FlowSensor::quality() const noexcept { return std::clamp(255 - std::max(height_ - 400, 0) / 3.0, 0.0, 255.0); }
 
 void FlowSensor::flow() {
-    constexpr double pixels = 400;    // for each radian, in 20 ms
+    constexpr double pixels = 400;    // for each radian in 20 ms
     const Vector seen = velocity_ + Vector{2 * chance().normal(), 2 * chance().normal(), 0};
     const double is_valid = quality() > 100 ? 1 : 0;
     Draft<"optical_flow"> raw;

@@ -55,7 +55,7 @@ Attitude Hand::next(double dt) noexcept {
     return does_ == Does::faces ? on_faces() : all_round();
 }
 
-// From each to the next is a turn of less than half a circle, or about one axis.
+// The turn from each face to the next is less than half a circle, or about one axis.
 Attitude Hand::on_faces() const noexcept {
     constexpr std::array<std::size_t, faces> order{4, 0, 2, 5, 1, 3};
     const double one = time_to_turn + rest_;
@@ -64,7 +64,8 @@ Attitude Hand::on_faces() const noexcept {
     return between(face_up(order[(turn + faces - 1) % faces]), face_up(order[turn % faces]), moved);
 }
 
-// The needle goes round on a spiral from pole to pole. The turn that brings it from there to the field is the shortest one.
+// A needle on the device follows a spiral from pole to pole. The attitude is the shortest turn that brings it from there to the
+// field.
 Attitude Hand::all_round() const noexcept {
     constexpr double turns = 18;
     const double share = std::fmod(at_ / round_, 1.0);

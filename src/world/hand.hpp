@@ -1,4 +1,4 @@
-// Somebody who turns a device for a calibration: onto its six faces, or all round.
+// A hand that turns a device for a calibration: onto its six faces, or in all directions.
 #pragma once
 #include "vector.hpp"
 
@@ -14,15 +14,15 @@ public:
 
     /// Lays it on one face after the other, for `rest` seconds each.
     void turn_to_faces(double rest) noexcept;
-    /// Turns it so that a needle on it that keeps to `field` points everywhere in `duration` seconds.
+    /// Turns it so that `field`, as seen from the device, points in all directions within `duration` seconds.
     void turn_all_round(Vector field, double duration) noexcept;
     /// Lays it on this face and leaves it there: x up, x down, y up, y down, z up, z down.
     void lay(std::size_t face) noexcept;
-    /// Puts it back on its feet.
+    /// Puts it back upright.
     void let_go() noexcept { does_ = Does::nothing; }
 
     bool holds() const noexcept { return does_ != Does::nothing; }
-    /// How it is held `dt` seconds later.
+    /// The attitude `dt` seconds later.
     Attitude next(double dt) noexcept;
 
 private:

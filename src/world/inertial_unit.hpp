@@ -14,11 +14,12 @@ class InertialUnit {
 public:
     explicit InertialUnit(Noise& chance) noexcept : accelerometer_{chance}, compass_{chance}, gyroscope_{chance} {}
 
-    /// Adds the 21 parameters. When a host wants raw values, and `may_be_turned`, `hand` turns the device as that calibration
-    /// needs it: long enough on each side for what is sent `hz` times a second, of the compass half as often.
+    /// Adds the 21 parameters. When a host asks for raw values and `may_be_turned` returns true, `hand` turns the device as that
+    /// calibration needs it: long enough on each side for frames that are sent `hz` times a second, those of the compass half as
+    /// often.
     void add_calibrations(device::Parameters& parameters, Hand& hand, unsigned hz, const std::function<bool()>& may_be_turned);
 
-    /// What they say of a device that feels and turns so.
+    /// The message of a device with this acceleration (m/s²) and rotation (rad/s).
     Draft<"inertial"> inertial(Vector felt, Vector rates, Noise& chance) const noexcept;
     Draft<"compass"> compass(const Attitude& attitude, Noise& chance) const noexcept;
 

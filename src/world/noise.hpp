@@ -1,10 +1,10 @@
-// Chance that a seed repeats, on every machine and with every standard library.
+// Pseudo-random numbers: a seed gives the same numbers on every machine and with every standard library.
 #pragma once
 #include <cstdint>
 
 namespace ano::world {
 
-/// SplitMix64. Two with seeds that differ have nothing in common.
+/// SplitMix64. Different seeds give independent sequences.
 class Noise {
 public:
     explicit Noise(std::uint64_t seed) noexcept : state_{seed} {}
@@ -15,10 +15,10 @@ public:
         z = (z ^ (z >> 27)) * 0x94D0'49BB'1331'11EB;
         return z ^ (z >> 31);
     }
-    /// 0 to 1, never 1.
+    /// From 0 to below 1.
     double share() noexcept { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-    /// -most to most.
-    double within(double most) noexcept { return (2 * share() - 1) * most; }
+    /// From -max to max.
+    double within(double max) noexcept { return (2 * share() - 1) * max; }
     /// About normal, of variance 1: the sum of four numbers of 16 bits.
     double normal() noexcept {
         constexpr double half = 2 * 65535.0, deviation = 37837.2;

@@ -1,10 +1,10 @@
-// Turns what is aimed at into motors: position, then velocity, then attitude, then rates.
+// Computes the motors from the target, in nested loops: position, velocity, attitude, rates.
 #pragma once
 #include "body.hpp"
 
 namespace ano::world {
 
-/// How brisk each loop is, in 1/s.
+/// The gain of each loop, in 1/s.
 struct Gains {
     float position = 1, velocity = 2.5f, attitude = 7, rate = 18, integral = 0.8f;
 };
@@ -16,22 +16,22 @@ public:
     static constexpr double max_yaw_rate = 90 * degree;     // rad/s
     static constexpr double max_acceleration = 5;           // m/s²
 
-    /// Those of before are forgotten: it is to begin from where `body` is.
+    /// Forgets earlier targets and begins at the state of `body`.
     void reset(const Body& body) noexcept;
 
-    /// Leans so, with that share of full thrust.
+    /// Leans by `lean`, with `throttle` as a share of full thrust.
     Motors lean(const Body& body, Angles lean, double throttle, const Gains& gains) noexcept;
-    /// Leans so, and climbs.
+    /// Leans by `lean`, and climbs with `climb`, m/s.
     Motors lean_and_climb(const Body& body, Angles lean, double climb, const Gains& gains, double dt) noexcept;
-    /// Flies at that velocity over ground.
+    /// Flies with `velocity` over ground, m/s.
     Motors fly(const Body& body, Vector velocity, const Gains& gains, double dt) noexcept;
-    /// Flies there, no faster than `speed`, m/s.
+    /// Flies to `there`, no faster than `speed`, m/s.
     Motors go(const Body& body, Vector there, double speed, const Gains& gains, double dt) noexcept;
 
     void turn(double rate, double dt) noexcept { yaw_ = wrapped(yaw_ + std::clamp(rate, -max_yaw_rate, max_yaw_rate) * dt); }
     void turn_towards(double yaw, double dt) noexcept;
     double yaw() const noexcept { return yaw_; }
-    /// As last aimed at.
+    /// The last target attitude.
     Angles aimed_attitude() const noexcept { return attitude_; }
     Vector aimed_velocity() const noexcept { return velocity_; }
 

@@ -8,7 +8,7 @@ class Radio final : public SimulatedDevice {
 public:
     Radio(const Settings& settings, TimePoint start);
 
-    /// dBm, of what comes from the other side.
+    /// The strength of the received signal, dBm.
     double strength() const noexcept { return strength_; }
 
 private:

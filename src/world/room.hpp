@@ -1,4 +1,4 @@
-// The walls around the place where the world begins: what range finders see.
+// The walls around the origin of the world, which range finders see.
 #pragma once
 #include "vector.hpp"
 
@@ -10,7 +10,7 @@ namespace ano::world {
 
 inline constexpr double wall_ahead = 30, wall_aside = 20;    // m, from the middle, to both sides
 
-/// m, to the wall in that direction: radians from the x axis to the left. 0 from beyond the walls.
+/// The distance to the wall, m, in `direction`: radians from the x axis to the left. 0 outside the walls.
 inline double to_the_wall(Vector from, double direction) noexcept {
     if (std::abs(from.x) >= wall_ahead || std::abs(from.y) >= wall_aside) return 0;
     const double cos = std::cos(direction), sin = std::sin(direction);

@@ -8,7 +8,7 @@ namespace ano::world {
 namespace {
 
 Vector chance_vector(Noise& chance) noexcept {
-    const double x = chance.normal(), y = chance.normal(), z = chance.normal();    // in this order, whatever the compiler
+    const double x = chance.normal(), y = chance.normal(), z = chance.normal();    // drawn in this order with every compiler
     return {x, y, 2 * z};
 }
 
@@ -27,9 +27,9 @@ Satellites::Satellites(std::uint64_t seed) noexcept : chance_{seed}, error_{wand
 
 Draft<"gps"> Satellites::look(Vector position, Vector velocity, Place home) noexcept {
     constexpr double keeps = 1 - 1 / (rate * wanders_for), speed_error = 0.05;    // m/s
-    constexpr double fewest = 11, most = 18, fix_in_three_dimensions = 3;
+    constexpr double min_seen = 11, max_seen = 18, fix_in_three_dimensions = 3;
     error_ = keeps * error_ + wanders * std::sqrt(1 - keeps * keeps) * chance_vector(chance_);
-    seen_ = std::clamp(seen_ + 0.2 * chance_.normal(), fewest, most);
+    seen_ = std::clamp(seen_ + 0.2 * chance_.normal(), min_seen, max_seen);
     const Vector seen = position + error_, moves = velocity + speed_error * chance_vector(chance_);
     const Place place = on_earth(seen, home);
     Draft<"gps"> draft;

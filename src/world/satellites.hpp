@@ -1,4 +1,4 @@
-// What a receiver of satellites says of where the world's vehicle is: near the truth, with an error that wanders slowly.
+// A satellite receiver: the position of the vehicle with an error that changes slowly.
 #pragma once
 #include "noise.hpp"
 #include "vector.hpp"
@@ -14,22 +14,22 @@ struct Place {
     double lng = 0, lat = 0;
 };
 
-/// Metres of a degree of latitude, and of longitude at the equator; the world is flat, and near its home.
+/// Metres for a degree of latitude, and of longitude at the equator. The simulated world is flat.
 inline constexpr double metres_of_a_degree = 111'319.5;
 
-/// Where `place` is from `home`: metres to the north and to the west, and 0.
+/// The position of `place` relative to `home`: metres to the north, to the west, and 0.
 Vector from_home(Place place, Place home) noexcept;
-/// The other way round. Only x and y of `there` count.
+/// The inverse of from_home(). Only x and y of `there` are used.
 Place on_earth(Vector there, Place home) noexcept;
 
 class Satellites {
 public:
     static constexpr unsigned rate = 5;          // frames a second
     static constexpr double ground = 44;         // m, home above the sea
-    static constexpr double wanders = 0.4;       // m, standard deviation of the error to each side; upwards twice that
-    static constexpr double wanders_for = 30;    // s, after which the error is another
+    static constexpr double wanders = 0.4;       // m, standard deviation of the horizontal error; the vertical one is twice that
+    static constexpr double wanders_for = 30;    // s, time constant of the error
 
-    /// The same seed, the same errors.
+    /// The same seed gives the same errors.
     explicit Satellites(std::uint64_t seed) noexcept;
     /// Once every 1 / rate seconds: a position in metres from `home` and a velocity in m/s, both to the north, to the west and up.
     Draft<"gps"> look(Vector position, Vector velocity, Place home) noexcept;

@@ -1,4 +1,4 @@
-// Where a simulated device looks to, as 0x03 and 0x04 say it.
+// Sends the attitude of a simulated device as 0x03 and 0x04.
 #pragma once
 #include "fill.hpp"
 #include "noise.hpp"

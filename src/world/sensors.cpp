@@ -3,7 +3,7 @@
 namespace ano::world {
 namespace {
 
-Vector within(Noise& chance, double most) noexcept { return {chance.within(most), chance.within(most), chance.within(most)}; }
+Vector within(Noise& chance, double max) noexcept { return {chance.within(max), chance.within(max), chance.within(max)}; }
 Vector normal(Noise& chance, double deviation) noexcept {
     return deviation * Vector{chance.normal(), chance.normal(), chance.normal()};
 }

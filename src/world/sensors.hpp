@@ -1,5 +1,5 @@
-// Sensors as they come from the factory: with noise, an offset, a scale and axes that are not quite at right angles. A calibration
-// finds all of it.
+// Uncalibrated sensors: with noise, an offset, a scale error and axes that are not quite at right angles. A calibration finds all of
+// this.
 #pragma once
 #include "noise.hpp"
 #include "vector.hpp"
@@ -14,7 +14,7 @@ public:
     static constexpr double noise = 3;    // cm/s²
 
     explicit Accelerometer(Noise& chance) noexcept;
-    /// Of what it feels, m/s².
+    /// `felt`: the true acceleration, m/s².
     Vector measure(Vector felt, Noise& chance) const noexcept;
     Vector corrected(Vector raw) const noexcept;
 
@@ -25,8 +25,8 @@ private:
     std::array<Vector, 3> rows_;
 };
 
-/// In its own unit: the field of the earth is 500 of it. corrected = diag(S) · (raw − O), with the parameters CAL_MOFF_X to
-/// CAL_MSEN_Z.
+/// Measures in a unit of its own, of which the field of the earth is 500. corrected = diag(S) · (raw − O), with the parameters
+/// CAL_MOFF_X to CAL_MSEN_Z.
 class Compass {
 public:
     static constexpr double noise = 2;
@@ -42,11 +42,11 @@ private:
     Vector offset_, scale_;
 };
 
-/// °/s.
+/// Measures in °/s.
 class Gyroscope {
 public:
     explicit Gyroscope(Noise& chance) noexcept : offset_{chance.within(0.2), chance.within(0.2), chance.within(0.2)} {}
-    /// Of how it turns, rad/s.
+    /// `rates`: the true rotation, rad/s.
     Vector measure(Vector rates, Noise& chance) const noexcept;
 
 private:

@@ -10,7 +10,7 @@ SimulatedDevice::SimulatedDevice(device::Info info, const Settings& settings, Ti
     allow_images();
 }
 
-// It says that it took one, and stays as it is.
+// An image is accepted and reported, but changes nothing.
 void SimulatedDevice::allow_images() {
     using namespace std::chrono_literals;
     device::Flash flash;
@@ -40,7 +40,7 @@ bool SimulatedDevice::is_ours(FrameView frame) const noexcept {
            from != address::broadcast;
 }
 
-// What is due comes in its order, however late it is called.
+// Everything is done in the order in which it is due, however late run() is called.
 void SimulatedDevice::run(TimePoint now, const Send& send) {
     send_ = &send;
     notice_pause(now);

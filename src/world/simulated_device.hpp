@@ -1,6 +1,6 @@
-// What all simulated devices are: a device of the library, telemetry at its rates, and a world that goes on in steps of one length.
-// No I/O and no clock: frames and a time in, frames out. The same seed, the same frames at the same times: the same bytes, however
-// often run() is called.
+// The base of all simulated devices: a device of the library, telemetry at its rates, and a world that is simulated in steps of equal
+// length. No I/O and no clock: frames and a time in, frames out. The same seed and the same frames at the same times give the same
+// bytes, however often run() is called.
 #pragma once
 #include "fill.hpp"
 #include "noise.hpp"
@@ -19,29 +19,29 @@
 namespace ano::world {
 
 struct Settings {
-    std::uint8_t id = 0;       // 0: the usual one of its kind
-    unsigned hz = 50;          // attitude and inertial frames a second, 1 to 100; slower ones keep their proportion
-    std::uint64_t seed = 1;    // of its sensors, noise and weather
+    std::uint8_t id = 0;       // 0: the usual id of its kind
+    unsigned hz = 50;          // attitude and inertial frames a second, 1 to 100; slower telemetry is scaled with it
+    std::uint64_t seed = 1;    // for sensors, noise and weather
 };
 
 class SimulatedDevice {
 public:
-    /// A frame, and when it was said: in the past where run() comes late.
+    /// Gets a frame and the time at which it was sent: in the past if run() is called late.
     using Send = std::function<void(FrameView, TimePoint)>;
     static constexpr std::chrono::milliseconds step{5};
-    /// After a longer pause the world goes on from where it was: nothing is made up for.
+    /// After a longer pause between calls of run(), the simulation continues from where it was, without catching up.
     static constexpr std::chrono::seconds max_pause{5};
 
     virtual ~SimulatedDevice() = default;
     SimulatedDevice(const SimulatedDevice&) = delete;
     SimulatedDevice& operator=(const SimulatedDevice&) = delete;
 
-    /// A good frame came in, for whomever.
+    /// Takes a good frame that came in, whatever its destination.
     void take(FrameView frame, TimePoint now, const Send& send);
-    /// Says all that is due at `now`.
+    /// Sends all frames that are due at `now`.
     void run(TimePoint now, const Send& send);
     TimePoint due() const noexcept;
-    /// run() does it first: where `now` is long after it was called last, the world goes on from here.
+    /// run() calls it first: if `now` is more than max_pause after the last call, the simulation continues from `now`.
     void notice_pause(TimePoint now) noexcept;
 
     device::Device& device() noexcept { return device_; }
@@ -49,31 +49,31 @@ public:
 protected:
     SimulatedDevice(device::Info info, const Settings& settings, TimePoint start);
 
-    static constexpr double dt = 0.005;    // s, of a step
-    /// s, since it was started.
+    static constexpr double dt = 0.005;    // s, length of a step
+    /// Simulated time since the start, s.
     double time() const noexcept { return static_cast<double>(steps_) * dt; }
     unsigned hz() const noexcept { return hz_; }
     Noise& chance() noexcept { return chance_; }
 
-    /// Every so often; first with the first step.
+    /// Calls `say` once in every `period`, first with the first step.
     void every(Duration period, std::function<void()> say) { streams_.push_back({period, Duration::zero(), std::move(say)}); }
-    /// `hz` times a second; once where that is less.
+    /// The period of `hz` times a second, at least once a second.
     static Duration at_rate(unsigned hz) noexcept { return Duration{std::chrono::seconds{1}} / std::max(hz, 1u); }
-    /// To the hosts, now: in advance(), heard() and in what every() does.
+    /// Sends a message to the hosts; to be called in advance(), in heard() and in functions given to every().
     template <Name M, Name Label>
     void say(const Draft<M, Label>& draft) {
         std::array<std::uint8_t, overhead + device::max_sent> frame;
         const std::size_t size = draft.encode(frame, device_.info().id, address::host);
         if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);
     }
-    /// One of the messages that the user lays out.
+    /// Sends a flexible message.
     void say_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
 
-    /// The world goes on by one step.
+    /// Simulates one step.
     virtual void advance() = 0;
-    /// What is no question to the device: the sticks, for instance.
+    /// Gets the frames that the library's device does not handle, such as the sticks.
     virtual void heard(FrameView) {}
-    /// Whether it takes an image now.
+    /// Whether it accepts a firmware image now.
     virtual bool may_be_upgraded() const { return true; }
 
 private:

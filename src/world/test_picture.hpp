@@ -1,4 +1,4 @@
-// A picture to look at: a ball that goes round, in each colour of the protocol in turn, in frames of some rows.
+// A test picture: a ball that moves in a circle, in each colour of the protocol in turn, sent in frames of some rows.
 #pragma once
 #include <ano/typed.hpp>
 
@@ -11,9 +11,9 @@ namespace ano::world {
 class TestPicture {
 public:
     static constexpr unsigned width = 48, height = 32, colors = 7;
-    static constexpr std::size_t frames = 12;    // of one picture, at most
+    static constexpr std::size_t frames = 12;    // maximum for one picture
 
-    /// The next rows of the picture; behind the last ones, the first rows of the next picture. Valid until it is called again.
+    /// The next rows of the picture; after the last ones, the first rows of the next picture. Valid until the next call.
     Draft<"image"> next();
 
 private:

@@ -1,4 +1,4 @@
-// Directions and attitudes. On the ground: x to the north, y to the west, z up, from where the world begins. On a vehicle:
+// Directions and attitudes. On the ground: x to the north, y to the west, z up, from the origin of the world. On a vehicle:
 // x forward, y to the left, z up. Metres, seconds, radians.
 #pragma once
 #include <algorithm>
@@ -24,10 +24,10 @@ constexpr Vector cross(Vector a, Vector b) noexcept {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// The same direction, no longer than `most`.
-inline Vector no_longer(Vector v, double most) noexcept {
+/// `v` shortened to `max_length` if it is longer.
+inline Vector no_longer(Vector v, double max_length) noexcept {
     const double length = v.length();
-    return length > most ? (most / length) * v : v;
+    return length > max_length ? (max_length / length) * v : v;
 }
 
 /// The same angle, from -180° to 180°.
@@ -58,7 +58,7 @@ struct Attitude {
         const Vector t = 2 * cross(q, v);
         return v + w * t + cross(q, t);
     }
-    /// After it has turned by `rate` (of the vehicle's axes) for `dt`.
+    /// The attitude after turning by `rate` (in the vehicle's axes) for `dt`.
     Attitude turned(Vector rate, double dt) const noexcept {
         const Vector h = (dt / 2) * rate;
         Attitude q{w - x * h.x - y * h.y - z * h.z, x + w * h.x + y * h.z - z * h.y, y + w * h.y + z * h.x - x * h.z,

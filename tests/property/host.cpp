@@ -99,7 +99,7 @@ TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
         const ano::Duration took = simulation.run(parameters);
         ASSERT_TRUE(parameters.end()) << "seed " << seed;
         EXPECT_LT(took, 10min) << "seed " << seed;
-        EXPECT_LE(simulation.most_on_their_way, Window::widest);
+        EXPECT_LE(simulation.most_on_their_way, Window::max_size);
         EXPECT_FALSE(fake.crashed);
         if (parameters.end()->ending != Ending::done) continue;
         for (std::uint16_t id = 0; id < fake.parameters.size(); ++id) {
@@ -138,7 +138,7 @@ TEST(Host, random_frames_at_random_times_never_hang_a_task) {
         const ano::Duration took = simulation.run(*task, std::chrono::hours{2});
         EXPECT_TRUE(task->end()) << "seed " << seed;
         EXPECT_LT(took, std::chrono::minutes{30}) << "seed " << seed;
-        EXPECT_LE(simulation.most_on_their_way, Window::widest);
+        EXPECT_LE(simulation.most_on_their_way, Window::max_size);
         const auto calls = std::count_if(fake.heard.begin(), fake.heard.end(),
                                          [](const support::Bytes& f) { return f[3] == 0xC0; });
         EXPECT_LE(calls, 1) << "a command is sent once";

@@ -54,7 +54,7 @@ struct Device {
         for (auto it = unanswered.begin(); it != unanswered.end();)
             it = now >= it->second + InFlight::patience ? unanswered.erase(it) : std::next(it);
         unanswered[number(frame)] = now;
-        ASSERT_LE(unanswered.size(), InFlight::most);
+        ASSERT_LE(unanswered.size(), InFlight::max_questions);
     }
 };
 
@@ -106,7 +106,7 @@ public:
         ASSERT_EQ(all.offered, offered);
         ASSERT_EQ(unaccounted(all), outbox.waiting() + queue.waiting());
         ASSERT_EQ(unaccounted(queue.counters()), queue.waiting());
-        ASSERT_LE(queue.in_flight(), InFlight::most);
+        ASSERT_LE(queue.in_flight(), InFlight::max_questions);
         ASSERT_EQ(queue.next_look(now).has_value(), queue.waiting() > 0) << "or it would wait for ever";
     }
 

@@ -95,8 +95,8 @@ TEST(Device, answers_on_the_link_that_the_question_came_by) {
 TEST(Device, loses_answers_when_nobody_takes_them_and_says_so) {
     Device device{thermometer};
     const Bytes question = ask(0xE0, who_are_you);
-    for (std::size_t i = 0; i < ano::device::Outgoing::most + 5; ++i) device.take(FrameView{question}, start);
-    EXPECT_EQ(heard(device).size(), ano::device::Outgoing::most);
+    for (std::size_t i = 0; i < ano::device::Outgoing::max_frames + 5; ++i) device.take(FrameView{question}, start);
+    EXPECT_EQ(heard(device).size(), ano::device::Outgoing::max_frames);
     EXPECT_EQ(device.counters().answers_lost, 5u);
     EXPECT_NE(answer(device, question), silence) << "and goes on";
 }

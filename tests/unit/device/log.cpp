@@ -36,7 +36,7 @@ TEST(Log, is_cut_to_what_fits_and_lost_when_nobody_takes_it) {
     EXPECT_TRUE(device.log(std::string(1000, 'x')));
     EXPECT_TRUE(device.log(1.0f, std::string(1000, 'x')));
     for (const auto& line : heard(device)) EXPECT_EQ(line.size(), ano::overhead + 198);
-    for (std::size_t i = 0; i < ano::device::Outgoing::most; ++i) EXPECT_TRUE(device.log("x"));
+    for (std::size_t i = 0; i < ano::device::Outgoing::max_frames; ++i) EXPECT_TRUE(device.log("x"));
     EXPECT_FALSE(device.log("one too many"));
 }
 

@@ -42,12 +42,12 @@ TEST(Reply, is_no_acknowledgement_of_what_the_table_says_is_not_acknowledged) {
 
 TEST(Reply, is_lost_where_no_more_may_wait) {
     Outgoing out;
-    for (std::size_t i = 0; i <= Outgoing::most; ++i) {
+    for (std::size_t i = 0; i <= Outgoing::max_frames; ++i) {
         Reply reply{FrameView{write}, 0, 0x21, out};
         EXPECT_EQ(reply.acknowledge(), Outcome::answered);
-        EXPECT_EQ(reply.lost(), i == Outgoing::most ? 1u : 0u);
+        EXPECT_EQ(reply.lost(), i == Outgoing::max_frames ? 1u : 0u);
     }
-    EXPECT_EQ(out.waiting(), Outgoing::most);
+    EXPECT_EQ(out.waiting(), Outgoing::max_frames);
 }
 
 TEST(Reply, is_longer_by_zeros_where_a_layout_is) {

@@ -300,7 +300,7 @@ TEST(CanStreams, the_id_unused_longest_gives_way) {
         receiver({0x0AB00000 + i, half});
         receiver({0x0AB1DCFE, support::frame(0xDC, 0xFE, 3)});
     }
-    EXPECT_EQ(receiver.streams.size(), CanStreams::most);
+    EXPECT_EQ(receiver.streams.size(), CanStreams::max_streams);
     EXPECT_EQ(receiver.frames.size(), 1000u);
     const ReceiveCounters counters = receiver.streams.received();
     EXPECT_EQ(counters.expired, 1000u - 255u);
@@ -314,7 +314,7 @@ TEST(CanStreams, an_id_that_goes_on_is_not_the_one_unused_longest) {
     receiver(first[0]);
     receiver(second[0]);
     const std::uint32_t others = CanIds::default_extended_base + 0x1000;
-    for (std::uint32_t i = 2; i < CanStreams::most; ++i) receiver({others + i, {0xAB, 1, 2, 3, 4, 0, 0, 0}});
+    for (std::uint32_t i = 2; i < CanStreams::max_streams; ++i) receiver({others + i, {0xAB, 1, 2, 3, 4, 0, 0, 0}});
     receiver(first[1]);
     receiver({others, {0xAB, 1, 2, 3, 4, 0, 0, 0}});    // one too many
     receiver({first.begin() + 2, first.end()});

@@ -35,9 +35,10 @@ TEST(Channel, sent_is_what_the_outbox_and_the_questions_before_it_counted) {
     channel.outbox.open();
     channel.questions = std::make_unique<QuestionQueue>(channel.outbox, QuestionQueue::Options{});
     const auto question = support::frame(0xFE, 0xDC, 0xE0, {2, 0, 0});
-    for (std::size_t n = 0; n < InFlight::most + 3; ++n) channel.questions->push(ano::FrameView{question}, policy_of(0xE0), {});
-    EXPECT_EQ(channel.sent().offered, InFlight::most + 3);
-    EXPECT_EQ(channel.waiting(), InFlight::most + 3);
+    for (std::size_t n = 0; n < InFlight::max_questions + 3; ++n)
+        channel.questions->push(ano::FrameView{question}, policy_of(0xE0), {});
+    EXPECT_EQ(channel.sent().offered, InFlight::max_questions + 3);
+    EXPECT_EQ(channel.waiting(), InFlight::max_questions + 3);
 }
 
 TEST(Channel, counts_the_bytes_of_no_frame_since_the_last_good_one) {

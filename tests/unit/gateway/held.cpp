@@ -64,18 +64,18 @@ TEST(Held, a_channel_goes_on_when_it_brings_one_more_of_the_same) {
 TEST(Held, has_room_for_a_few_short_ones) {
     Held held;
     const auto of_size = [](std::size_t size) { return support::frame(1, 2, 3, support::Bytes(size - ano::overhead, 0)); };
-    EXPECT_FALSE(held.put(a, ano::FrameView{of_size(Held::largest + 1)}, start));
-    EXPECT_TRUE(held.put(a, ano::FrameView{of_size(Held::largest)}, start));
-    EXPECT_EQ(taken(held.take(start)), of_size(Held::largest));
-    for (std::size_t i = 0; i < Held::most; ++i) EXPECT_TRUE(held.put(i % 2 ? a : b, ano::FrameView{numbered(1)}, start));
+    EXPECT_FALSE(held.put(a, ano::FrameView{of_size(Held::max_frame_size + 1)}, start));
+    EXPECT_TRUE(held.put(a, ano::FrameView{of_size(Held::max_frame_size)}, start));
+    EXPECT_EQ(taken(held.take(start)), of_size(Held::max_frame_size));
+    for (std::size_t i = 0; i < Held::max_frames; ++i) EXPECT_TRUE(held.put(i % 2 ? a : b, ano::FrameView{numbered(1)}, start));
     EXPECT_FALSE(held.put(a, ano::FrameView{numbered(1)}, start));
-    EXPECT_EQ(held.forget(a), Held::most / 2);
+    EXPECT_EQ(held.forget(a), Held::max_frames / 2);
     std::size_t left = 0;
     while (const auto frame = held.take(start)) {
         EXPECT_EQ(frame->from, b);
         ++left;
     }
-    EXPECT_EQ(left, Held::most / 2);
+    EXPECT_EQ(left, Held::max_frames / 2);
 }
 
 }    // namespace

@@ -23,8 +23,8 @@ class BusyDevice : public testing::Test {
 protected:
     void SetUp() override {
         outbox.open();
-        for (std::uint8_t n = 0; n < InFlight::most; ++n) ask(n);
-        ASSERT_EQ(send(start), InFlight::most);
+        for (std::uint8_t n = 0; n < InFlight::max_questions; ++n) ask(n);
+        ASSERT_EQ(send(start), InFlight::max_questions);
         ASSERT_EQ(queue.waiting(), 0u);
     }
     void ask(std::uint8_t number, ChannelId from = ourselves, ano::TimePoint now = start) {
@@ -84,7 +84,7 @@ TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
 TEST_F(BusyDevice, a_question_as_large_as_the_room_waits_there_alone) {
     const Bytes one = question(8), other = question(9);
     QuestionQueue small{outbox, {.bytes = one.size()}};
-    for (std::uint8_t n = 0; n < InFlight::most; ++n) small.push(ano::FrameView{one}, policy_of(0xE0), start);
+    for (std::uint8_t n = 0; n < InFlight::max_questions; ++n) small.push(ano::FrameView{one}, policy_of(0xE0), start);
     EXPECT_EQ(small.push(ano::FrameView{one}, policy_of(0xE0), start), nullptr);
     EXPECT_EQ(small.waiting(), 1u);
     EXPECT_EQ(small.push(ano::FrameView{other}, policy_of(0xE0), start), nullptr);

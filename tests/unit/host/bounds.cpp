@@ -39,7 +39,7 @@ TEST_F(Tardy, every_task_ends_within_its_bound) {
         const auto task = support::task_of(kind, device, simulation.now);
         const Duration took = simulation.run(*task, 24h);
         ASSERT_TRUE(task->end()) << kind;
-        EXPECT_LE(took, 3 * task->longest() + 2min) << kind << ": the tasks of a task, one behind the other";
+        EXPECT_LE(took, 3 * task->max_duration() + 2min) << kind << ": the tasks of a task, one behind the other";
     }
 }
 
@@ -51,7 +51,7 @@ TEST_F(Tardy, what_is_large_has_more_time_and_comes_whole) {
     ASSERT_TRUE(all.end());
     EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->what;
     EXPECT_GT(took, 10min);
-    EXPECT_LE(took, all.longest());
+    EXPECT_LE(took, all.max_duration());
 }
 
 TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
@@ -68,7 +68,7 @@ TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
     ASSERT_TRUE(upgrade.end());
     EXPECT_EQ(upgrade.end()->ending, Ending::timeout);
     EXPECT_EQ(upgrade.end()->what, "0xDC answers too slowly: given up after 4300 s; it is left in its loader, begin again");
-    EXPECT_LE(took, upgrade.longest() + 1min);
+    EXPECT_LE(took, upgrade.max_duration() + 1min);
 }
 
 }    // namespace

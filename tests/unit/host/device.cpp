@@ -78,9 +78,9 @@ TEST(Device, the_window_opens_with_the_answers) {
     for (std::uint16_t id = 1; id < 20; ++id) {
         host.value(id, start + 20ms);
         host.sent(start + 20ms);
-        EXPECT_LE(host.device.on_their_way(), Window::widest);
+        EXPECT_LE(host.device.on_their_way(), Window::max_size);
     }
-    EXPECT_EQ(host.device.on_their_way(), Window::widest);
+    EXPECT_EQ(host.device.on_their_way(), Window::max_size);
 }
 
 TEST(Device, writes_go_one_at_a_time_and_questions_pass_them) {

@@ -69,7 +69,7 @@ TEST_F(Reads, a_device_without_parameters) {
 TEST_F(Reads, the_window_is_never_more_than_eight) {
     fake.make_parameters(60);
     ASSERT_EQ(read(), Ending::done);
-    EXPECT_EQ(simulation.most_on_their_way, Window::widest);
+    EXPECT_EQ(simulation.most_on_their_way, Window::max_size);
     EXPECT_FALSE(fake.crashed);
 }
 

@@ -88,10 +88,10 @@ TEST(ManagedParameters, limit_every_message_of_telemetry_and_no_other) {
 
 TEST(ManagedParameters, may_name_the_link_for_unknown_addresses_only_where_the_file_does) {
     Settings file = settings();
-    EXPECT_EQ(row(file, "UNKNOWN").most, 1);
+    EXPECT_EQ(row(file, "UNKNOWN").max, 1);
     file.gateway.unknown = Unknown::link;
     file.gateway.unknown_link = "fc";
-    EXPECT_EQ(row(file, "UNKNOWN").most, 2);
+    EXPECT_EQ(row(file, "UNKNOWN").max, 2);
     EXPECT_EQ(value_in(file, row(file, "UNKNOWN")), 2);
     WrittenValues written;
     written.write(row(file, "UNKNOWN"), 0, file);
