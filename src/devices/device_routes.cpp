@@ -59,9 +59,9 @@ struct Wish {
 
 std::string client_of(const Request& request) {
     const std::string name{request.query_value("client").value_or(request.header("User-Agent"))};
-    constexpr std::size_t longest = 64;
+    constexpr std::size_t max_bytes = 64;
     std::string clean;
-    for (std::size_t i = 0; i < name.size() && clean.size() < longest; ++i)
+    for (std::size_t i = 0; i < name.size() && clean.size() < max_bytes; ++i)
         if (ano::control_size(name, i) == 0) clean += name[i];
     return clean;
 }

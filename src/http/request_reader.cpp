@@ -41,14 +41,14 @@ struct RequestReader::Parser : beast::request_parser<GrowingBody> {
 
     std::function<void(std::uint64_t, boost::beast::string_view, error_code&)> stop_at_the_last =
         [this](std::uint64_t size, boost::beast::string_view, error_code& ec) {
-            if (size > most || most - size < in_chunks) ec = beast::error::body_limit;
+            if (size > max_body || max_body - size < in_chunks) ec = beast::error::body_limit;
             in_chunks += size;
             if (size > 0 || ec) return;
             at_the_last = true;
             ec = beast::error::end_of_stream;
         };
     bool at_the_last = false;
-    std::uint64_t most = 0;         // bytes of the body
+    std::uint64_t max_body = 0;     // bytes
     std::uint64_t in_chunks = 0;    // so far
 
     /// Where the body ends is not said: it must not be taken for the next request (RFC 9112, 6.3).
@@ -80,14 +80,14 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
     if (body_limit_) {
         Request known = head();
         known.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
-        const auto most = body_limit_(known);
-        if (!most) {
+        const auto max_body = body_limit_(known);
+        if (!max_body) {
             fault_ = {403, "this body is not taken"};
             return used;
         }
-        limits_.body = *most;
+        limits_.body = *max_body;
     }
-    parser_->most = limits_.body;
+    parser_->max_body = limits_.body;
     if (parser_->content_length().value_or(0) > limits_.body) fault_ = fault_of(beast::error::body_limit, limits_);
     parser_->eager(true);
     return used;

@@ -78,7 +78,7 @@ tl::expected<BodyRoom, Response> Server::room_for_body(const Request& head) {
     const Routes::Row* const row = routes_.row_for(head);
     if (row && *access < row->access) return tl::unexpected{not_permitted(*access, row->access)};
     BodyRoom room{row ? std::max(row->body, usual) : usual, *access};
-    if (head.body_to_come > room.most) return room;
+    if (head.body_to_come > room.max_bytes) return room;
     auto place = place_for_body();
     if (!place) return tl::unexpected{std::move(place.error())};
     room.place = std::move(*place);

@@ -66,7 +66,7 @@ void Session::await_request() {
     reader_.emplace(limits_.request, [this](Request head) {
         head.user = user_;
         head.door = stream_->door();
-        return has_room(head) ? std::optional{room_for_body_.most} : std::nullopt;
+        return has_room(head) ? std::optional{room_for_body_.max_bytes} : std::nullopt;
     });
     expect_progress();
     if (input_.empty()) return read();

@@ -31,7 +31,7 @@ struct SessionLimits {
 
 /// For the body of a request of which the rest is known.
 struct BodyRoom {
-    std::uint64_t most = 0;            // bytes that it may have
+    std::uint64_t max_bytes = 0;
     std::optional<Access> judged{};    // what the request may, where that was asked for it
     std::shared_ptr<void> place{};     // of a large one that tells its size
 };

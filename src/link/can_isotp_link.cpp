@@ -65,7 +65,7 @@ void CanIsotpLink::read() {
         while (const auto frame = channel().parser.next()) on_frame(*frame);
         trouble_ = {};
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     context_.host.flush();
 }
 

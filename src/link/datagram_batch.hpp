@@ -49,17 +49,17 @@ inline void keep_stamps(int fd) noexcept {
 
 class DatagramBatch {
 public:
-    static constexpr std::size_t most = 32;
+    static constexpr std::size_t max_datagrams = 32;
     static constexpr std::size_t room = 65536;    // of each: the largest datagram there is
 
     // So that the first burst does not make the program larger, each has at once what a short datagram takes.
-    DatagramBatch() : bytes_{most * room} {
-        for (std::size_t i = 0; i < most; ++i) bytes_[i * room] = 0;
+    DatagramBatch() : bytes_{max_datagrams * room} {
+        for (std::size_t i = 0; i < max_datagrams; ++i) bytes_[i * room] = 0;
     }
 
-    /// Reads what is there, up to `most` datagrams. Returns how many, 0 when there is none, or -1 and errno.
+    /// Reads what is there, up to `max_datagrams`. Returns how many, 0 when there is none, or -1 and errno.
     int receive(int fd) noexcept {
-        for (std::size_t i = 0; i < most; ++i) {
+        for (std::size_t i = 0; i < max_datagrams; ++i) {
             pieces_[i] = {bytes_.get() + i * room, room};
             messages_[i] = {};
             messages_[i].msg_hdr.msg_name = &senders_[i];
@@ -68,7 +68,7 @@ public:
             messages_[i].msg_hdr.msg_iovlen = 1;
             stamps_[i].prepare(messages_[i].msg_hdr);
         }
-        const int count = ::recvmmsg(fd, messages_.data(), most, MSG_DONTWAIT, nullptr);
+        const int count = ::recvmmsg(fd, messages_.data(), max_datagrams, MSG_DONTWAIT, nullptr);
         return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : count;
     }
     std::span<const std::uint8_t> datagram(std::size_t i) const noexcept {
@@ -82,10 +82,10 @@ public:
 
 private:
     ano::Room<std::uint8_t> bytes_;
-    std::array<mmsghdr, most> messages_;
-    std::array<iovec, most> pieces_;
-    std::array<sockaddr_storage, most> senders_;
-    std::array<Stamp, most> stamps_;
+    std::array<mmsghdr, max_datagrams> messages_;
+    std::array<iovec, max_datagrams> pieces_;
+    std::array<sockaddr_storage, max_datagrams> senders_;
+    std::array<Stamp, max_datagrams> stamps_;
 };
 
 }    // namespace anogate

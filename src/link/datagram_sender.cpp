@@ -52,7 +52,7 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
     while (!outbox.empty()) {
         const std::size_t paced = pacing.budget(outbox, now);
         if (paced == 0) return stop(SendResult::paced);
-        const std::size_t budget = std::min(paced, way.most - spent);
+        const std::size_t budget = std::min(paced, way.max_bytes - spent);
         const std::size_t frames = outbox.gather(std::span{room_->frames}.first(mtu > 0 ? max_frames : max_datagrams), now,
                                                  budget);
         if (frames == 0) break;

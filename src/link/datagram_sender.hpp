@@ -36,7 +36,7 @@ public:
         std::size_t mtu = 0;                  // frames that wait share a datagram of so many bytes; 0: each has its own
         // Where the socket keeps what the network says of earlier datagrams: takes it, and says whether there was any.
         const std::function<bool()>* take_reports = nullptr;
-        std::size_t most = SIZE_MAX;    // bytes in all; what is above them stays
+        std::size_t max_bytes = SIZE_MAX;    // in all; what is above them stays
     };
 
     DatagramSender() : room_{new Room} {}

@@ -104,16 +104,16 @@ void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
 // First what the driver has, by the time it takes; then what is in the chip, to the last bit where the driver shows it.
 void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept {
-    constexpr Duration longest = std::chrono::milliseconds{20};
-    constexpr Duration shortest = std::chrono::microseconds{50};
+    constexpr Duration max_pause = std::chrono::milliseconds{20};
+    constexpr Duration min_pause = std::chrono::microseconds{50};
     while (const std::size_t bytes = unsent(fd)) {
         if (stop) return;
-        std::this_thread::sleep_for(std::clamp<Duration>(static_cast<Duration::rep>(bytes) * byte_time, shortest, longest));
+        std::this_thread::sleep_for(std::clamp<Duration>(static_cast<Duration::rep>(bytes) * byte_time, min_pause, max_pause));
     }
     unsigned status = 0;
     int result = 0;
     while (!stop && (result = ::ioctl(fd, TIOCSERGETLSR, &status)) == 0 && (status & TIOCSER_TEMT) == 0)
-        std::this_thread::sleep_for(std::clamp<Duration>(byte_time, shortest, longest));
+        std::this_thread::sleep_for(std::clamp<Duration>(byte_time, min_pause, max_pause));
     if (!stop && result != 0) ::ioctl(fd, TCSBRK, 1);    // tcdrain()
 }
 

@@ -191,7 +191,7 @@ void UdpLink::read() {
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
         feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
 }

@@ -123,7 +123,7 @@ void UdpListenLink::read() {
         const auto at = static_cast<std::size_t>(i);
         take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
-    if (static_cast<std::size_t>(count) < DatagramBatch::most) arrival_.found_empty(asked);
+    if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     context_.host.flush();
 }
 
@@ -241,8 +241,8 @@ void UdpListenLink::flush(Channel& channel) {
         const TimePoint now = context_.host.now();
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
         if (peer.far) {
-            way.most = peer.far->allowance(now);
-            remember(*peer.far, channel.outbox, way.most, now);
+            way.max_bytes = peer.far->allowance(now);
+            remember(*peer.far, channel.outbox, way.max_bytes, now);
         }
         const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
         if (peer.far) peer.far->left(static_cast<std::size_t>(channel.outbox.counters().bytes_out - sent_before));

@@ -13,8 +13,8 @@ namespace {
 using namespace pcapng;
 
 constexpr std::uint64_t second_ns = 1'000'000'000;
-constexpr std::size_t smallest_block = 12;
-constexpr std::size_t smallest_section_header = 28;
+constexpr std::size_t min_block = 12;
+constexpr std::size_t min_section_header = 28;
 
 std::string_view text_in(std::span<const std::uint8_t> bytes) {
     const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -99,7 +99,7 @@ void PcapngReader::give(std::string_view bytes) {
 // The body of the next block.
 std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type) {
     const Bytes rest{reinterpret_cast<const std::uint8_t*>(buffer_.data()) + at_, buffer_.size() - at_};
-    if (is_damaged() || rest.size() < smallest_block) return std::nullopt;
+    if (is_damaged() || rest.size() < min_block) return std::nullopt;
     type = u32(rest, 0);    // of a section header the same in either order
     if (type == section_header) {
         const auto magic = ano::load<std::uint32_t>(rest.data() + 8);
@@ -109,7 +109,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
         return damage("it is neither pcapng nor MCAP"), std::nullopt;
     }
     const std::size_t size = u32(rest, 4);
-    if (size < (type == section_header ? smallest_section_header : smallest_block) || size % 4 != 0)
+    if (size < (type == section_header ? min_section_header : min_block) || size % 4 != 0)
         return damage("a block has a length that no block has"), std::nullopt;
     if (size > max_block) return damage("a block is longer than 16 MiB"), std::nullopt;
     if (rest.size() < size) return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type)
     at_ += size;
     position_ += size;
     block_size_ = size;
-    return rest.subspan(8, size - smallest_block);
+    return rest.subspan(8, size - min_block);
 }
 
 std::optional<Recorded> PcapngReader::next() {

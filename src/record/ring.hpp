@@ -21,13 +21,13 @@ public:
         ano::TimePoint at{};
     };
 
-    Ring(ano::Duration span, std::size_t most) : span_{span}, most_{most} {}
+    Ring(ano::Duration span, std::size_t max_cost) : span_{span}, max_cost_{max_cost} {}
 
     /// One that costs more than the bound by itself is not kept, nor is anything before it: nothing is missing in the middle.
     void push(Item item, std::size_t cost, ano::TimePoint now) {
         kept_.push_back({std::move(item), cost, now});
         cost_ += cost;
-        while (cost_ > most_) drop_oldest();
+        while (cost_ > max_cost_) drop_oldest();
         forget_until(now);
     }
     void forget_until(ano::TimePoint now) {
@@ -50,7 +50,7 @@ private:
     }
 
     ano::Duration span_;
-    std::size_t most_;
+    std::size_t max_cost_;
     std::deque<Kept> kept_;
     std::size_t cost_ = 0;
 };

@@ -36,7 +36,7 @@ constexpr std::size_t size_of(RosType type) noexcept {
     }
 }
 
-constexpr std::size_t largest_gap = 8;
+constexpr std::size_t max_gap = 8;
 
 }    // namespace
 
@@ -130,10 +130,10 @@ void CdrEncoder::write(T value) {
 
 char* CdrEncoder::room(std::size_t alignment, std::size_t size) {
     const std::size_t gap = (cdr_head.size() - size_) & (alignment - 1);
-    if (data_.size() < size_ + largest_gap + size) [[unlikely]]
-        grow(size_ + largest_gap + size);
+    if (data_.size() < size_ + max_gap + size) [[unlikely]]
+        grow(size_ + max_gap + size);
     char* const at = data_.data() + size_;
-    std::memset(at, 0, largest_gap);
+    std::memset(at, 0, max_gap);
     size_ += gap + size;
     return at + gap;
 }
