@@ -19,9 +19,8 @@ struct LinkDifference {
 };
 
 struct Difference {
-    std::vector<LinkDifference>
-        links;    // of the new configuration in its order, then the removed ones; the tunnel counts as a link
-    std::vector<std::string> gateway;          // other changes that take effect while the gateway runs
+    std::vector<LinkDifference> links;    // in the order of the new configuration, then the removed ones; includes the tunnel
+    std::vector<std::string> gateway;     // other changes that take effect while the gateway runs
     std::vector<std::string> needs_restart;    // other changes that take effect at the next start
 
     /// Whether no change takes effect while the gateway runs.

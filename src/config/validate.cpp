@@ -186,8 +186,7 @@ private:
                           in_quotes(key) + " must be the same on all links of a group, and is not on " + who(k));
                 };
                 if (links_[k].present_as != links_[i].present_as) differs("present_as");
-                if (links_[k].manage != links_[i].manage)
-                    differs("manage");    // otherwise whichever copy arrives first would decide
+                if (links_[k].manage != links_[i].manage) differs("manage");    // otherwise the first copy would decide
             }
             const std::string& group = links_[i].group;
             const auto in_group = [&](const LinkSettings& link) { return link.group == group; };

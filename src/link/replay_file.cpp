@@ -28,8 +28,7 @@ constexpr std::size_t piece_of_file = 64 * 1024;
 constexpr std::size_t max_batch_bytes = 64 * 1024;    // bytes of frames that are read at once
 constexpr std::size_t max_link_name = 64;             // bytes; the same as in a configuration
 constexpr auto between_empty_rounds = std::chrono::seconds{1};
-constexpr ano::Duration min_round = std::chrono::milliseconds{
-    100};    // except at rate 0; a recording of one frame has no duration
+constexpr ano::Duration min_round = std::chrono::milliseconds{100};    // not at rate 0; one frame alone lasts 0
 
 ReplayPlan::Options options_of(const ReplaySettings& settings) {
     return {settings.rate / 1000.0, settings.from.value_or(ano::Duration{}), settings.to.value_or(ano::Duration{}),

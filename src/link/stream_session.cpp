@@ -90,8 +90,7 @@ void StreamSession::read() {
         channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
         deliver();
         if (!is_open()) return;
-        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind())
-            break;    // a terminal returns at most 4 KB a read, so a short read proves nothing
+        if (static_cast<std::size_t>(n) < room.size() && !arrival_.is_behind()) break;    // a terminal gives at most 4 KB a read
     }
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
 }
